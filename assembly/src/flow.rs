@@ -41,7 +41,7 @@ use std::sync::Arc;
 pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step. Radius 2 needs more sub-steps; radius 4 loosens the bounds,
 /// so that more is searched; both are slower.
-const RADIUS: f64 = 3.0;
+pub(crate) const RADIUS: f64 = 3.0;
 /// A tie is stiff where the mode's rate is more than this many times the rate without it.
 pub(crate) const STIFF: f64 = 30.0;
 /// Number of equal intervals of a sub-step, at whose ends functionals are sampled.

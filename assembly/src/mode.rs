@@ -95,16 +95,23 @@ pub enum Watch {
 }
 
 impl Watch {
-    /// Whether its functional belongs to an element.
-    pub fn is_of(self, element: ElementState) -> bool {
+    /// The contact whose functional it is.
+    pub fn contact(self) -> Contact {
         match self {
             Self::Meets(i) | Self::Opens(i) | Self::Presses(i) | Self::Changes(i) | Self::Leaves(i) => {
-                matches!(element, ElementState::Stop(own, _) if own == i)
+                Contact::Stop(i)
             }
-            Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => {
-                matches!(element, ElementState::Friction(own, _) if own == i)
-            }
+            Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => Contact::Friction(i),
         }
+    }
+
+    /// Whether its functional belongs to an element.
+    pub fn is_of(self, element: ElementState) -> bool {
+        self.contact()
+            == match element {
+                ElementState::Stop(i, _) => Contact::Stop(i),
+                ElementState::Friction(i, _) => Contact::Friction(i),
+            }
     }
 }
 
@@ -119,23 +126,13 @@ impl System {
 
     /// The force of a compliant stop in a state in which it is not zero.
     pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
-        match state {
-            StopState::Pressed => Some((*self.stops[i].force).clone()),
-            StopState::Capped => Some(2.0 * &*self.stops[i].spring),
-            _ => None,
-        }
+        state.force(&self.stops[i].force, &self.stops[i].spring)
     }
 
     /// The force of a friction in a state that determines it: slipping, or held at its level.
     pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
         let friction = &self.frictions[i];
-        match state {
-            FrictionState::Up => Some(friction.level.clone()),
-            FrictionState::Down => Some(-&friction.level),
-            FrictionState::HeldUp => Some((*friction.static_level).clone()),
-            FrictionState::HeldDown => Some(-&*friction.static_level),
-            FrictionState::Off | FrictionState::Stuck => None,
-        }
+        state.force(&friction.level, &friction.static_level)
     }
 
     /// The value of [`stop_force`](Self::stop_force).

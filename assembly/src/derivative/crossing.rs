@@ -50,16 +50,6 @@ pub(super) struct Later {
     own: Vec<(Contact, f64)>,
 }
 
-/// The element of a watched functional.
-fn contact_of(watch: Watch) -> Contact {
-    match watch {
-        Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-            Contact::Stop(i)
-        }
-        Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => Contact::Friction(i),
-    }
-}
-
 fn stop_of(contact: Contact) -> Option<usize> {
     if let Contact::Stop(i) = contact { Some(i) } else { None }
 }
@@ -177,14 +167,14 @@ impl Crossing<'_> {
     /// if forces or velocities jump.
     fn changed_with(&self, column: Varied, later: f64) -> Result<Vec<(Contact, f64)>, Lost> {
         let (machine, mode) = (self.machine, self.before.mode);
-        let due = self.due.as_ref().map(|due| contact_of(due.0));
+        let due = self.due.as_ref().map(|due| due.0.contact());
         let changes = |contact| match contact {
             Contact::Stop(i) => self.after.mode.mode.stops[i] != mode.mode.stops[i],
             Contact::Friction(i) => self.after.mode.mode.frictions[i] != mode.mode.frictions[i],
         };
         let mut times = Vec::new();
         for (watch, row) in self.together.iter().copied() {
-            let contact = contact_of(*watch);
+            let contact = watch.contact();
             let is_hit = matches!(watch, Watch::Meets(_)) && due.is_some();
             if Some(contact) == due || is_hit || (due.is_some() && !changes(contact)) {
                 continue;

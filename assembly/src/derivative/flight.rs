@@ -1,7 +1,7 @@
 //! Flights: derivatives of the state between two events (docs/assembly-law.md (A26)).
 
-use super::mode::{InMode, RADIUS, VariedMode};
-use crate::flow::RUNGS;
+use super::mode::{InMode, VariedMode};
+use crate::flow::{RADIUS, RUNGS};
 use crate::kernel::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
 

@@ -69,12 +69,7 @@ impl Machine {
 
     /// An element's elongation with its derivative, by a watched functional.
     pub fn elongation(&self, watch: Watch, p: usize) -> (&Elongation, &ElongationTangent) {
-        match watch {
-            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-                self.contact(Contact::Stop(i), p)
-            }
-            Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.contact(Contact::Friction(i), p),
-        }
+        self.contact(watch.contact(), p)
     }
 
     /// A contact's elongation with its derivative by parameter `p`.

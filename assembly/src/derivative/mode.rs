@@ -3,15 +3,12 @@
 
 use super::flight::Rung;
 use super::tangent::Tangent;
-use crate::flow::{LEAST_RATE, Ladder, rate_bound};
+use crate::flow::{LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::law::box_qp::triangle;
 use crate::mode::{Contact, Linear, Mode, StopState, Watch};
 use crate::system::{StateRow, System};
 use nalgebra::{DMatrix, DVector};
-
-/// Rate times the longest time of one power series, as that of a sub-step.
-pub(super) const RADIUS: f64 = 3.0;
 
 /// A row with its derivative by each parameter.
 pub(super) struct VariedRow {

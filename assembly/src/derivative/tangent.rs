@@ -216,23 +216,13 @@ impl Tangent {
 
     /// The derivative of a compliant stop's force in a state in which it is not zero.
     pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
-        match state {
-            StopState::Pressed => Some(self.stops[i].force.clone()),
-            StopState::Capped => Some(2.0 * &self.stops[i].spring),
-            _ => None,
-        }
+        state.force(&self.stops[i].force, &self.stops[i].spring)
     }
 
     /// The derivative of a friction's force in a state that determines it.
     pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
         let friction = &self.frictions[i];
-        match state {
-            FrictionState::Up => Some(friction.level.clone()),
-            FrictionState::Down => Some(-&friction.level),
-            FrictionState::HeldUp => Some(friction.static_level.clone()),
-            FrictionState::HeldDown => Some(-&friction.static_level),
-            FrictionState::Off | FrictionState::Stuck => None,
-        }
+        state.force(&friction.level, &friction.static_level)
     }
 
     /// The derivative of the forces on the coordinates in a mode, without those of held contacts.

@@ -158,6 +158,22 @@ impl ColumnSizes {
     }
 }
 
+/// By column the number of its group: columns that have entries in one row, directly or through
+/// others, are in one group.
+pub fn groups_by_columns(columns: &DMatrix<f64>) -> Vec<usize> {
+    let mut group_of: Vec<usize> = (0..columns.ncols()).collect();
+    let mut first: Vec<Option<usize>> = vec![None; columns.nrows()];
+    for (place, column) in columns.column_iter().enumerate() {
+        for (row, _) in column.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+            let (own, other) = (group_of[place], group_of[*first[row].get_or_insert(place)]);
+            if own != other {
+                group_of.iter_mut().filter(|group| **group == own).for_each(|group| *group = other);
+            }
+        }
+    }
+    group_of
+}
+
 /// A maximal independent subset of `places`, preferring earlier ones.
 pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
@@ -306,21 +322,12 @@ impl BoxProblem {
     /// Groups of contacts that share coordinates, directly or through others: the places of the
     /// contacts and of the rows of their columns.
     fn groups(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
-        let m = self.b.len();
-        let mut group_of: Vec<usize> = (0..m).collect();
-        let mut first: Vec<Option<usize>> = vec![None; self.columns.nrows()];
-        for place in 0..m {
-            for (row, _) in self.columns.column(place).iter().enumerate().filter(|(_, x)| **x != 0.0) {
-                let (own, other) = (group_of[place], group_of[*first[row].get_or_insert(place)]);
-                if own != other {
-                    group_of.iter_mut().filter(|group| **group == own).for_each(|group| *group = other);
-                }
-            }
-        }
-        let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![Default::default(); m];
-        (0..m).for_each(|place| groups[group_of[place]].0.push(place));
-        for (row, own) in first.iter().enumerate() {
-            own.iter().for_each(|&place| groups[group_of[place]].1.push(row));
+        let group_of = groups_by_columns(&self.columns);
+        let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![Default::default(); group_of.len()];
+        group_of.iter().enumerate().for_each(|(place, &group)| groups[group].0.push(place));
+        for (row, entries) in self.columns.row_iter().enumerate() {
+            let first = entries.iter().position(|x| *x != 0.0);
+            first.into_iter().for_each(|place| groups[group_of[place]].1.push(row));
         }
         groups.retain(|(places, _)| !places.is_empty());
         groups

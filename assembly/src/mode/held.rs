@@ -6,7 +6,7 @@ use super::Contact;
 use super::groups::{Group, Triangle};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::law::ZERO;
-use crate::law::box_qp::triangle;
+use crate::law::box_qp::{groups_by_columns, triangle};
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
@@ -215,16 +215,7 @@ impl<'a> Held<'a> {
 fn zero_rounding(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
-    let shares = |i: usize, j: usize| columns.column(i).abs().dot(&columns.column(j).abs()) > 0.0;
-    let mut group: Vec<usize> = (0..m).collect();
-    for i in 0..m {
-        for j in 0..i {
-            if group[i] != group[j] && shares(i, j) {
-                let (from, to) = (group[i], group[j]);
-                group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
-            }
-        }
-    }
+    let group = groups_by_columns(columns);
     for column in 0..size {
         for k in 0..m {
             let others = (0..m).filter(|&i| group[i] == group[k]);

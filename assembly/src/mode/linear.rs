@@ -46,15 +46,19 @@ pub struct Elastic {
     pub are_stiff: bool,
 }
 
+/// What always acts, elastic forces, and other forces of a mode.
+type SplitTerms<'a> = (&'a Split, Vec<Term>, Vec<Term>);
+
 impl System {
     /// The linear system of a mode.
     pub fn linear(&self, mode: &Mode) -> Linear {
         let held = Held::new(self, &mode.basis);
-        let free = match self.split_terms(mode) {
-            Some((split, elastic, others)) => split.with(elastic.iter().chain(&others)),
+        let terms = self.split_terms(mode);
+        let free = match &terms {
+            Some((split, elastic, others)) => split.with(elastic.iter().chain(others)),
             None => self.matrix(&self.free_acceleration(&mode.stops, &mode.frictions)),
         };
-        let elastic = self.elastic(mode, &held);
+        let elastic = self.elastic(mode, &held, terms);
         if mode.basis.is_empty() {
             let watched = self.watched(mode, &[]);
             let (lambda, triangle) = (Vec::new(), Triangle::default());
@@ -74,7 +78,7 @@ impl System {
 
     /// The forces of a mode that are added to the base matrix: elastic forces and others. `None`
     /// for a machine that stores matrices.
-    fn split_terms(&self, mode: &Mode) -> Option<(&Split, Vec<Term>, Vec<Term>)> {
+    fn split_terms(&self, mode: &Mode) -> Option<SplitTerms<'_>> {
         let split = (!self.keeps_matrices()).then(|| self.split())?;
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
@@ -91,7 +95,7 @@ impl System {
 
     /// The elastic forces of a mode that may be computed separately: those of stiff springs and of
     /// compliant stops that act.
-    fn elastic(&self, mode: &Mode, held: &Held) -> Option<Elastic> {
+    fn elastic(&self, mode: &Mode, held: &Held, terms: Option<SplitTerms>) -> Option<Elastic> {
         let springs = self.stiff_springs.iter().map(|&i| &self.springs[i].elongation);
         let acts = |i: &usize| matches!(mode.stops[*i], StopState::Pressed | StopState::Capped);
         let pressed: Vec<usize> = (0..mode.stops.len()).filter(acts).collect();
@@ -100,7 +104,7 @@ impl System {
         if elongations.is_empty() {
             return None;
         }
-        let (rest, forces): (_, Vec<Arc<Functional>>) = match self.split_terms(mode) {
+        let (rest, forces): (_, Vec<Arc<Functional>>) = match terms {
             Some((split, elastic, others)) => {
                 (split.with(others.iter()), elastic.into_iter().map(|term| term.force).collect())
             }

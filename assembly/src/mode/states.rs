@@ -1,5 +1,6 @@
 //! The states of stops and frictions in a mode.
 
+use crate::system::StateRow;
 use serde::{Deserialize, Serialize};
 
 /// The state of a stop.
@@ -21,6 +22,16 @@ pub enum StopState {
 }
 
 impl StopState {
+    /// The force of a compliant stop in this state, from the linear force of spring and dashpot and
+    /// the spring's share of it; `None` if it is zero.
+    pub fn force(self, linear: &StateRow, spring: &StateRow) -> Option<StateRow> {
+        match self {
+            Self::Pressed => Some(linear.clone()),
+            Self::Capped => Some(2.0 * spring),
+            Self::Open | Self::Closed | Self::Below | Self::Free => None,
+        }
+    }
+
     /// Whether it is a compliant stop with e beyond the gap.
     pub fn is_inside(self) -> bool {
         matches!(self, Self::Pressed | Self::Free | Self::Capped)
@@ -45,6 +56,18 @@ pub enum FrictionState {
 }
 
 impl FrictionState {
+    /// The force of a friction in this state, from its sliding and static levels; `None` if the state
+    /// does not determine it.
+    pub fn force(self, level: &StateRow, static_level: &StateRow) -> Option<StateRow> {
+        match self {
+            Self::Up => Some(level.clone()),
+            Self::Down => Some(-level),
+            Self::HeldUp => Some(static_level.clone()),
+            Self::HeldDown => Some(-static_level),
+            Self::Off | Self::Stuck => None,
+        }
+    }
+
     /// The sign of e' while slipping, else 0.
     pub fn direction(self) -> f64 {
         match self {
