@@ -42,6 +42,38 @@ fn invariant_both_descriptions_have_every_variable_with_a_unit_that_is_defined()
     }
 }
 
+/// fmi-sim 0.7 opens no archive in which a variable itself has one of these attributes.
+#[test]
+fn invariant_units_and_nominal_values_are_those_of_declared_types_in_fmi_3() {
+    let mut nominals = 0;
+    for plan in plans() {
+        let text = plan.xml(Version::Fmi3, None);
+        let tags: Vec<&str> = text.split('<').collect();
+        let value = |tag: &str, name: &str| -> Option<String> {
+            let from = tag.find(&format!(" {name}=\""))? + name.len() + 3;
+            Some(tag[from..from + tag[from..].find('"')?].to_string())
+        };
+        for variable in plan.description().variables {
+            let Kind::Real { nominal: Some(nominal), .. } = variable.kind else { continue };
+            let is_own = |tag: &&&str| {
+                tag.starts_with("Float64 ") && value(tag, "name").as_deref() == Some(&variable.name)
+            };
+            let tag = tags.iter().find(is_own).unwrap();
+            for attribute in ["unit", "displayUnit", "nominal"] {
+                assert_eq!(value(tag, attribute), None, "{tag}");
+            }
+            let own = value(tag, "declaredType").unwrap();
+            let declared =
+                |tag: &&&str| tag.starts_with("Float64Type ") && value(tag, "name").as_deref() == Some(&own);
+            let all: Vec<_> = tags.iter().filter(declared).collect();
+            let found = value(all[0], "nominal").map_or(1.0, |text| text.parse().unwrap());
+            assert!(all.len() == 1 && found == nominal, "{tag}: {all:?}");
+            nominals += usize::from(nominal != 1.0);
+        }
+    }
+    assert!(nominals > 50, "{nominals}");
+}
+
 #[test]
 fn invariant_the_token_follows_every_byte_of_the_file() {
     let text =

@@ -5,6 +5,7 @@ use super::fmi2::{experiment, items, log_categories, some, unit, with_dependenci
 use super::{Description, Kind, Type, TypeKind, Unknown, Variable};
 
 pub(super) fn root(of: &Description) -> Element {
+    let nominals = nominal_values(of);
     let exchange = of.model_exchange.map(|exchange| {
         interface("ModelExchange", of)
             .with("needsCompletedIntegratorStep", exchange.needs_completed_integrator_step)
@@ -24,10 +25,15 @@ pub(super) fn root(of: &Description) -> Element {
         .children(exchange)
         .children(co_simulation(of))
         .children(some("UnitDefinitions", of.units.iter().map(unit)))
-        .children(some("TypeDefinitions", of.types.iter().map(declared)))
+        .children(some(
+            "TypeDefinitions",
+            of.types.iter().map(declared).chain(with_nominal_values(of, &nominals)),
+        ))
         .children(log_categories(of))
         .children([experiment(of)])
-        .children([Element::new("ModelVariables").children(of.variables.iter().map(variable))])
+        .children([
+            Element::new("ModelVariables").children(of.variables.iter().map(|v| variable(v, &nominals)))
+        ])
         .children([Element::new("ModelStructure")
             .children(unknowns("Output", &of.outputs))
             .children(unknowns("ContinuousStateDerivative", &of.derivatives))
@@ -76,7 +82,41 @@ fn declared(declared: &Type) -> Element {
     }
 }
 
-fn variable(v: &Variable) -> Element {
+/// The nominal value of a variable of a declared type; `None` for 1, which is the default.
+fn nominal_value(v: &Variable) -> Option<(&str, f64)> {
+    let Kind::Real { nominal, .. } = &v.kind else { return None };
+    Some((v.declared_type.as_deref()?, nominal.filter(|nominal| *nominal != 1.0)?))
+}
+
+/// The nominal values that variables of each declared type have. For each there is a type of its own:
+/// a variable takes the attribute from its type (FMI 3.0.2, `TypeDefinitions`).
+fn nominal_values(of: &Description) -> Vec<(&str, f64)> {
+    let mut all: Vec<(&str, f64)> = Vec::new();
+    for value in of.variables.iter().filter_map(nominal_value) {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    all
+}
+
+/// The name of the declared type of a nominal value, by its place among all.
+fn name_with_nominal(nominals: &[(&str, f64)], value: (&str, f64)) -> Option<String> {
+    let place = nominals.iter().position(|own| *own == value)?;
+    Some(format!("{}.nominal{}", value.0, place + 1))
+}
+
+/// The declared types of nominal values.
+fn with_nominal_values(of: &Description, nominals: &[(&str, f64)]) -> Vec<Element> {
+    let with = |&(name, nominal): &(&str, f64)| {
+        let own = of.types.iter().find(|own| own.name == name)?;
+        let name = name_with_nominal(nominals, (name, nominal))?;
+        Some(declared(&Type { name: name.into(), ..own.clone() }).with("nominal", nominal))
+    };
+    nominals.iter().filter_map(with).collect()
+}
+
+fn variable(v: &Variable, nominals: &[(&str, f64)]) -> Element {
     let name = match v.kind {
         Kind::Real { .. } => "Float64",
         Kind::Integer => "Int32",
@@ -84,15 +124,15 @@ fn variable(v: &Variable) -> Element {
         Kind::Enumeration => "Enumeration",
         Kind::Clock => "Clock",
     };
-    let (mut own_unit, mut own_display, mut nominal_value, mut derivative, mut reinitialized) =
+    let (mut own_unit, mut own_display, mut own_nominal, mut derivative, mut reinitialized) =
         (None, None, None, None, None);
     if let Kind::Real { unit, display_unit, nominal, derivative_of, reinit } = &v.kind {
-        // A declared type gives unit and display unit, and 1 is the default nominal value, so these
-        // attributes are left out: fmi-sim (fmi-schema 0.8) does not open an archive in which a
-        // variable has one of the three.
+        // A declared type gives unit, display unit and nominal value, so these attributes are left
+        // out: fmi-sim (fmi-schema 0.8) does not open an archive in which a variable has one of the
+        // three.
         own_unit = unit.as_ref().filter(|_| v.declared_type.is_none());
         own_display = display_unit.as_ref().filter(|_| v.declared_type.is_none());
-        nominal_value = nominal.filter(|nominal| *nominal != 1.0);
+        own_nominal = nominal.filter(|nominal| *nominal != 1.0 && v.declared_type.is_none());
         derivative = *derivative_of;
         reinitialized = reinit.then_some(true);
     }
@@ -101,6 +141,9 @@ fn variable(v: &Variable) -> Element {
         _ => start.to_string(),
     });
     let clock = v.kind == Kind::Clock;
+    let own_type = || v.declared_type.as_deref().map(str::to_string);
+    let declared_type =
+        nominal_value(v).and_then(|value| name_with_nominal(nominals, value)).or_else(own_type);
     Element::new(name)
         .with("name", &v.name)
         .with("valueReference", v.reference)
@@ -109,12 +152,12 @@ fn variable(v: &Variable) -> Element {
         .with("variability", v.variability.name())
         // A clock does not have this attribute.
         .maybe("initial", v.initial.filter(|_| !clock).map(super::Initial::name))
-        .maybe("declaredType", v.declared_type.as_ref())
+        .maybe("declaredType", declared_type)
         .maybe("unit", own_unit)
         .maybe("displayUnit", own_display)
         .maybe("min", v.min)
         .maybe("max", v.max)
-        .maybe("nominal", nominal_value)
+        .maybe("nominal", own_nominal)
         .maybe("start", start)
         .maybe("derivative", derivative)
         .maybe("reinit", reinitialized)
