@@ -38,10 +38,10 @@ pub enum Error {
         /// The stops, such as `stop.NAME`, separated by commas.
         stops: String,
     },
-    /// A rigid stop violated by a jump of a prescribed motion or an input, or by a changed
-    /// parameter.
+    /// A rigid stop violated by a jump of a prescribed motion or an input, by a changed parameter
+    /// or by a start.
     #[error(
-        "{stop} at t = {time} s: e - gap = {excess} after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
+        "{stop} at t = {time} s: e - gap = {excess} at a start, after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
     )]
     Violated {
         /// The stop, as `stop.NAME`.

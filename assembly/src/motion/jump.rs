@@ -8,6 +8,9 @@ use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
+/// Relative rounding error of e - gap at a start.
+const START: f64 = 1e-13;
+
 /// Values before signals jump. A jump is the difference from these values.
 pub(super) struct BeforeJump {
     /// By body: coordinate and rate.
@@ -126,6 +129,19 @@ impl Motion {
         for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
             let (excess, zero) = (stop.excess.dot(&hybrid.z), hybrid.sizes.zero_of(&stop.excess));
             if excess > zero && excess - before.excess[i] > zero {
+                return Err(self.violated(i, excess));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a start in which a rigid stop has e > gap.
+    pub(super) fn check_stops(&self) -> Result<(), Error> {
+        let (system, z) = (&self.assembly.system, &self.hybrid.z);
+        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+            let excess = stop.excess.dot(z);
+            let terms: f64 = stop.excess.iter().zip(z.iter()).map(|(a, x)| (a * x).abs()).sum();
+            if excess > START * terms {
                 return Err(self.violated(i, excess));
             }
         }

@@ -162,7 +162,8 @@ impl Motion {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn new_observed(assembly: Arc<Assembly>, observer: &mut dyn FnMut(&Event)) -> Result<Self, Error> {
-        Self::begin(assembly, 0.0, &mut Some(observer))
+        let start = start_of(&assembly);
+        Self::begin(assembly, 0.0, &start, &mut Some(observer))
     }
 
     /// The motion from the machine's start at another time, s: bodies have their start values,
@@ -171,10 +172,51 @@ impl Motion {
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
     pub fn starting_at(assembly: Arc<Assembly>, time: f64) -> Result<Self, Error> {
-        Self::begin(assembly, time, &mut None)
+        let start = start_of(&assembly);
+        Self::begin(assembly, time, &start, &mut None)
     }
 
-    fn begin(assembly: Arc<Assembly>, time: f64, observer: &mut Observer) -> Result<Self, Error> {
+    /// The motion from a state: the coordinates of the machine's coordinates, m or rad, then their
+    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies). The law
+    /// finds which stops are closed and which friction sticks; signals have their values at
+    /// `time`, s.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a number that is not finite and for a state of another length;
+    /// [`Error::Violated`] where a rigid stop has e > gap; as [`new`](Self::new).
+    pub fn from_state(assembly: Arc<Assembly>, time: f64, state: &[f64]) -> Result<Self, Error> {
+        Self::from_state_observed(assembly, time, state, &mut |_| ())
+    }
+
+    /// As [`from_state`](Self::from_state), with the events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`from_state`](Self::from_state).
+    pub fn from_state_observed(
+        assembly: Arc<Assembly>,
+        time: f64,
+        state: &[f64],
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Self, Error> {
+        let out = |name: String, value: f64, allowed: String| Err(Error::OutOfRange { name, value, allowed });
+        let size = 2 * assembly.system.coordinates;
+        if state.len() != size {
+            return out("length of the start".into(), state.len() as f64, format!("{size}"));
+        }
+        if let Some(i) = state.iter().position(|x| !x.is_finite()) {
+            let body = &assembly.description.bodies[assembly.system.bodies_of[i % (size / 2)]].name;
+            let what = if i < size / 2 { "s" } else { "v" };
+            return out(format!("start of body.{body}.{what}"), state[i], "a finite number".into());
+        }
+        Self::begin(assembly, time, state, &mut Some(observer))
+    }
+
+    fn begin(
+        assembly: Arc<Assembly>,
+        time: f64,
+        start: &[f64],
+        observer: &mut Observer,
+    ) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
                 name: "start time".into(),
@@ -185,7 +227,7 @@ impl Motion {
         let time = DoubleDouble::new(time);
         let system = &assembly.system;
         let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
-        let z = Self::state_at_start(&assembly, time, &inputs);
+        let z = Self::state_with_signals(&assembly, time, start, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(z.as_slice());
         for j in system.signals.one..system.signals.constant_size_until() {
@@ -212,6 +254,7 @@ impl Motion {
         };
         let mut motion = Self::of(assembly, hybrid);
         motion.check_sizes()?;
+        motion.check_stops()?;
         motion.settle(&[], &Parted::default(), observer)?;
         Ok(motion)
     }
@@ -222,11 +265,19 @@ impl Motion {
         time: DoubleDouble,
         inputs: &[(f64, Input)],
     ) -> DVector<f64> {
-        let (system, n) = (&assembly.system, assembly.system.coordinates);
+        Self::state_with_signals(assembly, time, &start_of(assembly), inputs)
+    }
+
+    /// The augmented state with coordinates and rates `start`.
+    fn state_with_signals(
+        assembly: &Assembly,
+        time: DoubleDouble,
+        start: &[f64],
+        inputs: &[(f64, Input)],
+    ) -> DVector<f64> {
+        let system = &assembly.system;
         let mut z = DVector::zeros(system.signals.size);
-        for (k, &body) in system.bodies_of.iter().enumerate() {
-            (z[k], z[n + k]) = assembly.starts[body];
-        }
+        z.as_mut_slice()[..start.len()].copy_from_slice(start);
         system.signals.fill(time, inputs, z.as_mut_slice());
         z
     }
@@ -356,4 +407,10 @@ impl Motion {
     fn table(&self) -> &FlowTable {
         &self.tables.at(self.place).table
     }
+}
+
+/// Coordinates and rates of the machine's start.
+fn start_of(assembly: &Assembly) -> Vec<f64> {
+    let bodies = || assembly.system.bodies_of.iter();
+    bodies().map(|&b| assembly.starts[b].0).chain(bodies().map(|&b| assembly.starts[b].1)).collect()
 }
