@@ -24,6 +24,7 @@
 //! an announcement in `grazing` (a touch), its departure in `switching`, and, if it has a curve in
 //! two parameters, a condition in `locus/equations.rs`.
 
+pub mod assembly;
 mod balance;
 mod branch;
 mod coverage;

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Reached};
@@ -21,6 +21,9 @@ const RADIUS: f64 = 2.0;
 /// Size of a series' last term relative to the state's rate bound.
 const REMAINDER: f64 = 1e-19;
 
+/// Bound of the norm of A times the part of a span whose series is squared.
+const PART: f64 = 0.5;
+
 /// Stretches of a flight beyond which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
 /// Largest size of an augmented state for that: the products cost its cube.
@@ -33,6 +36,8 @@ pub struct Flow {
     pub mode: Mode,
     /// A.
     a: SparseMatrix,
+    /// A with its zeros, once it was needed.
+    dense: OnceLock<DMatrix<f64>>,
     /// Bound of the norm of A, 1/s.
     rate: f64,
     /// Forces of the mode's independent contacts.
@@ -42,12 +47,13 @@ pub struct Flow {
 }
 
 impl Flow {
-    fn new(system: &System, mode: &Mode) -> Self {
+    /// The linear system of a mode.
+    pub fn new(system: &System, mode: &Mode) -> Self {
         let Linear { a, lambda, watched, .. } = system.linear(mode);
         let rate = rate_bound(&a, system.signals.one);
         let dense = |row: &Sparse| StateRow::from_vec(row.dense(system.signals.size));
         let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
-        Self { mode: mode.clone(), a, rate, lambda, watched }
+        Self { mode: mode.clone(), a, dense: OnceLock::new(), rate, lambda, watched }
     }
 
     /// z' at a state.
@@ -114,20 +120,44 @@ impl Flow {
             }
             return;
         }
-        let doublings = count.log2().ceil();
-        let part = span / doublings.exp2();
-        let mut matrix = DMatrix::identity(size, size);
-        for mut column in matrix.column_iter_mut() {
-            let end = self.stretches(column.as_slice(), part, &mut |_, _| ());
-            column.copy_from_slice(&end);
-        }
-        for _ in 0..doublings as u32 {
-            matrix = &matrix * &matrix;
-        }
+        let matrix = self.propagator(span);
         for v in variations.iter_mut() {
             let end = &matrix * DVector::from_column_slice(v);
             v.copy_from_slice(end.as_slice());
         }
+    }
+
+    /// exp(A t) of a span of either sign, by the series of a part of it, squared: of E - 1, so that
+    /// a short span keeps its digits.
+    pub fn propagator(&self, span: f64) -> DMatrix<f64> {
+        let size = self.a.len();
+        let doublings = (self.rate * span.abs() / PART).log2().ceil().max(0.0);
+        let part = span / doublings.exp2();
+        let dense = self.dense.get_or_init(|| {
+            let mut dense = DMatrix::zeros(size, size);
+            for i in 0..size {
+                self.a.row(i).iter().for_each(|&(j, x)| dense[(i, j)] = x);
+            }
+            dense
+        });
+        let mut term = dense * part;
+        let (mut change, mut bound) = (term.clone(), self.rate * part.abs());
+        for k in 2..ORDERS {
+            let factor = part / k as f64;
+            term = dense * term * factor;
+            change += &term;
+            bound *= self.rate * factor.abs();
+            if bound < REMAINDER {
+                break;
+            }
+        }
+        for _ in 0..doublings as u32 {
+            change = &change * 2.0 + &change * &change;
+        }
+        for i in 0..size {
+            change[(i, i)] += 1.0;
+        }
+        change
     }
 }
 
@@ -211,7 +241,8 @@ pub trait Observer {
 pub struct Flows(HashMap<Mode, Arc<Flow>>);
 
 impl Flows {
-    fn of(&mut self, system: &System, mode: &Mode) -> Arc<Flow> {
+    /// The linear system of a mode.
+    pub fn of(&mut self, system: &System, mode: &Mode) -> Arc<Flow> {
         if let Some(flow) = self.0.get(mode) {
             return flow.clone();
         }

@@ -11,7 +11,7 @@ mod contacts;
 mod designs;
 pub mod diagram;
 mod extremes;
-mod flight;
+pub mod flight;
 mod followed;
 mod growth;
 mod measures;
@@ -34,12 +34,14 @@ pub use designs::FileStart;
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use measures::{Measure, measure};
+pub use monodromy::carried;
 pub use plane::PlanePoint;
 pub use quantity::QuantityName;
-pub use section::{Section, SectionRule, common_period};
+pub use section::{Section, SectionRule, common_period, is_steady};
 pub use settled::{Settled, discard, settled};
 
 pub use timescales::{runs_on, settle};
+pub use watch::{Extent, Watcher};
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

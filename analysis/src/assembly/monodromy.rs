@@ -67,7 +67,7 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
 /// `change`, a change of the augmented state. With `rates`, `change` is the state itself, and the
 /// result is the velocities with which the elongations' rates are zero. A uniformly moving
 /// prescribed body carries other bodies along in this way. `None` if there is no such change.
-fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
+pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
     let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();

@@ -53,7 +53,7 @@ pub(super) fn harmonics(d: &Description) -> impl Iterator<Item = &Harmonic> {
 }
 
 /// Whether no signal changes with time; prescribed bodies may move uniformly.
-pub(super) fn is_steady(d: &Description) -> bool {
+pub fn is_steady(d: &Description) -> bool {
     let is_constant = |s: &Signal| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none();
     d.signals().all(|s| is_constant(s.signal))
 }

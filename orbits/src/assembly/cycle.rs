@@ -1,0 +1,274 @@
+//! The motion over a period for given event times: linear in the state from which it starts.
+//!
+//! An event at a given time is a linear map of the augmented state, whatever it does to the
+//! velocities, so that the motion over a word follows from its start and its event times. It is an
+//! orbit if it returns to its start and if each event's functional is zero at the event's time.
+//! The derivatives by start and times are carried along with the motion. Instability does not reach
+//! them: a change of the state does not move the times.
+
+use super::place::Place;
+use super::word::{Letter, Word};
+use crate::obstacle::Obstacle;
+use nalgebra::DMatrix;
+use std::sync::Arc;
+use vibro_analysis::assembly::flight::coefficients;
+use vibro_analysis::assembly::flight::{Flow, dot, turning_points};
+use vibro_assembly::mode::Watch;
+use vibro_assembly::motion::Crossing;
+use vibro_assembly::system::System;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// Value of a functional, relative to its terms, that counts as zero at an event.
+const TOUCHING: f64 = 1e-9;
+
+/// The flight after an event.
+#[derive(Clone, Debug)]
+pub struct Leg {
+    /// Time of its begin, s.
+    pub time: f64,
+    /// Duration, s.
+    pub span: f64,
+    /// Augmented states at its begin, after the event's law, and at its end.
+    pub states: [Vec<f64>; 2],
+    /// Its linear system.
+    pub flow: Arc<Flow>,
+    /// The functional of the event at its end, by place among those of the flow.
+    pub(super) ending: Option<usize>,
+}
+
+/// The motion over a period.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    /// The flights in their order.
+    pub legs: Vec<Leg>,
+    /// The augmented state after the last event's law.
+    pub back: Vec<f64>,
+}
+
+/// Derivatives of a cycle by the start's coordinates and rates, then by the times of its events.
+pub(super) struct Derivatives {
+    /// Of each leg's end functional.
+    pub ends: Vec<Vec<f64>>,
+    /// Of the state after the last event's law.
+    pub back: DMatrix<f64>,
+}
+
+/// A condition of an orbit on one of its flights or events.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Condition {
+    /// Event `letter` is reached with the functional rising.
+    Rises {
+        /// Its place in the word.
+        letter: usize,
+    },
+    /// The flight after event `letter` has a duration.
+    Lasts {
+        /// Its place in the word.
+        letter: usize,
+    },
+    /// No other functional is reached in the flight after event `letter`.
+    Stays {
+        /// Its place in the word.
+        letter: usize,
+        /// The functional.
+        watch: Watch,
+        /// Its place among the functionals of the mode.
+        place: usize,
+    },
+}
+
+/// The augmented state with the signals of a time.
+pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
+    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+    system.signals.fill(DoubleDouble::new(time), &inputs, z);
+}
+
+/// The place among a flow's functionals of a letter's own.
+fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
+    let own = flow.watched.iter().enumerate().filter(|(_, (watch, _))| *watch == letter.watch);
+    own.map(|(place, _)| place).nth(letter.place).ok_or(Obstacle::Order)
+}
+
+impl Cycle {
+    /// The motion from a start (q, v) over a word with events at `times`, s, of which the first is
+    /// the time of the start, until the period is over; with derivatives on request.
+    pub(super) fn follow(
+        place: &Place,
+        word: &Word,
+        start: &[f64],
+        times: &[f64],
+        period: f64,
+        with_derivatives: bool,
+    ) -> Result<(Self, Option<Derivatives>), Obstacle> {
+        let system = place.assembly.system();
+        let (own, size, m) = (start.len(), system.signals.size, word.len());
+        let stay = Letter::staying(word);
+        let mut z = vec![0.0; size];
+        z[..own].copy_from_slice(start);
+        with_signals(system, times[0], &mut z);
+        let columns = if with_derivatives { own + m } else { 0 };
+        let mut c = DMatrix::zeros(size, columns);
+        if with_derivatives {
+            (0..own).for_each(|i| c[(i, i)] = 1.0);
+        }
+        let (mut legs, mut ends) = (Vec::with_capacity(m.max(1)), Vec::new());
+        for k in 0..m.max(1) {
+            let flow = place.flow(word.mode_after(k));
+            if with_derivatives && k == 0 && m > 0 && place.period.is_some() {
+                let rate = flow.derivative(&z);
+                (0..own).for_each(|i| c[(i, own)] = -rate[i]);
+            }
+            let time = times[k];
+            let until = times.get(k + 1).copied().unwrap_or(times[0] + period);
+            let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
+            let propagator = flow.propagator(until - time);
+            let mut end = vec![0.0; size];
+            for (j, x) in z.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                let column = propagator.column(j);
+                end.iter_mut().zip(column.iter()).for_each(|(sum, p)| *sum += x * p);
+            }
+            with_signals(system, until, &mut end);
+            let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?;
+            let rate = flow.derivative(&end);
+            if with_derivatives {
+                c = propagator * c;
+                if let Some(place) = place_of {
+                    let row = &flow.watched[place].1;
+                    let mut by: Vec<f64> =
+                        c.column_iter().map(|column| dot(row.as_slice(), column.as_slice())).collect();
+                    by[own + next] += dot(row.as_slice(), &rate);
+                    ends.push(by);
+                }
+            }
+            let letter = letter.unwrap_or(&stay);
+            let mut after = end.clone();
+            letter.apply(system, [&mut after[..]]);
+            if with_derivatives {
+                letter.apply(system, c.as_mut_slice().chunks_mut(size));
+                if m > 0 {
+                    let mut jumped = rate;
+                    letter.apply(system, [&mut jumped[..]]);
+                    let leaving = (next > 0).then(|| place.flow(&letter.modes[1]).derivative(&after));
+                    for i in 0..own {
+                        c[(i, own + next)] += jumped[i] - leaving.as_ref().map_or(0.0, |rate| rate[i]);
+                    }
+                }
+            }
+            legs.push(Leg { time, span: until - time, states: [z, end], flow, ending: place_of });
+            z = after;
+        }
+        let derivatives = with_derivatives.then(|| Derivatives { ends, back: c.rows(0, own).into_owned() });
+        Ok((Self { legs, back: z }, derivatives))
+    }
+
+    /// The state before event `k`'s law and its flight's linear system.
+    pub(super) fn before(&self, k: usize) -> &Leg {
+        &self.legs[(k + self.legs.len() - 1) % self.legs.len()]
+    }
+
+    /// The rate with which event `k`'s functional reaches zero, relative to its terms, per second.
+    pub(super) fn rise(&self, k: usize) -> f64 {
+        let leg = self.before(k);
+        let Some(place) = leg.ending else { return f64::INFINITY };
+        let (row, end) = (leg.flow.watched[place].1.as_slice(), &leg.states[1]);
+        dot(row, &leg.flow.derivative(end))
+    }
+
+    /// Derivative of the state (q, v) after the last event's law by the state at the start: times of
+    /// events move with the state. Requires that each event's functional rises.
+    pub(super) fn monodromy(&self, place: &Place, word: &Word) -> DMatrix<f64> {
+        let system = place.assembly.system();
+        let (own, size) = (2 * system.coordinates, system.signals.size);
+        let mut c = DMatrix::identity(size, own);
+        let stay = Letter::staying(word);
+        let last = word.letters.last().unwrap_or(&stay);
+        last.keep(system, c.as_mut_slice().chunks_mut(size));
+        for (k, leg) in self.legs.iter().enumerate() {
+            c = leg.flow.propagator(leg.span) * c;
+            let next = (k + 1) % self.legs.len();
+            let letter = word.letters.get(next).unwrap_or(&stay);
+            let (after, state) = match self.legs.get(k + 1) {
+                Some(leg) => (leg.flow.clone(), &leg.states[0]),
+                None => (self.legs[0].flow.clone(), &self.back),
+            };
+            let rates = [leg.flow.derivative(&leg.states[1]), after.derivative(state)];
+            let crossing = Crossing {
+                modes: [&letter.modes[0], &letter.modes[1]],
+                states: [&leg.states[1], state],
+                rates: [&rates[0], &rates[1]],
+                row: leg.ending.map(|place| leg.flow.watched[place].1.as_slice()),
+                events: &letter.events,
+            };
+            crossing.carry(system, c.as_mut_slice().chunks_mut(size));
+        }
+        c.rows(0, own).into_owned()
+    }
+
+    /// All conditions under which the cycle is a motion of the machine, each with a value that is
+    /// positive where it holds. Values of functionals are relative to their terms.
+    pub(super) fn conditions(&self, word: &Word) -> Vec<(Condition, f64)> {
+        let mut all = Vec::new();
+        if word.is_empty() {
+            self.add_peaks(0, word, &mut all);
+            return all;
+        }
+        let period: f64 = self.legs.iter().map(|leg| leg.span).sum();
+        for (letter, leg) in self.legs.iter().enumerate() {
+            let before = self.before(letter);
+            let row = before.ending.map(|place| before.flow.watched[place].1.as_slice()).unwrap_or(&[]);
+            let size: f64 = row.iter().zip(&before.states[1]).map(|(a, x)| (a * x).abs()).sum();
+            all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
+            all.push((Condition::Lasts { letter }, leg.span / period));
+            if leg.span > 0.0 {
+                self.add_peaks(letter, word, &mut all);
+            }
+        }
+        all
+    }
+
+    /// Adds how far each functional of a flight stays below zero: minus its largest value within
+    /// the flight, ends at which it is zero left out.
+    fn add_peaks(&self, letter: usize, word: &Word, all: &mut Vec<(Condition, f64)>) {
+        let leg = &self.legs[letter];
+        let watched = &leg.flow.watched;
+        let sizes: Vec<f64> = watched.iter().map(|(_, row)| size(row.as_slice(), leg)).collect();
+        let mut peaks = vec![f64::NEG_INFINITY; watched.len()];
+        let next = word.letters.get((letter + 1) % word.len().max(1));
+        let is_ending = |place: usize| {
+            let of = |letter: &Letter| {
+                letter.events.iter().any(|e| e.contact() == Some(watched[place].0.contact()))
+            };
+            leg.ending == Some(place) || next.is_some_and(of)
+        };
+        let mut past = 0.0;
+        leg.flow.stretches(&leg.states[0], leg.span, &mut |series, length| {
+            for (place, (_, row)) in watched.iter().enumerate() {
+                let q = coefficients(row.as_slice(), series);
+                let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
+                if q[0] + spread <= peaks[place] {
+                    continue;
+                }
+                let zero = TOUCHING * sizes[place];
+                turning_points(&q, &mut |u, value| {
+                    let begins = past == 0.0 && u == 0.0;
+                    let ends = past + length >= leg.span * (1.0 - 1e-12) && u == 1.0;
+                    let left_out = (begins || (ends && is_ending(place))) && value.abs() <= zero;
+                    if !left_out {
+                        peaks[place] = peaks[place].max(value);
+                    }
+                });
+            }
+            past += length;
+        });
+        for (place, peak) in peaks.into_iter().enumerate().filter(|(_, peak)| *peak > f64::NEG_INFINITY) {
+            let value = -peak / sizes[place].max(f64::MIN_POSITIVE);
+            all.push((Condition::Stays { letter, watch: watched[place].0, place }, value));
+        }
+    }
+}
+
+/// Size of a functional's terms in a flight.
+fn size(row: &[f64], leg: &Leg) -> f64 {
+    let of = |z: &[f64]| row.iter().zip(z).map(|(a, x)| (a * x).abs()).sum::<f64>();
+    of(&leg.states[0]).max(of(&leg.states[1]))
+}

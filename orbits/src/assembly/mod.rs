@@ -1,0 +1,24 @@
+//! Periodic orbits of described machines, stable or not, with their bifurcations along a parameter.
+//!
+//! ```text
+//! word (events and modes) → cycle (the motion for given times) → problem (its equations) → orbit → path → branches
+//! ```
+//!
+//! Between events a machine is linear, and an event at a given time is a linear map, so that the
+//! motion over a word is linear in its start. An orbit's unknowns are its start and the times of
+//! its events. A word is found by the machine's own motion, never written by hand.
+
+mod cycle;
+mod orbit;
+mod place;
+mod problem;
+mod seed;
+mod word;
+
+#[cfg(test)]
+mod tests;
+
+pub use cycle::{Condition, Leg};
+pub use orbit::{Orbit, Stability};
+pub use place::{Family, Place};
+pub use word::{Letter, Word};

@@ -1,0 +1,455 @@
+//! One periodic orbit of a described machine: found by Newton's method, examined, with its
+//! multipliers.
+
+use super::cycle::{Condition, Cycle, Leg};
+use super::place::Place;
+use super::problem::{Numbers, Problem};
+use super::seed::Seed;
+use super::word::{Letter, Word};
+use crate::obstacle::Obstacle;
+use crate::orbit::{STEP_ROUNDING, STEP_STALLED};
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+use std::sync::Arc;
+use vibro_analysis::assembly::flight::{ObservedFlight, Observer, Passage, dot};
+use vibro_analysis::assembly::{Start, Watcher};
+use vibro_analysis::{Error, Result};
+use vibro_assembly::motion::{Event, EventKind, Reached};
+use vibro_assembly::{Motion, Quantity};
+
+/// Largest number of Newton steps.
+const STEPS: usize = 60;
+/// Longest Newton step, in the units of the unknowns.
+const LONGEST_STEP: f64 = 1.0;
+/// Largest part of a flight by which a step may shorten it.
+const SHORTENING: f64 = 0.5;
+/// Value of a condition, relative to its terms, below zero that is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Distance of a multiplier from the unit circle that leaves stability undecided.
+const MARGIN: f64 = 1e-6;
+/// Sweeps of the Schur decomposition by multiplier.
+const SWEEPS: usize = 200;
+
+/// Whether an orbit attracts its neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// All multipliers that are not 1 by theory lie within the unit circle.
+    Stable,
+    /// One lies outside.
+    Unstable,
+    /// The largest lies on the circle, and the machine has no losses.
+    Neutral,
+    /// The largest lies so near the circle that rounding decides, or the orbit touches a stop.
+    Undecided,
+}
+
+impl std::fmt::Display for Stability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Neutral => "neutral",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
+/// A periodic orbit.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    pub(super) problem: Problem,
+    pub(super) u: DVector<f64>,
+    place: Arc<Place>,
+    cycle: Cycle,
+    numbers: Numbers,
+    /// Largest first; those that are 1 by theory come last.
+    multipliers: Vec<Complex<f64>>,
+    /// Number of multipliers that are 1 by theory.
+    trivial: usize,
+    /// The condition that is furthest from holding, where one does not hold.
+    broken: Option<(Condition, f64)>,
+}
+
+/// Why Newton's method found no orbit.
+#[derive(Debug)]
+pub(super) struct Obstructed {
+    pub obstacle: Obstacle,
+    /// Largest residual, in the units of the unknowns, of the last step.
+    pub residual: f64,
+    pub word: String,
+}
+
+impl Obstructed {
+    /// The error, with the word and the residual.
+    pub fn error(self) -> Error {
+        let Self { obstacle, residual, word } = self;
+        let reason = match obstacle {
+            Obstacle::Refused(error) => return error,
+            Obstacle::Order => "the events lose their order".to_owned(),
+            Obstacle::Singular => "the equations are singular: there is a family of orbits".to_owned(),
+            _ => "Newton's method does not converge".to_owned(),
+        };
+        let problem = format!(
+            "no orbit with the events [{word}] was found: {reason} (residual {residual:e} of the motion's size); a start nearer to the orbit \
+             may help"
+        );
+        Error::Described { problem }
+    }
+}
+
+/// Newton's method for an orbit at fixed parameters.
+pub(super) fn newton(
+    problem: &Problem,
+    place: &Place,
+    guess: &DVector<f64>,
+) -> std::result::Result<DVector<f64>, (Obstacle, f64)> {
+    let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
+    let (own, m, size) = (problem.units.state.len(), problem.word.len(), problem.size());
+    for _ in 0..STEPS {
+        let (value, matrix) = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
+        residual = value.amax();
+        let lu = matrix.ok_or((Obstacle::NoConvergence, residual))?.lu();
+        let step = lu.solve(&-&value).ok_or((Obstacle::Singular, residual))?;
+        let length = step.norm();
+        if !length.is_finite() {
+            return Err((Obstacle::Singular, residual));
+        }
+        let mut part = (LONGEST_STEP / length).min(1.0);
+        let is_autonomous = place.period.is_none();
+        // Events keep their order.
+        let time = |u: &DVector<f64>, k: usize| if is_autonomous && k == 0 { 0.0 } else { u[own + k] };
+        let moved = |k: usize| if is_autonomous && k == 0 { 0.0 } else { step[own + k] };
+        for k in 1..m {
+            let (span, change) = (time(&u, k) - time(&u, k - 1), moved(k) - moved(k - 1));
+            if span > 0.0 && change < 0.0 {
+                part = part.min(SHORTENING * span / -change);
+            }
+        }
+        u.rows_mut(0, size).axpy(part, &step, 1.0);
+        let is_done = length < STEP_ROUNDING * (1.0 + u.norm());
+        let has_stalled = length < STEP_STALLED && length > 0.5 * before;
+        if part == 1.0 && (is_done || has_stalled) {
+            return Ok(u);
+        }
+        before = length;
+    }
+    Err((Obstacle::NoConvergence, residual))
+}
+
+/// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
+pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let sweeps = SWEEPS * matrix.nrows().max(1);
+    let mut all: Vec<Complex<f64>> =
+        Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues().iter().copied().collect();
+    all.sort_by(|a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
+    let mut rest = all.split_off(trivial.min(all.len()));
+    rest.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    rest.extend(all);
+    Some(rest)
+}
+
+impl Orbit {
+    /// The orbit of a seed.
+    pub(super) fn of_seed(seed: Seed) -> std::result::Result<Self, Obstructed> {
+        let Seed { problem, numbers, value } = seed;
+        let word = |problem: &Problem| {
+            let place = problem.family.place(value);
+            place.map_or_else(|_| String::new(), |place| problem.word.in_words(&place.assembly))
+        };
+        let found = || {
+            let place = problem.family.place(value).map_err(|e| (Obstacle::Refused(e), f64::INFINITY))?;
+            let guess = problem.point(&place, &numbers, value);
+            newton(&problem, &place, &guess).map(|u| (u, place))
+        };
+        match found() {
+            Ok((u, place)) => {
+                let residual = 0.0;
+                let obstructed = |obstacle| Obstructed { obstacle, residual, word: String::new() };
+                Self::at(problem.clone(), place, u).map_err(obstructed)
+            }
+            Err((obstacle, residual)) => Err(Obstructed { obstacle, residual, word: word(&problem) }),
+        }
+    }
+
+    /// The orbit whose unknowns are known.
+    pub(super) fn at(problem: Problem, place: Place, u: DVector<f64>) -> std::result::Result<Self, Obstacle> {
+        let cycle = problem.cycle(&place, &u)?;
+        let numbers = problem.numbers(&place, &u);
+        let trivial = problem.neutral.len() + usize::from(place.period.is_none());
+        let units = &problem.units.state;
+        let mut matrix = cycle.monodromy(&place, &problem.word);
+        for i in 0..matrix.nrows() {
+            for j in 0..matrix.ncols() {
+                matrix[(i, j)] *= units[j] / units[i];
+            }
+        }
+        let multipliers = multipliers(matrix, trivial).ok_or(Obstacle::NoConvergence)?;
+        let broken = cycle
+            .conditions(&problem.word)
+            .into_iter()
+            .filter(|(condition, value)| match condition {
+                Condition::Stays { .. } => *value < -ROUNDING,
+                _ => *value <= 0.0,
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(Self { problem, u, place: Arc::new(place), cycle, numbers, multipliers, trivial, broken })
+    }
+
+    /// The machine.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Its events.
+    pub fn word(&self) -> &Word {
+        &self.problem.word
+    }
+
+    /// The flights of a period.
+    pub fn legs(&self) -> &[Leg] {
+        &self.cycle.legs
+    }
+
+    /// The period, s.
+    pub fn period(&self) -> f64 {
+        self.numbers.period
+    }
+
+    /// Times of its events, s, from within the first common period of the drive on.
+    pub fn times(&self) -> &[f64] {
+        if self.word().is_empty() { &[] } else { &self.numbers.times }
+    }
+
+    /// The state (q, q') after its first event, or at its start where it has none.
+    pub fn state(&self) -> &[f64] {
+        &self.numbers.state
+    }
+
+    /// The ways by which the neutral directions of the state drift in a period, SI.
+    pub fn drifts(&self) -> &[f64] {
+        &self.numbers.drifts
+    }
+
+    /// The multipliers of the period, largest first, without those that are 1 by theory: neutral
+    /// directions and, of an autonomous machine, the shift in time.
+    pub fn multipliers(&self) -> &[Complex<f64>] {
+        &self.multipliers[..self.multipliers.len() - self.trivial.min(self.multipliers.len())]
+    }
+
+    /// Number of multipliers that are 1 by theory.
+    pub fn trivial_multipliers(&self) -> usize {
+        self.trivial
+    }
+
+    /// Largest modulus of the multipliers that are not 1 by theory; 0 where there is none.
+    pub fn spectral_radius(&self) -> f64 {
+        self.multipliers().first().map_or(0.0, |m| m.norm())
+    }
+
+    /// Whether it attracts its neighbourhood.
+    pub fn stability(&self) -> Stability {
+        let radius = self.spectral_radius();
+        if radius < 1.0 - MARGIN {
+            Stability::Stable
+        } else if radius > 1.0 + MARGIN {
+            Stability::Unstable
+        } else if has_losses(&self.place) {
+            Stability::Undecided
+        } else {
+            Stability::Neutral
+        }
+    }
+
+    /// Whether it is a motion of the machine: each event is reached, and no other one.
+    pub fn is_certified(&self) -> bool {
+        self.broken.is_none()
+    }
+
+    /// The condition that does not hold, in words.
+    pub fn violation(&self) -> Option<String> {
+        let (condition, _) = self.broken?;
+        Some(condition.in_words(self.word(), &self.place))
+    }
+
+    /// A start on the orbit: in the middle of its longest flight.
+    pub fn start(&self) -> Start {
+        let legs = self.legs();
+        let longest = (0..legs.len()).max_by(|a, b| legs[*a].span.total_cmp(&legs[*b].span)).unwrap_or(0);
+        let (time, z) = middle(&legs[longest]);
+        let system = self.place.assembly.system();
+        let bodies =
+            system.bodies.iter().map(|body| (dot(body.s.as_slice(), &z), dot(body.v.as_slice(), &z)));
+        Start { time, bodies: Some(bodies.collect()) }
+    }
+
+    /// Follows each flight by the machine's own motion from its middle to its event: the largest
+    /// difference of an event's time, s.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where the machine has another event or goes on in another mode.
+    pub fn check_by_motion(&self) -> Result<f64> {
+        let own = 2 * self.place.assembly.system().coordinates;
+        let mut largest: f64 = 0.0;
+        for (k, leg) in self.legs().iter().enumerate() {
+            let (time, z) = middle(leg);
+            let mut motion =
+                Motion::from_state(self.place.assembly.clone(), time, &z[..own])?.without_energy_accounts();
+            let end = leg.time + leg.span;
+            let Some(letter) = self.word().letters.get((k + 1) % self.legs().len()) else {
+                let mut events = 0;
+                motion.advance_observed(time + self.period(), &mut |_| events += 1)?;
+                return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an event")) };
+            };
+            if motion.mode() != &letter.modes[0] {
+                return Err(self.differs(time, "is in another mode"));
+            }
+            let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
+            if reached != Reached::Event || motion.due() != Some(letter.watch) {
+                return Err(self.differs(end, "has another event"));
+            }
+            largest = largest.max((motion.time() - end).abs());
+            let mut events: Vec<Event> = Vec::new();
+            motion.apply_event(&mut |event| events.push(event.clone()))?;
+            if motion.mode() != &letter.modes[1] || (Letter { events, ..letter.clone() }) != *letter {
+                return Err(self.differs(end, "goes on otherwise"));
+            }
+        }
+        Ok(largest)
+    }
+
+    fn differs(&self, time: f64, how: &str) -> Error {
+        let words = self.word().in_words(&self.place.assembly);
+        Error::Described { problem: format!("at t = {time} s the machine {how} than the orbit [{words}]") }
+    }
+
+    /// Passes a period of the orbit to observers.
+    pub fn observe(&self, observers: &mut [&mut dyn Observer]) {
+        let (system, count) = (self.place.assembly.system(), self.legs().len());
+        for (k, leg) in self.legs().iter().enumerate() {
+            let flight =
+                ObservedFlight { time: leg.time, flow: &leg.flow, start: &leg.states[0], span: leg.span };
+            observers.iter_mut().for_each(|o| o.flight(system, flight));
+            let Some(letter) = self.word().letters.get((k + 1) % count) else { continue };
+            let next = self.legs().get(k + 1);
+            let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);
+            let flow = &self.legs()[(k + 1) % count].flow;
+            let time = leg.time + leg.span;
+            let events = present(letter, system, &leg.states[1], time);
+            let passage = Passage {
+                time,
+                watch: Some(letter.watch),
+                flows: [&leg.flow, flow],
+                states: [&leg.states[1], after],
+                events: &events,
+                lost: 0.0,
+            };
+            observers.iter_mut().for_each(|o| o.passage(system, passage));
+        }
+    }
+
+    /// The events of a period, with their present times and speeds.
+    pub fn events(&self) -> Vec<Event> {
+        let (system, count) = (self.place.assembly.system(), self.legs().len());
+        let at = |(k, letter): (usize, &Letter)| {
+            let before = &self.legs()[(k + count - 1) % count];
+            present(letter, system, &before.states[1], self.numbers.times[k])
+        };
+        self.word().letters.iter().enumerate().flat_map(at).collect()
+    }
+
+    /// Extrema and mean squares of quantities over a period, and the contacts of stops.
+    pub fn watched(&self, quantities: &[Quantity]) -> Watcher {
+        let stops = self.place.assembly.system().stops.len();
+        let mut watcher = Watcher::of(quantities, stops);
+        self.observe(&mut [&mut watcher]);
+        watcher
+    }
+}
+
+/// Time and augmented state in the middle of a flight.
+fn middle(leg: &Leg) -> (f64, Vec<f64>) {
+    let half = leg.flow.propagator(0.5 * leg.span) * DVector::from_column_slice(&leg.states[0]);
+    (leg.time + 0.5 * leg.span, half.as_slice().to_vec())
+}
+
+/// Whether anything takes energy from a machine.
+fn has_losses(place: &Place) -> bool {
+    let system = place.assembly.system();
+    system.springs.iter().any(|spring| spring.damping != 0.0)
+        || !system.frictions.is_empty()
+        || system.stops.iter().any(|stop| match stop.restitution() {
+            Some(restitution) => restitution < 1.0,
+            None => stop.force != stop.spring,
+        })
+}
+
+/// The reports of a letter with the speeds and impulses of a state before it.
+fn present(
+    letter: &Letter,
+    system: &vibro_assembly::system::System,
+    before: &[f64],
+    time: f64,
+) -> Vec<Event> {
+    let mut z = before.to_vec();
+    let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
+    let mut events = Vec::new();
+    for (i, event) in letter.events.iter().enumerate() {
+        let rate = |z: &[f64], stop: usize| dot(system.stops[stop].elongation.rate.as_slice(), z);
+        let kind = match event.kind {
+            EventKind::Impact { stop, stops, .. } => {
+                let speed = rate(&z, stop);
+                let compliance = system.stops[stop].elongation.w.dot(&system.stops[stop].elongation.mobility);
+                let restitution = system.stops[stop].restitution().filter(|_| !closes(stop)).unwrap_or(0.0);
+                let impulse = if compliance > 0.0 { (1.0 + restitution) * speed / compliance } else { 0.0 };
+                // The stops of one impact are hit together; the state moves on after the last.
+                let last = letter
+                    .events
+                    .get(i + 1)
+                    .is_none_or(|next| !matches!(next.kind, EventKind::Impact { .. }));
+                if last {
+                    let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };
+                    z = before.to_vec();
+                    own.apply(system, [&mut z[..]]);
+                }
+                EventKind::Impact { stop, speed, impulse, stops }
+            }
+            EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
+            kind => kind,
+        };
+        events.push(Event { time, kind });
+    }
+    events
+}
+
+impl Condition {
+    /// The condition's failure in words.
+    pub(super) fn in_words(&self, word: &Word, place: &Place) -> String {
+        let assembly = &place.assembly;
+        match *self {
+            Self::Rises { letter } => format!("{} is not reached", word.letters[letter].in_words(assembly)),
+            Self::Lasts { letter } => {
+                format!("the flight after {} has no duration", word.letters[letter].in_words(assembly))
+            }
+            Self::Stays { letter, watch, .. } => {
+                let element = element_of(place, watch);
+                match word.letters.get(letter) {
+                    Some(letter) => {
+                        format!("{element} has a further event after {}", letter.in_words(assembly))
+                    }
+                    None => format!("{element} has a further event"),
+                }
+            }
+        }
+    }
+}
+
+/// Dotted name of a functional's element.
+pub(super) fn element_of(place: &Place, watch: vibro_assembly::mode::Watch) -> String {
+    use vibro_assembly::mode::Contact;
+    match watch.contact() {
+        Contact::Stop(i) => place.assembly.name_of_stop(i),
+        Contact::Friction(i) => place.assembly.name_of_friction(i),
+    }
+}

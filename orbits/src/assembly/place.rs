@@ -1,0 +1,125 @@
+//! A machine at one value of a parameter, and the machines over its values.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+use vibro_analysis::assembly::flight::{Flow, Flows};
+use vibro_analysis::assembly::{Machine, common_period, is_steady, runs_on};
+use vibro_analysis::{Error, Result};
+use vibro_assembly::Assembly;
+use vibro_assembly::mode::Mode;
+
+/// A machine whose numbers are fixed, with the linear systems of the modes met so far.
+#[derive(Debug)]
+pub struct Place {
+    /// The machine with its matrices.
+    pub assembly: Arc<Assembly>,
+    /// The common period of all harmonics, s; `None` for an autonomous machine.
+    pub period: Option<f64>,
+    flows: RefCell<Flows>,
+}
+
+impl Place {
+    /// A machine with its present numbers.
+    ///
+    /// # Errors
+    /// What its matrices refuse; [`Error::Described`] for a machine whose signals do not repeat.
+    pub fn new(machine: &Machine) -> Result<Self> {
+        let d = &machine.description;
+        let period = common_period(d);
+        if period.is_none() && !is_steady(d) {
+            let problem = match runs_on(d, 0.0) {
+                Some(why) => format!("{why}: it has no periodic orbit; allowed are harmonics, constants and uniform motions"),
+                None => "the harmonics' frequencies have no common period up to 1000 periods of the slowest: the machine has no periodic \
+                         orbit; allowed are frequencies in ratios of integers"
+                    .into(),
+            };
+            return Err(Error::Described { problem });
+        }
+        if let Some(why) = runs_on(d, 0.0) {
+            let problem = format!(
+                "{why}: it has no periodic orbit; allowed are harmonics, constants and uniform motions"
+            );
+            return Err(Error::Described { problem });
+        }
+        let assembly = Arc::new(Assembly::new(d.clone())?);
+        Ok(Self { assembly, period, flows: RefCell::default() })
+    }
+
+    /// The linear system of a mode.
+    pub(super) fn flow(&self, mode: &Mode) -> Arc<Flow> {
+        self.flows.borrow_mut().of(self.assembly.system(), mode)
+    }
+}
+
+/// A machine over the values of one of its parameters.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// The machine.
+    pub machine: Machine,
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Least and largest value, SI.
+    pub range: (f64, f64),
+}
+
+/// Parts of a parameter's range that count as much as a radian of an event's phase.
+const PARTS: f64 = 5.0;
+
+impl Family {
+    /// A machine over a range of a parameter's values, SI.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for an unknown name or a value that is not allowed;
+    /// [`Error::Described`] for a range without length, and as [`Place::new`] at either end.
+    pub fn new(machine: &Machine, parameter: &str, range: (f64, f64)) -> Result<Self> {
+        let name = machine.description.parameter(parameter)?.name;
+        if !(range.0 < range.1 && (range.1 - range.0).is_finite()) {
+            let problem = format!("{name}: {} to {}; allowed is a range with length", range.0, range.1);
+            return Err(Error::Described { problem });
+        }
+        let family = Self { machine: machine.clone(), parameter: name, range };
+        family.place(range.0)?;
+        family.place(range.1)?;
+        Ok(family)
+    }
+
+    /// A machine with its present numbers alone: the family of its first parameter, at its value.
+    ///
+    /// # Errors
+    /// As [`Place::new`]; [`Error::Described`] for a machine without a number that can change.
+    pub(super) fn of_one(machine: &Machine) -> Result<Self> {
+        Place::new(machine)?;
+        let parameter = machine.description.parameters().into_iter().next().map(|p| p.name);
+        let parameter = parameter.unwrap_or_default();
+        Ok(Self { machine: machine.clone(), parameter, range: (0.0, PARTS) })
+    }
+
+    /// The parameter's present value.
+    pub(super) fn present(&self) -> Result<f64> {
+        Ok(self.machine.description.get(&self.parameter)?)
+    }
+
+    /// The machine at a value.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn place(&self, value: f64) -> Result<Place> {
+        Place::new(&self.at(value)?)
+    }
+
+    /// The description of the machine at a value.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for a value that is not allowed.
+    pub fn at(&self, value: f64) -> Result<Machine> {
+        let d = &self.machine.description;
+        // An orbit has its own start: that of the file is not checked.
+        let description = d.under_way([(self.parameter.as_str(), value)])?;
+        Ok(Machine { description, ..self.machine.clone() })
+    }
+
+    /// The unit of the parameter along a branch.
+    pub fn unit(&self) -> f64 {
+        (self.range.1 - self.range.0) / PARTS
+    }
+}

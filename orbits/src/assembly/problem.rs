@@ -1,0 +1,270 @@
+//! The equations of an orbit with a given word, along a parameter.
+//!
+//! Unknowns, all of size one: the state after the first event, the times of the events in radians
+//! of the drive (the period in place of the first one where the machine is autonomous), a drift by
+//! period along each neutral direction, and the parameter. Equations: the state returns but for the
+//! drift, each event's functional is zero at its time, and the state has a given place along each
+//! neutral direction.
+
+use super::cycle::{Cycle, Derivatives};
+use super::place::{Family, Place};
+use super::word::Word;
+use crate::curve::{Equations, Linearization};
+use crate::obstacle::Obstacle;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibro_analysis::assembly::carried;
+use vibro_assembly::neutral::Neutral;
+
+/// Step of the differences by the parameter, in its unit: rounding and the third derivative leave
+/// about 1e-10 of the derivative, which slows Newton's method by that factor and moves no solution.
+const DIFFERENCE: f64 = 1e-6;
+/// Change of a signal over a period, relative to its values, that is rounding.
+const EXACT: f64 = 1e-9;
+
+/// The equations of a word's orbits.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    pub family: Arc<Family>,
+    pub word: Word,
+    pub units: Units,
+    /// Neutral directions of the state (q, q').
+    pub neutral: Vec<Vec<f64>>,
+    /// The state's place along each.
+    pub fixed: Vec<f64>,
+    /// Time of the start of a word without events, s.
+    pub origin: f64,
+}
+
+/// Units of the unknowns.
+#[derive(Clone, Debug)]
+pub(super) struct Units {
+    /// By number of the state (q, q').
+    pub state: Vec<f64>,
+    /// Radian of an autonomous machine's period, s.
+    pub time: f64,
+}
+
+/// An orbit's numbers in SI.
+#[derive(Clone, Debug)]
+pub(super) struct Numbers {
+    /// The state (q, q') after the first event.
+    pub state: Vec<f64>,
+    /// Times of the events, s; of a word without events the time of the start.
+    pub times: Vec<f64>,
+    /// The period, s.
+    pub period: f64,
+    /// Drifts by period along the neutral directions.
+    pub drifts: Vec<f64>,
+}
+
+impl Problem {
+    /// Number of unknowns beside the parameter.
+    pub fn size(&self) -> usize {
+        self.units.state.len() + self.word.len() + self.neutral.len()
+    }
+
+    /// The parameter's value at a point.
+    pub fn value(&self, u: &DVector<f64>) -> f64 {
+        u[self.size()] * self.family.unit()
+    }
+
+    /// The machine at a point.
+    pub fn place(&self, u: &DVector<f64>) -> Result<Place, Obstacle> {
+        Ok(self.family.place(self.value(u))?)
+    }
+
+    /// A radian of the time, s.
+    fn radian(&self, place: &Place) -> f64 {
+        place.period.map_or(self.units.time, |period| period / TAU)
+    }
+
+    /// The orbit's period where the drive gives it, s.
+    fn driven_period(&self, place: &Place) -> Option<f64> {
+        Some(place.period? * f64::from(self.word.periods?))
+    }
+
+    /// The numbers of a point.
+    pub fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
+        let (own, m, radian) = (self.units.state.len(), self.word.len(), self.radian(place));
+        let state = self.units.state.iter().zip(u.iter()).map(|(unit, x)| unit * x).collect();
+        let mut times: Vec<f64> = (0..m).map(|k| radian * u[own + k]).collect();
+        let period = match self.driven_period(place) {
+            Some(period) => period,
+            None => std::mem::replace(&mut times[0], 0.0),
+        };
+        if m == 0 {
+            times.push(self.origin);
+        }
+        let drifts = (0..self.neutral.len()).map(|k| u[own + m + k]).collect();
+        Numbers { state, times, period, drifts }
+    }
+
+    /// The point with given numbers.
+    pub fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
+        let radian = self.radian(place);
+        let state = numbers.state.iter().zip(&self.units.state).map(|(x, unit)| x / unit);
+        let is_driven = self.driven_period(place).is_some();
+        let time = |k: usize| if k == 0 && !is_driven { numbers.period } else { numbers.times[k] };
+        let times = (0..self.word.len()).map(|k| time(k) / radian);
+        let all = state.chain(times).chain(numbers.drifts.iter().copied());
+        DVector::from_iterator(self.size() + 1, all.chain([value / self.family.unit()]))
+    }
+
+    /// The motion at a point.
+    pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
+        let Numbers { state, times, period, .. } = self.numbers(place, u);
+        Ok(Cycle::follow(place, &self.word, &state, &times, period, false)?.0)
+    }
+
+    /// Values of the equations, with their derivatives by all unknowns but the parameter on request.
+    pub fn residual(
+        &self,
+        place: &Place,
+        u: &DVector<f64>,
+        with_derivatives: bool,
+    ) -> Result<(DVector<f64>, Option<DMatrix<f64>>), Obstacle> {
+        let (own, m, size) = (self.units.state.len(), self.word.len(), self.size());
+        let Numbers { state, times, period, drifts } = self.numbers(place, u);
+        let (cycle, derivatives) =
+            Cycle::follow(place, &self.word, &state, &times, period, with_derivatives)?;
+        let along = self.carried(place, &cycle)?;
+        let mut value = DVector::zeros(size);
+        for i in 0..own {
+            let neutral: f64 = self.neutral.iter().zip(&drifts).map(|(n, drift)| n[i] * drift).sum();
+            let moved = along.get(i).copied().unwrap_or(0.0);
+            value[i] =
+                (state[i] + moved - cycle.back[i]) / self.units.state[i] + neutral / self.units.state[i];
+        }
+        let scales: Vec<f64> = (0..m).map(|k| self.scale(&cycle, k)).collect();
+        for k in 0..m {
+            let leg = cycle.before(k);
+            let row = leg.ending.map(|place| leg.flow.watched[place].1.as_slice()).unwrap_or(&[]);
+            value[own + k] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[k];
+        }
+        for (k, n) in self.neutral.iter().enumerate() {
+            let at: f64 = n.iter().zip(&state).map(|(n, x)| n * x).sum();
+            value[own + m + k] = (at - self.fixed[k]) / self.length(n);
+        }
+        let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period)));
+        Ok((value, matrix))
+    }
+
+    /// The way by which uniformly moving bodies carry the state along in a period.
+    fn carried(&self, place: &Place, cycle: &Cycle) -> Result<Vec<f64>, Obstacle> {
+        let system = place.assembly.system();
+        let (Some(first), Some(last)) = (cycle.legs.first(), cycle.legs.last()) else {
+            return Ok(Vec::new());
+        };
+        let own = self.units.state.len();
+        let changes = first.states[0].iter().zip(&last.states[1]).enumerate().map(|(i, (a, b))| {
+            let is_signal = i >= own && (b - a).abs() > EXACT * (a.abs() + b.abs()).max(1.0);
+            if is_signal { b - a } else { 0.0 }
+        });
+        let change: Vec<f64> = changes.collect();
+        if change.iter().all(|x| *x == 0.0) {
+            return Ok(Vec::new());
+        }
+        let along = carried(system, &change, false).ok_or(Obstacle::NoConvergence)?;
+        Ok(along.iter().copied().collect())
+    }
+
+    /// Size of an event's functional in the units of the state.
+    fn scale(&self, cycle: &Cycle, k: usize) -> f64 {
+        let leg = cycle.before(k);
+        let Some(place) = leg.ending else { return 1.0 };
+        let row = leg.flow.watched[place].1.as_slice();
+        let own = row.iter().zip(&self.units.state).map(|(a, unit)| (a * unit).abs());
+        own.sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// Size of a neutral direction in the units of the state.
+    fn length(&self, n: &[f64]) -> f64 {
+        n.iter().zip(&self.units.state).map(|(n, unit)| (n * unit).abs()).sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    fn matrix(
+        &self,
+        place: &Place,
+        by: &Derivatives,
+        scales: &[f64],
+        (along, period): (&[f64], f64),
+    ) -> DMatrix<f64> {
+        let (own, m, size, radian) =
+            (self.units.state.len(), self.word.len(), self.size(), self.radian(place));
+        let unit = |j: usize| if j < own { self.units.state[j] } else { radian };
+        let mut matrix = DMatrix::zeros(size, size);
+        for j in 0..own + m {
+            for i in 0..own {
+                matrix[(i, j)] = -by.back[(i, j)] * unit(j) / self.units.state[i];
+            }
+            for (k, ends) in by.ends.iter().enumerate() {
+                // The first leg ends with the second event.
+                let event = (k + 1) % m;
+                matrix[(own + event, j)] = ends[j] * unit(j) / scales[event];
+            }
+        }
+        (0..own).for_each(|i| matrix[(i, i)] += 1.0);
+        if m > 0 && self.driven_period(place).is_none() {
+            // Uniform motions carry the state along in proportion to the period.
+            along
+                .iter()
+                .enumerate()
+                .for_each(|(i, x)| matrix[(i, own)] += x / period * radian / self.units.state[i]);
+        }
+        for (k, n) in self.neutral.iter().enumerate() {
+            for i in 0..own {
+                matrix[(i, own + m + k)] = n[i] / self.units.state[i];
+                matrix[(own + m + k, i)] = n[i] * self.units.state[i] / self.length(n);
+            }
+        }
+        matrix
+    }
+
+    /// Derivative of the equations by the parameter.
+    fn by_parameter(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+        let last = self.size();
+        crate::curve::slope(DIFFERENCE, |by| {
+            let mut moved = u.clone();
+            moved[last] += by;
+            Ok(self.residual(&self.place(&moved)?, &moved, false)?.0.as_slice().to_vec())
+        })
+    }
+
+    /// The point with the same numbers in the equations of the word passed `times` times.
+    pub fn repeated(&self, place: &Place, u: &DVector<f64>, times: u32) -> (Self, DVector<f64>) {
+        let Numbers { state, times: events, period, drifts } = self.numbers(place, u);
+        let all = (0..times).flat_map(|turn| events.iter().map(move |t| t + f64::from(turn) * period));
+        let longer = Numbers {
+            state,
+            times: all.collect(),
+            period: f64::from(times) * period,
+            drifts: drifts.iter().map(|x| x * f64::from(times)).collect(),
+        };
+        let problem = Self { word: self.word.repeated(times), ..self.clone() };
+        let u = problem.point(place, &longer, self.value(u));
+        (problem, u)
+    }
+
+    /// Scaled units of neutral directions, as changes of a state.
+    pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
+        Neutral::of(place.assembly.system()).states()
+    }
+}
+
+impl Equations for Problem {
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let place = self.place(u)?;
+        let (value, matrix) = self.residual(&place, u, true)?;
+        let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
+        let last = self.size();
+        let column = match known {
+            Some(known) => known.column(last).into_owned(),
+            None => self.by_parameter(u)?,
+        };
+        let mut whole = matrix.insert_column(last, 0.0);
+        whole.set_column(last, &column);
+        Ok(Linearization { value, matrix: whole })
+    }
+}

@@ -1,0 +1,239 @@
+//! Orbits from motions: the events of a motion over a period are a word, and their times with the
+//! state after the first one are a guess.
+
+use super::cycle::with_signals;
+use super::orbit::{Obstructed, Orbit};
+use super::place::Family;
+use super::problem::{Numbers, Problem, Units};
+use super::word::{Letter, Word};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot};
+use vibro_analysis::assembly::{Machine, Section, SectionRule, Start, carried, discard, settled};
+use vibro_analysis::attractor::MotionClass;
+use vibro_analysis::{Error, Result};
+use vibro_assembly::Motion;
+use vibro_assembly::mode::Mode;
+use vibro_assembly::system::System;
+
+/// Relative difference of a motion's period from a multiple of the drive's that is rounding.
+const WHOLE: f64 = 1e-9;
+/// Least unit of a state's number relative to the largest of its kind.
+const LEAST: f64 = 1e-3;
+/// Samples of a flight for the sizes of states.
+const SAMPLES: usize = 8;
+
+/// A motion as a word with its times.
+#[derive(Debug, Default)]
+struct Record {
+    letters: Vec<Letter>,
+    times: Vec<f64>,
+    /// The state after the first event.
+    first: Vec<f64>,
+    /// Whether a signal had a knot.
+    has_knot: bool,
+    /// Least and largest value of each number of the state.
+    extents: Vec<(f64, f64)>,
+}
+
+impl Record {
+    fn include(&mut self, z: &[f64]) {
+        self.extents.resize(z.len(), (f64::INFINITY, f64::NEG_INFINITY));
+        for ((least, largest), x) in self.extents.iter_mut().zip(z) {
+            (*least, *largest) = (least.min(*x), largest.max(*x));
+        }
+    }
+
+    /// Units in which the state's numbers are of size one.
+    fn units(&self, coordinates: usize, radian: f64) -> Units {
+        let extent = |i: usize| self.extents.get(i).copied().unwrap_or((0.0, 0.0));
+        let way = |k: usize| 0.5 * (extent(k).1 - extent(k).0);
+        let speed = |k: usize| {
+            let (least, largest) = extent(coordinates + k);
+            largest.max(-least).max(way(k) / radian)
+        };
+        let most = (0..coordinates).map(speed).fold(0.0, f64::max);
+        let unit = |k: usize| if most > 0.0 { speed(k).max(LEAST * most) } else { 1.0 };
+        let places = (0..coordinates).map(|k| unit(k) * radian);
+        let state = places.chain((0..coordinates).map(unit)).collect();
+        Units { state, time: radian }
+    }
+}
+
+impl Observer for Record {
+    fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
+        let part = flight.span / SAMPLES as f64;
+        let propagator = flight.flow.propagator(part);
+        let mut z = nalgebra::DVector::from_column_slice(flight.start);
+        for _ in 0..SAMPLES {
+            self.include(z.as_slice());
+            z = &propagator * z;
+        }
+        self.include(z.as_slice());
+    }
+
+    fn passage(&mut self, _: &System, passage: Passage<'_>) {
+        let Some(watch) = passage.watch else {
+            self.has_knot = true;
+            return;
+        };
+        let own: Vec<f64> = passage.flows[0]
+            .watched
+            .iter()
+            .filter(|(other, _)| *other == watch)
+            .map(|(_, row)| dot(row.as_slice(), passage.states[0]).abs())
+            .collect();
+        let place = (0..own.len()).min_by(|a, b| own[*a].total_cmp(&own[*b])).unwrap_or(0);
+        let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
+        if self.letters.is_empty() {
+            self.first = passage.states[1].to_vec();
+        }
+        self.letters.push(Letter { modes, watch, place, events: passage.events.to_vec() });
+        self.times.push(passage.time);
+    }
+}
+
+/// A word, a guess of its orbit, and its equations.
+#[derive(Debug)]
+pub(super) struct Seed {
+    pub problem: Problem,
+    pub numbers: Numbers,
+    pub value: f64,
+}
+
+/// Follows a motion over `returns` returns to its section, as the seed of an orbit.
+pub(super) fn seed(
+    family: &Arc<Family>,
+    value: f64,
+    motion: &mut Motion,
+    section: &Section,
+    returns: u32,
+) -> Result<Seed> {
+    let place = family.place(value)?;
+    let (assembly, from) = (motion.assembly().clone(), motion.time());
+    let (begin, mode) = (motion.state().as_slice().to_vec(), motion.mode().clone());
+    let (mut record, mut flows) = (Record::default(), Flows::default());
+    for _ in 0..returns {
+        section.follow(motion, &mut flows, &mut [&mut record])?;
+    }
+    let span = motion.time() - from;
+    if record.has_knot {
+        let problem = "a signal steps or has a knot within the period; allowed are harmonics, constants and uniform motions";
+        return Err(Error::Described { problem: problem.into() });
+    }
+    let periods = match place.period {
+        Some(period) => {
+            let ratio = span / period;
+            if (ratio - ratio.round()).abs() > WHOLE * ratio || ratio.round() < 1.0 {
+                let problem = format!(
+                    "the motion returns after {span} s, which is no multiple of the drive's period {period} s"
+                );
+                return Err(Error::Described { problem });
+            }
+            Some(ratio.round() as u32)
+        }
+        None => None,
+    };
+    let period = place.period.map_or(span, |period| period * f64::from(periods.unwrap_or(1)));
+    let system = assembly.system();
+    let own = 2 * system.coordinates;
+    let is_empty = record.letters.is_empty();
+    if is_empty && periods.is_none() {
+        let problem = "the motion has no events and nothing drives it: it rests, or swings freely; allowed are motions with events or a drive";
+        return Err(Error::Described { problem: problem.into() });
+    }
+    let radian = place.period.unwrap_or(span) / TAU;
+    let units = record.units(system.coordinates, radian);
+    let mut times = if is_empty { vec![from] } else { std::mem::take(&mut record.times) };
+    let mut state = if is_empty { begin } else { std::mem::take(&mut record.first) };
+    // Times count from within the first period of the drive.
+    let whole = place.period.map_or(times[0], |period| (times[0] / period).floor() * period);
+    move_back(system, &mut state, times[0], whole)?;
+    times.iter_mut().for_each(|time| *time -= whole);
+    state.truncate(own);
+    let neutral = Problem::neutral_of(&place);
+    let fixed = neutral.iter().map(|n| n.iter().zip(&state).map(|(n, x)| n * x).sum()).collect();
+    let mode = record.letters.last().map_or(mode, |letter| letter.modes[1].clone());
+    let word = Word { letters: record.letters.into(), mode, periods };
+    let drifts = vec![0.0; neutral.len()];
+    let problem = Problem { family: family.clone(), word, units, neutral, fixed, origin: times[0] };
+    Ok(Seed { problem, numbers: Numbers { state, times, period, drifts }, value })
+}
+
+/// The state that uniformly moving bodies have at an earlier time, with what they carry along.
+fn move_back(system: &System, state: &mut [f64], time: f64, by: f64) -> Result<()> {
+    let mut earlier = state.to_vec();
+    with_signals(system, time - by, &mut earlier);
+    let own = 2 * system.coordinates;
+    let change: Vec<f64> =
+        (0..state.len()).map(|i| if i < own { 0.0 } else { earlier[i] - state[i] }).collect();
+    let is_rounding = |(i, x): (usize, &f64)| x.abs() <= WHOLE * (state[i].abs() + earlier[i].abs()).max(1.0);
+    if change.iter().enumerate().all(is_rounding) {
+        return Ok(());
+    }
+    let change: Vec<f64> =
+        change.iter().enumerate().map(|(i, x)| if is_rounding((i, x)) { 0.0 } else { *x }).collect();
+    let Some(along) = carried(system, &change, false) else {
+        let problem =
+            "uniformly moving bodies change what the springs and stops feel: the motion does not repeat";
+        return Err(Error::Described { problem: problem.into() });
+    };
+    along.iter().enumerate().for_each(|(i, x)| state[i] += x);
+    Ok(())
+}
+
+impl Orbit {
+    /// The orbit on which the motion of a machine from a start settles, after `discard` returns to
+    /// its section, or fewer where it has settled before.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where the motion settles on no periodic orbit, with its class, and where
+    /// Newton's method finds none; as [`Machine::motion`] and [`Place::new`].
+    pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
+        let family = Arc::new(Family::of_one(machine)?);
+        Self::settled_in(&family, machine, f64::NAN, start, discard_returns)
+    }
+
+    /// As [`settled`](Self::settled), of a family's machine at a value.
+    pub(super) fn settled_in(
+        family: &Arc<Family>,
+        machine: &Machine,
+        value: f64,
+        start: &Start,
+        discard_returns: u32,
+    ) -> Result<Self> {
+        let (motion, section) = machine.motion(start)?;
+        let mut motion = motion.without_energy_accounts();
+        discard(&mut motion, &section, discard_returns)?;
+        let found = settled(&mut motion, &section, None)?;
+        let MotionClass::Periodic(returns) = found.class else {
+            let words = section.in_words(&machine.description);
+            let problem = format!(
+                "the motion settles on no periodic orbit: it is {} at {words}; allowed are other starts (--start) and more discarded returns",
+                found.class.name()
+            );
+            return Err(Error::Described { problem });
+        };
+        let value = if value.is_finite() { value } else { family.present()? };
+        let seed = seed(family, value, &mut motion, &section, returns)?;
+        Self::of_seed(seed).map_err(Obstructed::error)
+    }
+
+    /// The orbit near a motion that begins at a start and is followed over a time, s.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where Newton's method does not converge, with what it found.
+    pub fn near(machine: &Machine, start: &Start, period: f64) -> Result<Self> {
+        let family = Arc::new(Family::of_one(machine)?);
+        let (mut motion, _) = machine.motion(start)?;
+        let from = motion.time();
+        let section = Section::of(&machine.description, &SectionRule::Period(period))?;
+        let section = match section {
+            Section::Period(period) if from != 0.0 => Section::Shifted(period, from),
+            section => section,
+        };
+        let value = family.present()?;
+        let seed = seed(&family, value, &mut motion, &section, 1)?;
+        Self::of_seed(seed).map_err(Obstructed::error)
+    }
+}
