@@ -30,9 +30,11 @@ mod elements;
 mod reading;
 mod records;
 mod signals;
+mod start;
 mod write;
 
 pub use records::{no_records, records_beside};
+pub(crate) use start::start;
 
 use crate::check::check;
 use crate::description::{Description, Dimension};
@@ -55,11 +57,16 @@ const MOST_BYTES: u64 = 64 << 20;
 /// # Errors
 /// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
 pub fn read(path: &Path) -> Result<Description, Refusal> {
-    let name = path.display().to_string();
-    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
-    let text = read_text(path).map_err(cannot)?;
+    let (name, text) = (path.display().to_string(), text_of(path)?);
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     parse(&text, &name, &records_beside(&folder))
+}
+
+/// The text of a file.
+pub(crate) fn text_of(path: &Path) -> Result<String, Refusal> {
+    let name = path.display();
+    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
+    read_text(path).map_err(cannot)
 }
 
 fn read_text(path: &Path) -> io::Result<String> {

@@ -30,6 +30,7 @@ pub mod refusal;
 pub mod rest;
 pub mod signals;
 mod slots;
+pub mod start;
 pub mod system;
 
 pub use assembly::Assembly;
@@ -41,3 +42,4 @@ pub use motion::Motion;
 pub use parameters::Parameter;
 pub use quantity::{Owner, Quantity, What};
 pub use refusal::{Problem, Refusal};
+pub use start::Start;

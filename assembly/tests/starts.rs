@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use vibro_assembly::motion::Event;
-use vibro_assembly::{Assembly, Error, Motion};
+use vibro_assembly::{Assembly, Error, Motion, Start, file};
 
 /// Rounding of a state times the growth of errors over the time compared.
 const ROUNDING: f64 = 1e-10;
@@ -66,4 +66,119 @@ fn bad_states_are_refused_by_name() {
     assert_eq!(stop, "stop.wall");
     assert!((excess - 1e-3).abs() < 1e-15);
     assert!(Motion::from_state(machine(), f64::INFINITY, &[0.0, 0.0]).is_err());
+}
+
+/// A pinion that drives a wheel, on which a stop acts; the engine's motion is prescribed.
+const GEARS: &str = r#"
+    name = "Gears"
+    [body.engine]
+    motion = { rate = "10 rad/s" }
+    [body.pinion]
+    inertia = "0.1 kg m2"
+    start = { v = "10 rad/s" }
+    [body.wheel]
+    inertia = "0.4 kg m2"
+    start = { v = "-5 rad/s" }
+    [link.mesh]
+    arms = { pinion = "5 cm", wheel = "10 cm" }
+    [spring.shaft]
+    between = ["engine", "pinion"]
+    stiffness = "50 N m/rad"
+    [stop.peg]
+    between = ["ground", "pinion"]
+    gap = "2 rad"
+    restitution = 0.5
+"#;
+
+fn described(text: &str) -> vibro_assembly::Description {
+    file::parse(text, "machine.toml", &file::no_records).unwrap()
+}
+
+#[test]
+fn invariant_a_start_is_written_and_read_with_all_digits() {
+    for (text, time) in [(MACHINE, 0.3141), (GEARS, 0.1)] {
+        let assembly = Arc::new(Assembly::new(described(text)).unwrap());
+        let mut motion = Motion::new(assembly.clone()).unwrap();
+        motion.advance_to(time).unwrap();
+        let start = Start::of(&motion);
+        let again = Start::parse(&start.to_toml(), "start.toml", &assembly.description).unwrap();
+        assert_eq!(again, start);
+        let state = &motion.state().as_slice()[..2 * assembly.system().coordinates];
+        assert_eq!(again.state(&assembly).unwrap(), state);
+        // By name, one number at a time.
+        let mut named = Start::default();
+        for (name, value) in start.numbers() {
+            named.set(&assembly.description, &name, value).unwrap();
+        }
+        assert_eq!(named, start);
+        let begun = again.motion(assembly).unwrap();
+        assert_eq!((begun.time(), begun.mode()), (motion.time(), motion.mode()));
+    }
+}
+
+#[test]
+fn what_a_start_does_not_name_is_the_machines_own() {
+    let d = described(GEARS);
+    let assembly = Arc::new(Assembly::new(d.clone()).unwrap());
+    let start = Start::parse("time = 0.5\nbody.pinion.s = \"90 deg\"", "start.toml", &d).unwrap();
+    let motion = start.motion(assembly.clone()).unwrap();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert_eq!((motion.time(), motion.body(1)[0], motion.body(1)[1]), (0.5, quarter, 10.0));
+    // Links hold, and the engine is where it is at that time.
+    assert!((motion.body(2)[0] + quarter / 2.0).abs() < ROUNDING && motion.body(0)[0] == 5.0);
+    assert_eq!(
+        Start::default().motion(assembly.clone()).unwrap().state(),
+        Motion::new(assembly).unwrap().state()
+    );
+    // A machine that starts at rest keeps its equilibrium elsewhere.
+    let at_rest = described(
+        &"name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
+         [body.b]\nmass = 1.0\n[spring.a]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
+         [spring.b]\nbetween = [\"ground\", \"b\"]\nstiffness = 800.0\n",
+    );
+    let mut start = Start::default();
+    start.set_text(&at_rest, "b.s", "5 mm").unwrap();
+    let motion = start.motion(Arc::new(Assembly::new(at_rest).unwrap())).unwrap();
+    assert!((motion.body(0)[0] - 0.025).abs() < ROUNDING && motion.body(1)[0] == 0.005);
+}
+
+#[test]
+fn what_is_no_start_is_refused_by_name() {
+    let d = described(GEARS);
+    let assembly = Arc::new(Assembly::new(d.clone()).unwrap());
+    let told = |name: &str, value: &str| Start::default().set_text(&d, name, value).unwrap_err().to_string();
+    for (name, value, expected) in [
+        ("pinon.s", "1", "pinon.s: no number of a start has this name; the nearest is `pinion.s`"),
+        ("pinion.a", "1", "pinion.a: no number of a start has this name; the nearest is `pinion.s`"),
+        ("engine.s", "1", "engine.s: its motion is prescribed; allowed are starts of pinion, wheel"),
+        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": allowed is a finite number, in rad, mrad, deg, °"),
+        ("time", "1 m", "time = \"1 m\": allowed is a finite number, in s, ms, us, min, h"),
+    ] {
+        assert_eq!(told(name, value), expected);
+    }
+    let refused = |name: &str, value: f64| {
+        let mut start = Start::default();
+        start.set(&d, name, value).unwrap();
+        let Error::Refused(refusal) = start.motion(assembly.clone()).unwrap_err() else { panic!("{name}") };
+        refusal.to_string()
+    };
+    assert_eq!(
+        refused("wheel.v", 1.0),
+        "wheel.v = 1.0: links determine it from `pinion`; allowed are starts of pinion"
+    );
+    assert_eq!(
+        refused("pinion.s", 3.0),
+        "stop.peg.gap = 2.0: the start at t = 0.0 s violates it by e - gap = 1.0 rad; allowed is e <= gap"
+    );
+    assert!(Start::default().set(&d, "pinion.s", f64::NAN).is_err());
+    let file = "tme = 1\n[body.pinon]\ns = 1.0\n[body.engine]\ns = 1.0\n[body.wheel]\ns = \"1 m\"\nx = 1.0\n";
+    assert_eq!(
+        Start::parse(file, "s.toml", &d).unwrap_err().to_string(),
+        "s.toml:1: tme = 1: no such key; the nearest is `time`\n\
+         s.toml:1: time: missing; allowed is a finite number, in s, ms, us, min, h\n\
+         s.toml:2: body.pinon: no body has this name; the nearest is `pinion`\n\
+         s.toml:4: body.engine: its motion is prescribed; allowed are bodies with mass or inertia\n\
+         s.toml:7: body.wheel.s = \"1 m\": allowed is a finite number, in rad, mrad, deg, °\n\
+         s.toml:8: body.wheel.x = 1.0: no such key; the nearest is `s`"
+    );
 }

@@ -208,15 +208,27 @@ impl Motion {
             let what = if i < size / 2 { "s" } else { "v" };
             return out(format!("start of body.{body}.{what}"), state[i], "a finite number".into());
         }
-        Self::begin(assembly, time, state, &mut Some(observer))
+        let mut motion = Self::placed(assembly, time, state)?;
+        motion.check_stops()?;
+        motion.settle(&[], &Parted::default(), &mut Some(observer))?;
+        Ok(motion)
     }
 
+    /// The motion from a state. Rigid stops with e > gap are opened by the least movement of
+    /// bodies.
     fn begin(
         assembly: Arc<Assembly>,
         time: f64,
         start: &[f64],
         observer: &mut Observer,
     ) -> Result<Self, Error> {
+        let mut motion = Self::placed(assembly, time, start)?;
+        motion.settle(&[], &Parted::default(), observer)?;
+        Ok(motion)
+    }
+
+    /// A state at a time, before the law at the start.
+    fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64]) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
                 name: "start time".into(),
@@ -252,10 +264,8 @@ impl Motion {
             last: None,
             due: None,
         };
-        let mut motion = Self::of(assembly, hybrid);
+        let motion = Self::of(assembly, hybrid);
         motion.check_sizes()?;
-        motion.check_stops()?;
-        motion.settle(&[], &Parted::default(), observer)?;
         Ok(motion)
     }
 
@@ -410,7 +420,7 @@ impl Motion {
 }
 
 /// Coordinates and rates of the machine's start.
-fn start_of(assembly: &Assembly) -> Vec<f64> {
+pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {
     let bodies = || assembly.system.bodies_of.iter();
     bodies().map(|&b| assembly.starts[b].0).chain(bodies().map(|&b| assembly.starts[b].1)).collect()
 }

@@ -1,0 +1,56 @@
+//! Reading of a start: its time, and coordinates and rates of bodies.
+
+use super::no_records;
+use super::reading::{self, FileTable, Reading};
+use crate::description::{BodyKind, Description, Dimension};
+use crate::kinds;
+use crate::refusal::Refusal;
+use crate::start::{BodyStart, Start};
+
+/// Reads the text of a start's file.
+pub(crate) fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
+    let refusal = |problems| Refusal { file: file.into(), problems };
+    let (root, broken) = reading::toml(text);
+    if !broken.is_empty() {
+        return Err(refusal(broken));
+    }
+    let mut reading = Reading::new(text, &no_records);
+    let found = of_root(&mut reading, &FileTable::root(root.get_ref()), d);
+    match reading.finish() {
+        problems if problems.is_empty() => Ok(found),
+        problems => Err(refusal(problems)),
+    }
+}
+
+fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
+    reading.known(root, &["time", "body"]);
+    let mut start = Start::default();
+    if let Some(time) = reading.required_number(root, "time", kinds::TIME, Dimension::Translation) {
+        start.time = time;
+    }
+    let Some(whole) = reading.optional(root, "body") else { return start };
+    const TABLES: &str = "allowed are tables with names, such as [body.NAME]";
+    let Some(whole) = reading.table(&whole, TABLES) else { return start };
+    for entry in reading.all(&whole) {
+        let Some(body) = d.bodies.iter().find(|body| body.name == entry.key) else {
+            let names = d.bodies.iter().map(|body| body.name.as_str());
+            reading.refuse_name(&entry, &entry.key, "no body has this name", names);
+            continue;
+        };
+        let Some(table) = reading.table(&entry, "allowed is a table such as { s = 0.0, v = 0.0 }") else {
+            continue;
+        };
+        if matches!(body.kind, BodyKind::Prescribed { .. }) {
+            reading.refuse_table(&table, "its motion is prescribed; allowed are bodies with mass or inertia");
+            continue;
+        }
+        reading.known(&table, &["s", "v"]);
+        let mut number = |key, kind| {
+            let entry = reading.optional(&table, key)?;
+            reading.number(&entry, kind, body.dimension)
+        };
+        let given = BodyStart { s: number("s", kinds::START), v: number("v", kinds::START_RATE) };
+        start.bodies.insert(body.name.clone(), given);
+    }
+    start
+}

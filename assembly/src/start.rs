@@ -1,0 +1,323 @@
+//! Starts: a time, and coordinates and rates of bodies by name, from which a motion begins instead
+//! of the machine's own start.
+
+use crate::assembly::Assembly;
+use crate::description::{Body, BodyKind, Description, Dimension};
+use crate::elements::Element;
+use crate::error::Error;
+use crate::kinds::{self, NumberKind};
+use crate::motion::{Event, Motion};
+use crate::parameters::read;
+use crate::refusal::{Problem, Refusal, advice};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::{self, Write};
+use std::sync::Arc;
+
+/// Start of a motion. A coordinate or rate that is not given is that of the machine's own start.
+///
+/// Its numbers have names: `time`, and `box.s` and `box.v` of a body `box` with mass or inertia.
+/// Stops and friction have no values of their own: the law finds which are closed and which stick.
+///
+/// ```
+/// use std::sync::Arc;
+/// use vibro_assembly::{Assembly, Motion, Start, file};
+///
+/// let text = r#"
+///     name = "Pendulum"
+///     [body.bob]
+///     mass = 2.0
+///     [spring.k]
+///     between = ["ground", "bob"]
+///     stiffness = 800.0
+///     [load.f]
+///     on = "bob"
+///     amplitude = 1.0
+///     frequency = 2.0
+/// "#;
+/// let assembly = Arc::new(Assembly::new(file::parse(text, "p.toml", &file::no_records)?)?);
+/// let mut motion = Motion::new(assembly.clone())?;
+/// motion.advance_to(0.3)?;
+///
+/// let start = Start::of(&motion);
+/// let written = start.to_toml();
+/// let read = Start::parse(&written, "start.toml", &assembly.description)?;
+/// assert_eq!(read, start);
+/// let mut on = read.motion(assembly)?;
+/// on.advance_to(1.0)?;
+/// motion.advance_to(1.0)?;
+/// assert!((on.body(0)[0] - motion.body(0)[0]).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Start {
+    /// s.
+    pub time: f64,
+    /// What is given of each body, by its name.
+    pub bodies: BTreeMap<String, BodyStart>,
+}
+
+/// Coordinate and rate of a body at the start, where they are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyStart {
+    /// m or rad.
+    pub s: Option<f64>,
+    /// m/s or rad/s.
+    pub v: Option<f64>,
+}
+
+/// A number of a start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Time,
+    /// Of the body with an index: its coordinate.
+    Coordinate(usize),
+    /// Its rate.
+    Rate(usize),
+}
+
+impl Place {
+    fn kind(self, d: &Description) -> (NumberKind, Dimension) {
+        match self {
+            Self::Time => (kinds::TIME, Dimension::Translation),
+            Self::Coordinate(body) => (kinds::START, d.bodies[body].dimension),
+            Self::Rate(body) => (kinds::START_RATE, d.bodies[body].dimension),
+        }
+    }
+}
+
+impl Start {
+    /// The present state of a motion.
+    pub fn of(motion: &Motion) -> Self {
+        let assembly = motion.assembly();
+        let body = |&i: &usize| {
+            let [s, v] = [motion.coordinate(i), motion.body(i)[1]].map(|x| Some(x + 0.0));
+            (assembly.description.bodies[i].name.clone(), BodyStart { s, v })
+        };
+        Self { time: motion.time(), bodies: assembly.system.bodies_of.iter().map(body).collect() }
+    }
+
+    /// Reads the text of a start's file, in which messages call it `file`:
+    ///
+    /// ```toml
+    /// time = 0.123
+    /// [body.box]
+    /// s = "2 mm"
+    /// v = 0.1
+    /// ```
+    ///
+    /// # Errors
+    /// A [`Refusal`] with every problem found.
+    pub fn parse(text: &str, file: &str, d: &Description) -> Result<Self, Refusal> {
+        crate::file::start(text, file, d)
+    }
+
+    /// Reads a start's file.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse), or the reason why the file cannot be read.
+    pub fn read(path: &std::path::Path, d: &Description) -> Result<Self, Refusal> {
+        Self::parse(&crate::file::text_of(path)?, &path.display().to_string(), d)
+    }
+
+    /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("time = {:?}\n", self.time);
+        for (name, BodyStart { s, v }) in &self.bodies {
+            let _ = writeln!(text, "\n[body.{name}]");
+            for (key, value) in [("s", s), ("v", v)] {
+                let _ = value.map_or(Ok(()), |x| writeln!(text, "{key} = {x:?}"));
+            }
+        }
+        text
+    }
+
+    /// Sets a number by its name, SI.
+    ///
+    /// # Errors
+    /// As [`set_text`](Self::set_text).
+    pub fn set(&mut self, d: &Description, name: &str, value: f64) -> Result<(), Refusal> {
+        let place = place(d, name)?;
+        let (kind, _) = place.kind(d);
+        if !kind.contains(value) {
+            let text = format!("allowed is {}", kind.range.allowed);
+            return Err(Refusal::one(Problem::new(name, Some(format!("{value:?}")), text)));
+        }
+        self.put(d, place, value);
+        Ok(())
+    }
+
+    /// Sets a number by its name from a text, with or without a unit.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for an unknown name, with the nearest one; for a body with a prescribed
+    /// motion; for a value that is not allowed.
+    pub fn set_text(&mut self, d: &Description, name: &str, text: &str) -> Result<(), Refusal> {
+        let place = place(d, name)?;
+        let (kind, dimension) = place.kind(d);
+        let value = read(kind, dimension, text).ok_or_else(|| {
+            let quoted = Some(format!("{:?}", text.trim()));
+            Refusal::one(Problem::new(name, quoted, kind.allowed(dimension)))
+        })?;
+        self.put(d, place, value);
+        Ok(())
+    }
+
+    fn put(&mut self, d: &Description, place: Place, value: f64) {
+        let (Place::Coordinate(i) | Place::Rate(i)) = place else {
+            self.time = value;
+            return;
+        };
+        let body = self.bodies.entry(d.bodies[i].name.clone()).or_default();
+        *if place == Place::Rate(i) { &mut body.v } else { &mut body.s } = Some(value);
+    }
+
+    /// The numbers with their names, as [`set`](Self::set) takes them.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let of = |(name, body): (&String, &BodyStart)| {
+            [("s", body.s), ("v", body.v)].map(|(key, x)| Some((format!("{name}.{key}"), x?)))
+        };
+        let bodies = self.bodies.iter().flat_map(of).flatten();
+        std::iter::once(("time".into(), self.time)).chain(bodies).collect()
+    }
+
+    /// Whether it is the machine's own start, at time 0.
+    pub fn is_own(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Coordinates and rates of a machine's coordinates, as [`Motion::from_state`] takes them.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for a body that the machine does not have, and for one whose coordinate
+    /// follows from others.
+    pub fn state(&self, assembly: &Assembly) -> Result<Vec<f64>, Refusal> {
+        let (d, of) = (&assembly.description, &assembly.system.bodies_of);
+        let mut state = crate::motion::start_of(assembly);
+        let mut problems = Vec::new();
+        for (name, value) in self.numbers() {
+            let (body, order) = match place(d, &name) {
+                Ok(Place::Coordinate(body)) => (body, 0),
+                Ok(Place::Rate(body)) => (body, 1),
+                Ok(Place::Time) => continue,
+                Err(refusal) => {
+                    problems.extend(refusal.problems);
+                    continue;
+                }
+            };
+            match of.iter().position(|&own| own == body) {
+                Some(k) => state[order * of.len() + k] = value,
+                None => {
+                    let value = Some(format!("{value:?}"));
+                    problems.push(Problem::new(name, value, determined(assembly, body)));
+                }
+            }
+        }
+        if problems.is_empty() { Ok(state) } else { Err(Refusal { file: String::new(), problems }) }
+    }
+
+    /// The motion from this start.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] as [`state`](Self::state), and for a rigid stop that the start violates;
+    /// as [`Motion::from_state`].
+    pub fn motion(&self, assembly: Arc<Assembly>) -> Result<Motion, Error> {
+        self.motion_observed(assembly, &mut |_| ())
+    }
+
+    /// As [`motion`](Self::motion), with the events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion).
+    pub fn motion_observed(
+        &self,
+        assembly: Arc<Assembly>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Motion, Error> {
+        if self.is_own() {
+            return Motion::new_observed(assembly, observer);
+        }
+        let state = self.state(&assembly)?;
+        let begun = Motion::from_state_observed(assembly.clone(), self.time, &state, observer);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
+
+/// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.
+fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
+    let Error::Violated { stop, time, excess } = &error else { return error };
+    if *time != begin {
+        return error;
+    }
+    let element = assembly.description.elements().find(|element| element.dotted() == *stop);
+    let dimension = element.and_then(Element::arms).map(|arms| arms.dimension);
+    let unit = if dimension == Some(Dimension::Rotation) { "rad" } else { "m" };
+    let gap = format!("{stop}.gap");
+    let value = assembly.description.get(&gap).ok().map(|gap| format!("{gap:?}"));
+    let text = format!(
+        "the start at t = {time:?} s violates it by e - gap = {excess:?} {unit}; allowed is e <= gap"
+    );
+    Refusal::one(Problem::new(gap, value, text)).into()
+}
+
+/// The numbers in one line, such as `time=0.5,box.s=0.001`.
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_own() {
+            return f.write_str("as the file says");
+        }
+        let words: Vec<String> = self.numbers().iter().map(|(name, x)| format!("{name}={x:?}")).collect();
+        f.write_str(&words.join(","))
+    }
+}
+
+/// The number with a name: `time`, `box.s`, `body.box.v`.
+fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
+    if name.trim() == "time" {
+        return Ok(Place::Time);
+    }
+    let free = |body: &&Body| matches!(body.kind, BodyKind::Free(_));
+    let refused = |text: String| Err(Refusal::one(Problem::new(name.trim(), None, text)));
+    let of_body = |plain: &str| {
+        let (body, key) = plain.split_once('.')?;
+        let i = d.bodies.iter().position(|own| own.name == body)?;
+        match key {
+            "s" => Some((i, Place::Coordinate(i))),
+            "v" => Some((i, Place::Rate(i))),
+            _ => None,
+        }
+    };
+    let plain = name.trim();
+    let plain = plain.strip_prefix("body.").unwrap_or(plain);
+    let found = of_body(plain).or_else(|| of_body(name.trim()));
+    match found {
+        Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
+        Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
+        None => {
+            let names =
+                d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
+            let names: Vec<String> = std::iter::once("time".into()).chain(names).collect();
+            let near = advice(plain, names.iter().map(String::as_str));
+            refused(format!("no number of a start has this name; {near}"))
+        }
+    }
+}
+
+/// Why a body's coordinate is not given, and which are.
+fn determined(assembly: &Assembly, body: usize) -> String {
+    let (d, system) = (&assembly.description, &assembly.system);
+    let name = |&i: &usize| format!("`{}`", d.bodies[i].name);
+    let weights = system.bodies[body].s.iter().zip(&system.bodies_of);
+    let from: Vec<String> = weights.filter(|(w, _)| **w != 0.0).map(|(_, i)| name(i)).collect();
+    let from = if from.is_empty() { "prescribed motions".into() } else { from.join(", ") };
+    format!("links determine it from {from}; {}", allowed(system.bodies_of.iter().map(|&i| &d.bodies[i])))
+}
+
+fn allowed<'b>(bodies: impl Iterator<Item = &'b Body>) -> String {
+    let names: Vec<&str> = bodies.take(crate::refusal::SHOWN).map(|body| body.name.as_str()).collect();
+    if names.is_empty() {
+        "no body has a start of its own".into()
+    } else {
+        format!("allowed are starts of {}", names.join(", "))
+    }
+}
