@@ -259,15 +259,6 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The augmented state before the law at the start.
-    pub(crate) fn state_at_start(
-        assembly: &Assembly,
-        time: DoubleDouble,
-        inputs: &[(f64, Input)],
-    ) -> DVector<f64> {
-        Self::state_with_signals(assembly, time, &start_of(assembly), inputs)
-    }
-
     /// The augmented state with coordinates and rates `start`.
     fn state_with_signals(
         assembly: &Assembly,
@@ -410,7 +401,7 @@ impl Motion {
 }
 
 /// Coordinates and rates of the machine's start.
-fn start_of(assembly: &Assembly) -> Vec<f64> {
+pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {
     let bodies = || assembly.system.bodies_of.iter();
     bodies().map(|&b| assembly.starts[b].0).chain(bodies().map(|&b| assembly.starts[b].1)).collect()
 }
