@@ -62,7 +62,7 @@ fn breaking(cycle: &Cycle, factor: f64) -> Option<SignedLog> {
 
 /// t_NS of docs/theory.md (81), with each factor divided by 1 + |μᵢ μⱼ|, which leaves the zeros
 /// unchanged.
-pub(super) fn pair_test(multipliers: &[Complex<f64>; 6]) -> SignedLog {
+pub(super) fn pair_test(multipliers: &[Complex<f64>]) -> SignedLog {
     let (mut product, mut log) = (Complex::new(1.0, 0.0), 0.0);
     for (i, a) in multipliers.iter().enumerate() {
         for b in &multipliers[i + 1..] {
@@ -81,7 +81,7 @@ const ON_CIRCLE: f64 = 1e-5;
 
 /// Whether a complex multiplier is on the unit circle. If none is, a zero of the pair's test is a
 /// neutral saddle, which is not a bifurcation.
-pub(super) fn is_on_circle(multipliers: &[Complex<f64>; 6]) -> bool {
+pub(super) fn is_on_circle(multipliers: &[Complex<f64>]) -> bool {
     multipliers.iter().any(|m| m.im != 0.0 && (m.norm() - 1.0).abs() < ON_CIRCLE)
 }
 

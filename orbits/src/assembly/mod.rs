@@ -8,17 +8,23 @@
 //! motion over a word is linear in its start. An orbit's unknowns are its start and the times of
 //! its events. A word is found by the machine's own motion, never written by hand.
 
+mod branch;
 mod cycle;
 mod orbit;
+mod path;
 mod place;
 mod problem;
 mod seed;
+mod switching;
+mod tree;
 mod word;
 
 #[cfg(test)]
 mod tests;
 
+pub use branch::{Branch, Kind, OrbitPoint, Special};
 pub use cycle::{Condition, Leg};
 pub use orbit::{Orbit, Stability};
 pub use place::{Family, Place};
+pub use tree::{TreeOptions, branch, tree};
 pub use word::{Letter, Word};

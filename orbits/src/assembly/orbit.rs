@@ -26,6 +26,8 @@ const SHORTENING: f64 = 0.5;
 const ROUNDING: f64 = 1e-12;
 /// Distance of a multiplier from the unit circle that leaves stability undecided.
 const MARGIN: f64 = 1e-6;
+/// Largest difference of states and times, in their units, of one orbit.
+const SAME: f64 = 1e-6;
 /// Sweeps of the Schur decomposition by multiplier.
 const SWEEPS: usize = 200;
 
@@ -267,6 +269,11 @@ impl Orbit {
         self.broken.is_none()
     }
 
+    /// The conditions under which it is a motion of the machine, with their values.
+    pub(super) fn conditions(&self) -> Vec<(Condition, f64)> {
+        self.cycle.conditions(self.word())
+    }
+
     /// The condition that does not hold, in words.
     pub fn violation(&self) -> Option<String> {
         let (condition, _) = self.broken?;
@@ -275,13 +282,50 @@ impl Orbit {
 
     /// A start on the orbit: in the middle of its longest flight.
     pub fn start(&self) -> Start {
-        let legs = self.legs();
-        let longest = (0..legs.len()).max_by(|a, b| legs[*a].span.total_cmp(&legs[*b].span)).unwrap_or(0);
-        let (time, z) = middle(&legs[longest]);
+        let (time, z) = middle(self.longest());
         let system = self.place.assembly.system();
         let bodies =
             system.bodies.iter().map(|body| (dot(body.s.as_slice(), &z), dot(body.v.as_slice(), &z)));
         Start { time, bodies: Some(bodies.collect()) }
+    }
+
+    /// Time and state (q, q') in the middle of its longest flight.
+    pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
+        let (time, mut z) = middle(self.longest());
+        z.truncate(self.numbers.state.len());
+        (time, z)
+    }
+
+    fn longest(&self) -> &Leg {
+        let legs = self.legs();
+        let longest = (0..legs.len()).max_by(|a, b| legs[*a].span.total_cmp(&legs[*b].span));
+        &legs[longest.unwrap_or(0)]
+    }
+
+    /// The value of the family's parameter.
+    pub fn value(&self) -> f64 {
+        self.problem.value(&self.u)
+    }
+
+    /// Whether its events are those of a word, from some event on.
+    pub(super) fn has_word(&self, word: &Word) -> bool {
+        same_word(self.word(), word)
+    }
+
+    /// Whether another orbit of this machine is this one, from some event on.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        if !same_word(self.word(), other.word()) {
+            return false;
+        }
+        let (m, units) = (self.word().len(), &self.problem.units);
+        let is_near = |k: usize| {
+            let own = &self.legs()[k].states[0];
+            let pairs = own.iter().zip(other.state()).zip(&units.state);
+            let apart = pairs.map(|((a, b), unit)| ((a - b) / unit).abs()).fold(0.0, f64::max);
+            let turns = self.place.period.map_or(0.0, |p| (self.legs()[k].time - other.legs()[0].time) / p);
+            apart < SAME && (turns - turns.round()).abs() < SAME
+        };
+        m == 0 || (0..m).any(|k| self.word().rotated(k) == *other.word() && is_near(k))
     }
 
     /// Follows each flight by the machine's own motion from its middle to its event: the largest
@@ -366,6 +410,11 @@ impl Orbit {
         self.observe(&mut [&mut watcher]);
         watcher
     }
+}
+
+/// Whether two words have the same events, from some event on.
+pub(super) fn same_word(a: &Word, b: &Word) -> bool {
+    (a.len(), a.periods) == (b.len(), b.periods) && (a == b || (0..a.len()).any(|k| a.rotated(k) == *b))
 }
 
 /// Time and augmented state in the middle of a flight.

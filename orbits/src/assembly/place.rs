@@ -1,7 +1,6 @@
 //! A machine at one value of a parameter, and the machines over its values.
 
-use std::cell::RefCell;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use vibro_analysis::assembly::flight::{Flow, Flows};
 use vibro_analysis::assembly::{Machine, common_period, is_steady, runs_on};
 use vibro_analysis::{Error, Result};
@@ -15,7 +14,7 @@ pub struct Place {
     pub assembly: Arc<Assembly>,
     /// The common period of all harmonics, s; `None` for an autonomous machine.
     pub period: Option<f64>,
-    flows: RefCell<Flows>,
+    flows: Mutex<Flows>,
 }
 
 impl Place {
@@ -42,12 +41,13 @@ impl Place {
             return Err(Error::Described { problem });
         }
         let assembly = Arc::new(Assembly::new(d.clone())?);
-        Ok(Self { assembly, period, flows: RefCell::default() })
+        Ok(Self { assembly, period, flows: Mutex::default() })
     }
 
     /// The linear system of a mode.
     pub(super) fn flow(&self, mode: &Mode) -> Arc<Flow> {
-        self.flows.borrow_mut().of(self.assembly.system(), mode)
+        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
+        flows.of(self.assembly.system(), mode)
     }
 }
 

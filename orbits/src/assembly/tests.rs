@@ -47,3 +47,39 @@ fn try_wall() {
         Err(e) => println!("{e}"),
     }
 }
+
+#[test]
+fn try_wall_tree() {
+    let m = machine(WALL);
+    let family = Family::new(&m, "load.drive.frequency", (0.11, 0.15)).unwrap();
+    let t = std::time::Instant::now();
+    let options = TreeOptions { seeds: 8, depth: 2, ..TreeOptions::default() };
+    let found = tree(&family, &options, &mut |n| {
+        println!("{n} branches");
+        n < 40
+    })
+    .unwrap();
+    println!("{:?}", t.elapsed());
+    for b in &found {
+        println!(
+            "{} from {:?} depth {} [{}] {:?} points {} closed {}",
+            b.id,
+            b.parent,
+            b.depth,
+            b.word().in_words(&family.place(0.12).unwrap().assembly),
+            b.word().periods,
+            b.points.len(),
+            b.closed
+        );
+        for p in b.points.iter().filter(|p| p.special.is_some()) {
+            let s = p.special.as_ref().unwrap();
+            println!(
+                "    {} {} {:.12} {}",
+                s.kind.name(),
+                s.element,
+                p.value * std::f64::consts::TAU,
+                p.stability
+            );
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Branches of orbits of described machines as plain data.
+
+use super::cycle::Condition;
+use super::orbit::{Orbit, Stability, element_of};
+use super::place::Place;
+use super::problem::Problem;
+use super::word::Word;
+use crate::branch::Label;
+use crate::obstacle::Obstacle;
+use nalgebra::{Complex, DVector};
+use vibro_assembly::mode::{Contact, Watch};
+
+/// Kind of a special point of a described machine's branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One of those of the 3-DOF machine.
+    As(Label),
+    /// ST: a friction begins or ceases to stick, or slips once more.
+    Stick,
+    /// CC: two events of different elements change places.
+    Crossing,
+}
+
+impl Kind {
+    /// The two letters of the label.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::As(label) => label.name(),
+            Self::Stick => "ST",
+            Self::Crossing => "CC",
+        }
+    }
+}
+
+/// A special point of a branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Special {
+    /// Its kind.
+    pub kind: Kind,
+    /// The element that is meant, as `stop.NAME`; empty where none is.
+    pub element: String,
+}
+
+impl Special {
+    pub(super) fn of(label: Label) -> Self {
+        Self { kind: Kind::As(label), element: String::new() }
+    }
+
+    /// The special point at which a condition ceases to hold.
+    pub(super) fn of_condition(condition: Condition, word: &Word, place: &Place) -> Self {
+        let of = |watch: Watch| {
+            let kind = match watch.contact() {
+                Contact::Stop(_) => Kind::As(Label::Grazing),
+                Contact::Friction(_) => Kind::Stick,
+            };
+            Self { kind, element: element_of(place, watch) }
+        };
+        match condition {
+            Condition::Rises { letter } => of(word.letters[letter].watch),
+            Condition::Stays { watch, .. } => of(watch),
+            Condition::Lasts { letter } => {
+                let [first, next] = [letter, (letter + 1) % word.len()].map(|k| word.letters[k].watch);
+                if first.contact() == next.contact() {
+                    of(next)
+                } else {
+                    let element = format!("{} {}", element_of(place, first), element_of(place, next));
+                    Self { kind: Kind::Crossing, element }
+                }
+            }
+        }
+    }
+}
+
+/// One orbit of a branch.
+#[derive(Clone, Debug)]
+pub struct OrbitPoint {
+    /// The parameter, SI.
+    pub value: f64,
+    /// The orbit's period, s.
+    pub period: f64,
+    /// The multipliers that are not 1 by theory, largest first.
+    pub multipliers: Vec<Complex<f64>>,
+    /// Whether the orbit attracts its neighbourhood; at a special point what holds on the way to
+    /// the next point.
+    pub stability: Stability,
+    /// The special point here, if it is one.
+    pub special: Option<Special>,
+    pub(super) u: DVector<f64>,
+}
+
+/// A connected family of orbits along a parameter.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Index in the list of branches.
+    pub id: usize,
+    /// Index of the branch and of its point from which this branch begins; `None` for one that
+    /// starts from a motion.
+    pub parent: Option<(usize, usize)>,
+    /// Number of switches since a motion.
+    pub depth: u32,
+    /// Points in order.
+    pub points: Vec<OrbitPoint>,
+    /// Whether the branch ends where it begins.
+    pub closed: bool,
+    /// The point from which it was followed in both directions.
+    pub(super) began_at: Option<usize>,
+    pub(super) problem: Problem,
+}
+
+impl Branch {
+    /// The events of all its orbits.
+    pub fn word(&self) -> &Word {
+        &self.problem.word
+    }
+
+    /// The orbit of one of its points; `None` where it cannot be computed again.
+    pub fn orbit(&self, point: &OrbitPoint) -> Option<Orbit> {
+        let place = self.problem.place(&point.u).ok()?;
+        Orbit::at(self.problem.clone(), place, point.u.clone()).ok()
+    }
+
+    /// Orbits of the branch at a value of the parameter, from the points on either side.
+    pub fn orbits_at(&self, value: f64) -> Vec<Orbit> {
+        let Ok(place) = self.problem.family.place(value) else { return Vec::new() };
+        let at = value / self.problem.family.unit();
+        let last = self.problem.size();
+        let mut found: Vec<Orbit> = Vec::new();
+        for pair in self.points.windows(2) {
+            let [a, b] = [&pair[0], &pair[1]];
+            if (a.value - value) * (b.value - value) > 0.0 {
+                continue;
+            }
+            let way = b.value - a.value;
+            let part = if way == 0.0 { 0.5 } else { (value - a.value) / way };
+            let mut guess = &a.u + (&b.u - &a.u) * part;
+            guess[last] = at;
+            let near = |u: &DVector<f64>| (u - &guess).norm() <= NEAR * ((&b.u - &a.u).norm() + NEAR);
+            let Ok(u) = super::orbit::newton(&self.problem, &place, &guess) else { continue };
+            if !near(&u) || found.iter().any(|own| (&own.u - &u).norm() < SAME) {
+                continue;
+            }
+            let orbit = self
+                .problem
+                .family
+                .place(value)
+                .map_err(Obstacle::from)
+                .and_then(|place| Orbit::at(self.problem.clone(), place, u));
+            found.extend(orbit.ok().filter(Orbit::is_certified));
+        }
+        found
+    }
+}
+
+/// Distance from a guess within which an orbit belongs to the piece, in lengths of the piece.
+const NEAR: f64 = 1.0;
+/// Distance of two points that are one.
+const SAME: f64 = 1e-6;

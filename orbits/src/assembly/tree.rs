@@ -1,0 +1,267 @@
+//! Branches grown from settled motions: each is followed in both directions, and at its special
+//! points further ones begin.
+
+use super::branch::{Branch, Kind};
+use super::orbit::Orbit;
+use super::path::{Departure, Path, PathEnd, follow};
+use super::place::Family;
+use super::problem::Problem;
+use super::switching;
+use crate::branch::Label;
+use crate::curve::tangent;
+use crate::obstacle::Obstacle;
+use crate::path::PathOptions;
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::sync::Arc;
+use vibro_analysis::Result;
+use vibro_analysis::assembly::Start;
+
+/// First step from an orbit.
+const FIRST_STEP: f64 = 1e-2;
+/// Difference of the parameter, in its unit, at which two special points of one kind are one.
+const SAME_PLACE: f64 = 1e-7;
+/// Most branches.
+const MOST: usize = 400;
+
+/// Options of a tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeOptions {
+    /// Values of the parameter at which motions are followed until they settle.
+    pub seeds: usize,
+    /// Returns to the section discarded at each value; fewer where the motion has settled.
+    pub discard: u32,
+    /// Number of switches of branches; 0 follows the settled orbits alone.
+    pub depth: u32,
+    /// Options of following a branch.
+    pub path: PathOptions,
+}
+
+impl Default for TreeOptions {
+    fn default() -> Self {
+        Self { seeds: 24, discard: 400, depth: 3, path: PathOptions::default() }
+    }
+}
+
+/// A start from which a branch may be followed.
+struct BranchStart {
+    depth: u32,
+    parent: Option<(usize, usize)>,
+    kind: StartKind,
+}
+
+enum StartKind {
+    Orbit(Box<Orbit>),
+    /// One departure, or two of which the first is followed backwards.
+    Departures(Vec<Departure>),
+}
+
+/// The departures of a branch in both directions from an orbit.
+fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
+    let (problem, u) = (&orbit.problem, &orbit.u);
+    let axis = crate::curve::axis(u.len(), u.len() - 1);
+    let direction = tangent(problem, u, &axis)?;
+    let departure = |direction: DVector<f64>| Departure {
+        problem: problem.clone(),
+        u: u.clone(),
+        direction,
+        step: FIRST_STEP,
+        special: None,
+    };
+    Ok([departure(-&direction), departure(direction)])
+}
+
+/// Follows the branch of one orbit in both directions.
+///
+/// # Errors
+/// The orbit's own obstacle, as an error.
+pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<Branch> {
+    let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
+    let value = family.present()?;
+    let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), value);
+    let place = family.place(value)?;
+    let failed =
+        |obstacle| super::orbit::Obstructed { obstacle, residual: f64::NAN, word: String::new() }.error();
+    let orbit = Orbit::at(problem, place, u).map_err(failed)?;
+    let (traced, _) = trace(&[StartKind::Orbit(Box::new(orbit))], options).map_err(failed)?;
+    Ok(traced)
+}
+
+/// The branch of a start, with its ends in the order of its points.
+fn trace(
+    start: &[StartKind],
+    options: &PathOptions,
+) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+    let departures = match &start[0] {
+        StartKind::Orbit(orbit) => both_ways(orbit)?.to_vec(),
+        StartKind::Departures(departures) => departures.clone(),
+    };
+    let paths: Vec<Path> =
+        departures.iter().map(|d| follow(d, options)).collect::<std::result::Result<_, _>>()?;
+    let problem = departures[0].problem.clone();
+    let mut paths = paths.into_iter();
+    let (first, second) = (paths.next(), paths.next());
+    match (first, second) {
+        (Some(first), _) if matches!(first.end, PathEnd::Closed) => {
+            let empty = Path { points: vec![first.points[0].clone()], end: PathEnd::Plain };
+            Ok(Branch::joined(problem, empty, first))
+        }
+        (Some(back), Some(on)) => Ok(Branch::joined(problem, back, on)),
+        (Some(on), None) => {
+            let empty = Path { points: vec![on.points[0].clone()], end: PathEnd::Plain };
+            Ok(Branch::joined(problem, empty, on))
+        }
+        _ => Err(Obstacle::NoConvergence),
+    }
+}
+
+/// Branches as far as they have grown.
+struct Grower<'a> {
+    family: &'a Arc<Family>,
+    options: &'a TreeOptions,
+    branches: Vec<Branch>,
+    queue: Vec<BranchStart>,
+}
+
+/// The branches of a family that settled motions and special points lead to. `told` receives the
+/// number of branches after each, and ends the growth by returning false.
+///
+/// # Errors
+/// As [`Family::place`].
+pub fn tree(
+    family: &Family,
+    options: &TreeOptions,
+    told: &mut dyn FnMut(usize) -> bool,
+) -> Result<Vec<Branch>> {
+    let family = Arc::new(family.clone());
+    let mut grower = Grower { family: &family, options, branches: Vec::new(), queue: Vec::new() };
+    grower.plant()?;
+    while let Some(start) = grower.next() {
+        grower.grow(start);
+        if grower.branches.len() >= MOST || !told(grower.branches.len()) {
+            break;
+        }
+    }
+    Ok(grower.branches)
+}
+
+impl Grower<'_> {
+    /// Queues the orbits on which motions settle with the parameter rising and falling.
+    fn plant(&mut self) -> Result<()> {
+        let (from, to) = self.family.range;
+        let count = self.options.seeds.max(1);
+        // Values inside the range: at its ends symmetric choices of numbers are frequent.
+        let value = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
+        let chain = |upward: bool| -> Vec<Orbit> {
+            let (mut start, mut found) = (Start::default(), Vec::new());
+            for k in 0..count {
+                let value = value(if upward { k } else { count - 1 - k });
+                let Ok(machine) = self.family.at(value) else { continue };
+                let settled = Orbit::settled_in(self.family, &machine, value, &start, self.options.discard);
+                if let Ok(orbit) = settled.map(|orbit| {
+                    start = orbit.start();
+                    orbit
+                }) {
+                    found.push(orbit);
+                }
+            }
+            found
+        };
+        let chains: Vec<Vec<Orbit>> = [true, false].into_par_iter().map(chain).collect();
+        for orbit in chains.into_iter().flatten().filter(Orbit::is_certified) {
+            self.queue.push(BranchStart { depth: 0, parent: None, kind: StartKind::Orbit(Box::new(orbit)) });
+        }
+        Ok(())
+    }
+
+    fn next(&mut self) -> Option<BranchStart> {
+        let best = (0..self.queue.len()).min_by_key(|&k| (self.queue[k].depth, k))?;
+        Some(self.queue.remove(best))
+    }
+
+    fn grow(&mut self, start: BranchStart) {
+        if self.is_known(&start.kind) {
+            return;
+        }
+        let Ok((mut branch, ends)) = trace(std::slice::from_ref(&start.kind), &self.options.path) else {
+            return;
+        };
+        branch.id = self.branches.len();
+        (branch.depth, branch.parent) = (start.depth, start.parent);
+        if start.depth < self.options.depth {
+            self.switch(&branch, &ends);
+        }
+        self.branches.push(branch);
+    }
+
+    /// Whether a start lies on a branch that is there.
+    fn is_known(&self, start: &StartKind) -> bool {
+        match start {
+            StartKind::Orbit(orbit) => self.branches.iter().any(|branch| {
+                orbit.has_word(branch.word())
+                    && branch.orbits_at(orbit.value()).iter().any(|own| own.is_same(orbit))
+            }),
+            StartKind::Departures(departures) => {
+                let Departure { problem, u, special, .. } = &departures[0];
+                let value = problem.value(u);
+                let kind = special.as_ref().map(|s| s.kind);
+                let is_there = |branch: &Branch| {
+                    let ends = [branch.points.first(), branch.points.last()];
+                    let mut known =
+                        branch.points.iter().filter(|p| p.special.as_ref().map(|s| s.kind) == kind);
+                    let near = |point: &super::branch::OrbitPoint| {
+                        (point.value - value).abs() <= SAME_PLACE * self.family.unit()
+                    };
+                    super::orbit::same_word(branch.word(), &problem.word)
+                        && (ends.into_iter().flatten().any(near) || known.any(near))
+                        && kind != Some(Kind::As(Label::BranchPoint))
+                };
+                self.branches.iter().any(is_there)
+            }
+        }
+    }
+
+    /// Queues what begins at the special points of a branch.
+    fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2]) {
+        let mut add = |point: usize, kind: StartKind| {
+            let (depth, parent) = (branch.depth + 1, Some((branch.id, point)));
+            self.queue.push(BranchStart { depth, parent, kind });
+        };
+        let last = branch.points.len() - 1;
+        for (k, point) in branch.points.iter().enumerate() {
+            let Some(special) = &point.special else { continue };
+            let is_end = k == 0 || k == last;
+            match special.kind {
+                Kind::As(Label::PeriodDoubling) if !is_end => {
+                    if let Ok(departure) = switching::at_doubling(&branch.problem, &point.u) {
+                        add(k, StartKind::Departures(vec![departure]));
+                    }
+                }
+                Kind::As(Label::BranchPoint) if !is_end => {
+                    let along = &branch.points[k + 1].u - &branch.points[k - 1].u;
+                    // The point from which the branch itself began is not taken again.
+                    let began = k > 0 && branch.began_at == Some(k);
+                    if let Ok(both) = switching::at_crossing(&branch.problem, &point.u, &along)
+                        && !began
+                    {
+                        add(k, StartKind::Departures(both.to_vec()));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (end, point) in ends.iter().zip([0, last]) {
+            let PathEnd::Broken(condition) = end else { continue };
+            let at = &branch.points[point];
+            let Some(special) = &at.special else { continue };
+            match switching::at_touch(&branch.problem, &at.u, *condition, special) {
+                Ok(departure) => add(point, StartKind::Departures(vec![departure])),
+                Err(_) => {
+                    for orbit in switching::beyond(branch, &at.u) {
+                        add(point, StartKind::Orbit(Box::new(orbit)));
+                    }
+                }
+            }
+        }
+    }
+}
