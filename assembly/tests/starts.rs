@@ -182,3 +182,18 @@ fn what_is_no_start_is_refused_by_name() {
          s.toml:8: body.wheel.x = 1.0: no such key; the nearest is `s`"
     );
 }
+
+/// A block at rest under friction, with the rate that rounding leaves a standing body.
+#[test]
+fn invariant_a_rate_of_rounding_is_rest() {
+    let text = MACHINE.replace("0.3 m/s", "0.0 m/s").replace("4 N", "1 N");
+    let description = vibro_assembly::file::parse(&text, "block.toml", &vibro_assembly::file::no_records);
+    let assembly = Arc::new(Assembly::new(description.unwrap()).unwrap());
+    for rate in [0.0, 1e-32, -1e-20] {
+        let mut motion = Motion::from_state(assembly.clone(), 0.0, &[1e-4, rate]).unwrap();
+        assert!(motion.mode().frictions[0].sticks(), "v = {rate}");
+        motion.advance_observed(1.0, &mut |event| panic!("{event:?}")).unwrap();
+    }
+    let motion = Motion::from_state(assembly, 0.0, &[1e-4, 1e-6]).unwrap();
+    assert!(!motion.mode().frictions[0].sticks());
+}

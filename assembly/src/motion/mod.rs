@@ -27,7 +27,7 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
-use crate::mode::{Mode, Watch};
+use crate::mode::{FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
 use jump::Parted;
 use nalgebra::DVector;
@@ -210,8 +210,29 @@ impl Motion {
         }
         let mut motion = Self::placed(assembly, time, state)?;
         motion.check_stops()?;
+        motion.include_standing();
         motion.settle(&[], &Parted::default(), &mut Some(observer))?;
         Ok(motion)
+    }
+
+    /// Includes in the sizes of rates what forces would add to them over a sub-step without held
+    /// contacts. A body that stood in the motion from which the state comes has a rate of rounding,
+    /// which says nothing of its size.
+    fn include_standing(&mut self) {
+        let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
+        let state = |stop: &crate::system::StopRows| match stop.restitution() {
+            Some(_) => StopState::Open,
+            None if stop.excess.dot(z) > 0.0 => stop.entered(),
+            None => StopState::Below,
+        };
+        let stops = system.stops.iter().map(state).collect();
+        let frictions = vec![FrictionState::Up; system.frictions.len()];
+        let table = FlowTable::of_mode(system, &Mode { stops, frictions, basis: Vec::new() });
+        let first = system.signals.one / 2;
+        let mut added = vec![0.0; system.signals.one - first];
+        table.flight_sizes(sizes.0.as_slice(), table.length, &mut Vec::new(), &mut added);
+        let rates = sizes.0.iter_mut().skip(first);
+        rates.zip(added).for_each(|(size, added)| *size = size.max(added));
     }
 
     /// The motion from a state. Rigid stops with e > gap are opened by the least movement of

@@ -231,7 +231,7 @@ impl Cycle {
     fn add_peaks(&self, letter: usize, word: &Word, all: &mut Vec<(Condition, f64)>) {
         let leg = &self.legs[letter];
         let watched = &leg.flow.watched;
-        let sizes: Vec<f64> = watched.iter().map(|(_, row)| size(row.as_slice(), leg)).collect();
+        let mut sizes: Vec<f64> = watched.iter().map(|(_, row)| size(row.as_slice(), leg)).collect();
         let mut peaks = vec![f64::NEG_INFINITY; watched.len()];
         let next = word.letters.get((letter + 1) % word.len().max(1));
         let is_ending = |place: usize| {
@@ -245,6 +245,8 @@ impl Cycle {
             for (place, (_, row)) in watched.iter().enumerate() {
                 let q = coefficients(row.as_slice(), series);
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
+                // A rate that is zero at both ends has its size from within.
+                sizes[place] = sizes[place].max(spread);
                 if q[0] + spread <= peaks[place] {
                     continue;
                 }

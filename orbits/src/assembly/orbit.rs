@@ -1,7 +1,7 @@
 //! One periodic orbit of a described machine: found by Newton's method, examined, with its
 //! multipliers.
 
-use super::cycle::{Condition, Cycle, Leg};
+use super::cycle::{Condition, Cycle, Leg, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::seed::Seed;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use vibro_analysis::assembly::flight::{ObservedFlight, Observer, Passage, dot};
 use vibro_analysis::assembly::{Start, Watcher};
 use vibro_analysis::{Error, Result};
-use vibro_assembly::motion::{Event, EventKind, Reached};
+use vibro_assembly::motion::{Event, EventKind, Reached, keep};
 use vibro_assembly::{Motion, Quantity};
 
 /// Largest number of Newton steps.
@@ -26,6 +26,8 @@ const SHORTENING: f64 = 0.5;
 const ROUNDING: f64 = 1e-12;
 /// Distance of a multiplier from the unit circle that leaves stability undecided.
 const MARGIN: f64 = 1e-6;
+/// Relative singular value of the equations below which there is a family of orbits.
+const FAMILY: f64 = 1e-11;
 /// Largest difference of states and times, in their units, of one orbit.
 const SAME: f64 = 1e-6;
 /// Sweeps of the Schur decomposition by multiplier.
@@ -109,12 +111,9 @@ pub(super) fn newton(
     for _ in 0..STEPS {
         let (value, matrix) = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
         residual = value.amax();
-        let lu = matrix.ok_or((Obstacle::NoConvergence, residual))?.lu();
-        let step = lu.solve(&-&value).ok_or((Obstacle::Singular, residual))?;
+        let matrix = matrix.ok_or((Obstacle::NoConvergence, residual))?;
+        let step = least_step(matrix, &value).ok_or((Obstacle::Singular, residual))?;
         let length = step.norm();
-        if !length.is_finite() {
-            return Err((Obstacle::Singular, residual));
-        }
         let mut part = (LONGEST_STEP / length).min(1.0);
         let is_autonomous = place.period.is_none();
         // Events keep their order.
@@ -135,6 +134,22 @@ pub(super) fn newton(
         before = length;
     }
     Err((Obstacle::NoConvergence, residual))
+}
+
+/// The shortest step that solves the linearized equations. A family of orbits leaves directions in
+/// which nothing is solved: the step does not move along them.
+fn least_step(matrix: DMatrix<f64>, value: &DVector<f64>) -> Option<DVector<f64>> {
+    if !matrix.iter().chain(value.iter()).all(|x| x.is_finite()) {
+        return None;
+    }
+    let lu = matrix.clone().lu();
+    let diagonal = lu.lu_internal().diagonal().abs();
+    if diagonal.min() > FAMILY * diagonal.max() {
+        return lu.solve(&-value).filter(|step| step.iter().all(|x| x.is_finite()));
+    }
+    let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
+    let cutoff = FAMILY * svd.singular_values.max();
+    svd.solve(&-value, cutoff).ok()
 }
 
 /// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
@@ -282,7 +297,7 @@ impl Orbit {
 
     /// A start on the orbit: in the middle of its longest flight.
     pub fn start(&self) -> Start {
-        let (time, z) = middle(self.longest());
+        let (time, z) = middle(&self.place, self.longest());
         let system = self.place.assembly.system();
         let bodies =
             system.bodies.iter().map(|body| (dot(body.s.as_slice(), &z), dot(body.v.as_slice(), &z)));
@@ -291,7 +306,7 @@ impl Orbit {
 
     /// Time and state (q, q') in the middle of its longest flight.
     pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
-        let (time, mut z) = middle(self.longest());
+        let (time, mut z) = middle(&self.place, self.longest());
         z.truncate(self.numbers.state.len());
         (time, z)
     }
@@ -337,7 +352,7 @@ impl Orbit {
         let own = 2 * self.place.assembly.system().coordinates;
         let mut largest: f64 = 0.0;
         for (k, leg) in self.legs().iter().enumerate() {
-            let (time, z) = middle(leg);
+            let (time, z) = middle(&self.place, leg);
             let mut motion =
                 Motion::from_state(self.place.assembly.clone(), time, &z[..own])?.without_energy_accounts();
             let end = leg.time + leg.span;
@@ -417,10 +432,14 @@ pub(super) fn same_word(a: &Word, b: &Word) -> bool {
     (a.len(), a.periods) == (b.len(), b.periods) && (a == b || (0..a.len()).any(|k| a.rotated(k) == *b))
 }
 
-/// Time and augmented state in the middle of a flight.
-fn middle(leg: &Leg) -> (f64, Vec<f64>) {
+/// Time and augmented state in the middle of a flight, on the contacts that are held.
+fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
     let half = leg.flow.propagator(0.5 * leg.span) * DVector::from_column_slice(&leg.states[0]);
-    (leg.time + 0.5 * leg.span, half.as_slice().to_vec())
+    let (time, mut z) = (leg.time + 0.5 * leg.span, half.as_slice().to_vec());
+    let system = place.assembly.system();
+    with_signals(system, time, &mut z);
+    keep(system, &leg.flow.mode.basis, &mut z);
+    (time, z)
 }
 
 /// Whether anything takes energy from a machine.
