@@ -184,7 +184,8 @@ impl Orbit {
             Ok((u, place)) => {
                 let residual = 0.0;
                 let obstructed = |obstacle| Obstructed { obstacle, residual, word: String::new() };
-                Self::at(problem.clone(), place, u).map_err(obstructed)
+                let (problem, u) = problem.reduced(&u).map_err(obstructed)?;
+                Self::at(problem, place, u).map_err(obstructed)
             }
             Err((obstacle, residual)) => Err(Obstructed { obstacle, residual, word: word(&problem) }),
         }

@@ -5,7 +5,7 @@ use super::cycle::Condition;
 use super::orbit::{Orbit, Stability};
 use super::problem::Problem;
 use crate::branch::Label;
-use crate::curve::{CurvePoint, Equations, correct};
+use crate::curve::{CurvePoint, Equations, correct, gradient, meet};
 use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
 use crate::special::zero;
@@ -21,10 +21,19 @@ const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
 /// Points after which a branch can have closed.
 const SHORTEST_LOOP: usize = 10;
+/// Size of the difference of an orbit's halves that is rounding.
+const BIRTH: f64 = 1e-9;
+/// Step of the differences of a test function. It sets the speed of convergence of its zero and
+/// never the result.
+const DIFFERENCE: f64 = 1e-6;
 /// Accuracy of the arc of a special point.
 const LOCATION: f64 = 1e-13;
 /// Value of a condition, relative to its terms, below zero that is rounding.
 const ROUNDING: f64 = 1e-12;
+/// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
+/// parts of the arc.
+const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+const NODE_STEP: f64 = 0.02;
 /// Part of the arc to a touch at which its multipliers are taken, on this side of it.
 const BEFORE: f64 = 1.0 - 1e-7;
 
@@ -117,12 +126,11 @@ impl Test {
 
 struct Follower<'a> {
     problem: &'a Problem,
-    options: &'a PathOptions,
 }
 
 /// Follows a branch from a departure until it ends.
 pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Path, Obstacle> {
-    let follower = Follower { problem: &departure.problem, options };
+    let follower = Follower { problem: &departure.problem };
     let first = follower.first(departure)?;
     let mut points = vec![follower.point(&first, departure.special.clone())];
     let start = (first.u.clone(), first.tangent.clone());
@@ -209,7 +217,6 @@ impl Follower<'_> {
         let place = self.problem.place(&u)?;
         let orbit = Orbit::at(self.problem.clone(), place, u.clone())?;
         let multipliers = orbit.multipliers().to_vec();
-        let product: Complex<f64> = multipliers.iter().map(|m| (1.0 + m) / (1.0 + m.norm())).product();
         let pair = pair_test(&multipliers);
         Ok(Position {
             tangent,
@@ -217,7 +224,7 @@ impl Follower<'_> {
             period: orbit.period(),
             stability: orbit.stability(),
             crossing,
-            doubling: product.re,
+            doubling: doubling(&multipliers),
             pair: pair.relative_to(SignedLog { sign: 1.0, log: 0.0 }),
             conditions: orbit.conditions(),
             multipliers,
@@ -255,6 +262,10 @@ impl Follower<'_> {
             (next, arc, special, end) =
                 (boundary, at, Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }
+        if !leaves && let Some((birth, at)) = self.birth(last, &next)? {
+            (next, arc, special, end) =
+                (birth, at * arc, Some(Special::of(Label::PeriodDoubling)), Some(PathEnd::Plain));
+        }
         let between = self.bifurcations(last, &next, arc, leaves)?;
         Ok(Step { between, next, special, end })
     }
@@ -288,6 +299,36 @@ impl Follower<'_> {
             at.tangent = -at.tangent;
         }
         Ok(Some((self.look(at)?, arc * part)))
+    }
+
+    /// The doubling at which this branch is born, if a step passes it, with its part of the step:
+    /// both halves of the orbit are equal there, and past it the branch runs back along itself.
+    fn birth(&self, last: &Position, next: &Position) -> Result<Option<(Position, f64)>, Obstacle> {
+        let Some(half) = self.problem.half() else { return Ok(None) };
+        let [before, after] = [&last.u, &next.u].map(|u| self.problem.halves(u));
+        let (before, after) = (before?, after?);
+        if before.dot(&after) >= 0.0 || before.norm() < BIRTH {
+            return Ok(None);
+        }
+        let part = before.norm() / (before.norm() + after.norm());
+        let at = &last.u + (&next.u - &last.u) * part;
+        let guess = self.problem.halved(&half, &at)?;
+        let function = |u: &DVector<f64>| {
+            let orbit = Orbit::at(half.clone(), half.place(u)?, u.clone())?;
+            Ok(doubling(orbit.multipliers()))
+        };
+        let condition = |u: &DVector<f64>| Ok((function(u)?, gradient(u, DIFFERENCE, function)?));
+        let u = meet(&half, &guess, condition)?;
+        if (&u - &guess).norm() > (&next.u - &last.u).norm() {
+            return Err(Obstacle::NoConvergence);
+        }
+        let (_, u) = half.repeated(&half.place(&u)?, &u, 2);
+        let birth = self.look(CurvePoint { u, tangent: last.tangent.clone(), steps: 3 })?;
+        // No test is examined at the birth itself.
+        Ok(Some((
+            Position { crossing: last.crossing, doubling: last.doubling, pair: last.pair, ..birth },
+            part,
+        )))
     }
 
     /// The first condition that ceases to hold in a step, with its arc.
@@ -341,6 +382,11 @@ impl Follower<'_> {
             if ends.0 * ends.1 >= 0.0 || leaves {
                 continue;
             }
+            if test == Test::Crossing {
+                let (at, position) = self.crossing(last, arc, ends)?;
+                found.push((at, self.point(&position, Some(Special::of(test.label())))));
+                continue;
+            }
             let value = |s: f64| Ok(test.of(&self.look(self.at(last, s)?)?, last));
             let at = zero(&value, arc, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
             let position = self.look(self.at(last, at)?)?;
@@ -364,6 +410,41 @@ impl Follower<'_> {
         Ok(points)
     }
 
+    /// A crossing of branches in a step. The equations are singular there, so that no point next to
+    /// it is solved for: the test and the unknowns are interpolated from points on both sides.
+    fn crossing(&self, last: &Position, arc: f64, ends: (f64, f64)) -> Result<(f64, Position), Obstacle> {
+        let test = |at: &Position| Test::Crossing.of(at, last);
+        // Secant steps that keep away from the ends.
+        let mut near = arc * (ends.0 / (ends.0 - ends.1)).clamp(0.1, 0.9);
+        let mut nodes: Vec<(f64, Position)> = Vec::new();
+        for _ in 0..3 {
+            nodes.clear();
+            for k in NODES {
+                let s = near + k * NODE_STEP * arc;
+                nodes.push((s, self.look(self.at(last, s)?)?));
+            }
+            let values: Vec<f64> = nodes.iter().map(|(_, at)| test(at)).collect();
+            let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
+            // The zero as a function of the test: inverse interpolation.
+            let next = interpolated(&values, &times, 0.0);
+            let moved = (next - near).abs();
+            near = next.clamp(0.0, arc);
+            if moved < 0.5 * NODE_STEP * arc {
+                break;
+            }
+        }
+        let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
+        let of = |value: &dyn Fn(&Position) -> f64| {
+            let values: Vec<f64> = nodes.iter().map(|(_, at)| value(at)).collect();
+            interpolated(&times, &values, near)
+        };
+        let size = last.u.len();
+        let u = DVector::from_fn(size, |i, _| of(&|at| at.u[i]));
+        let tangent = DVector::from_fn(size, |i, _| of(&|at| at.tangent[i])).normalize();
+        let position = self.look(CurvePoint { u, tangent, steps: 3 })?;
+        Ok((near, position))
+    }
+
     /// Whether a step passes the first point of the path again.
     fn closes(&self, start: &(DVector<f64>, DVector<f64>), last: &Position, next: &Position) -> bool {
         let way = &next.u - &last.u;
@@ -373,6 +454,20 @@ impl Follower<'_> {
         let aside = (from - &way * part).norm();
         (0.0..=1.0).contains(&part) && aside < 0.05 * length && start.1.dot(&next.tangent) > COSINE
     }
+}
+
+/// ∏ (1 + μ), each factor of size one at most.
+fn doubling(multipliers: &[Complex<f64>]) -> f64 {
+    multipliers.iter().map(|m| (1.0 + m) / (1.0 + m.norm())).product::<Complex<f64>>().re
+}
+
+/// The polynomial through some points, at `x`.
+fn interpolated(from: &[f64], to: &[f64], x: f64) -> f64 {
+    let weight = |i: usize| {
+        let others = (0..from.len()).filter(|j| *j != i);
+        others.map(|j| (x - from[j]) / (from[i] - from[j])).product::<f64>()
+    };
+    (0..from.len()).map(|i| weight(i) * to[i]).sum()
 }
 
 fn value_of(conditions: &[(Condition, f64)], condition: Condition) -> Option<f64> {

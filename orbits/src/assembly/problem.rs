@@ -20,6 +20,8 @@ use vibro_assembly::neutral::Neutral;
 /// Step of the differences by the parameter, in its unit: rounding and the third derivative leave
 /// about 1e-10 of the derivative, which slows Newton's method by that factor and moves no solution.
 const DIFFERENCE: f64 = 1e-6;
+/// Largest difference of the times of passages of one orbit, rad.
+const REPETITION: f64 = 1e-6;
 /// Change of a signal over a period, relative to its values, that is rounding.
 const EXACT: f64 = 1e-9;
 
@@ -247,7 +249,76 @@ impl Problem {
         (problem, u)
     }
 
-    /// Scaled units of neutral directions, as changes of a state.
+    /// The equations of half the word, where its halves have the same events.
+    pub fn half(&self) -> Option<Self> {
+        self.part(2)
+    }
+
+    /// The equations of a part of the word, where it has the same events `times` times.
+    pub fn part(&self, times: u32) -> Option<Self> {
+        let (count, letters) = (times as usize, &self.word.letters);
+        let is_whole = letters.len().is_multiple_of(count)
+            && self.word.periods.is_none_or(|periods| periods.is_multiple_of(times));
+        let part = letters.len() / count;
+        if !is_whole || part == 0 || (part..letters.len()).any(|k| letters[k] != letters[k - part]) {
+            return None;
+        }
+        let letters: Vec<_> = letters[..part].to_vec();
+        let periods = self.word.periods.map(|periods| periods / times);
+        let word = Word { letters: letters.into(), mode: self.word.mode.clone(), periods };
+        Some(Self { word, ..self.clone() })
+    }
+
+    /// The difference of an orbit's halves: the event times of the second half less those of the
+    /// first, half a period later, in radians.
+    pub fn halves(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+        let place = self.place(u)?;
+        let Numbers { times, period, .. } = self.numbers(&place, u);
+        let (half, radian) = (times.len() / 2, self.radian(&place));
+        Ok(DVector::from_fn(half, |k, _| (times[half + k] - times[k] - 0.5 * period) / radian))
+    }
+
+    /// The point of half the word at the mean of both halves of a point's times.
+    pub fn halved(&self, half: &Self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+        let place = self.place(u)?;
+        let numbers = self.numbers(&place, u);
+        let cycle = self.cycle(&place, u)?;
+        let (count, period) = (half.word.len(), 0.5 * numbers.period);
+        let own = numbers.state.len();
+        let second = &cycle.legs[count].states[0][..own];
+        let state = numbers.state.iter().zip(second).map(|(a, b)| 0.5 * (a + b)).collect();
+        let time = |k: usize| 0.5 * (numbers.times[k] + numbers.times[count + k] - period);
+        let times = (0..count).map(time).collect();
+        let drifts = numbers.drifts.iter().map(|x| 0.5 * x).collect();
+        Ok(half.point(&place, &Numbers { state, times, period, drifts }, self.value(u)))
+    }
+
+    /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
+    /// shorter one several times.
+    pub fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
+        let most = self.word.len() as u32;
+        for times in (2..=most).rev() {
+            let Some(part) = self.part(times) else { continue };
+            let place = self.place(u)?;
+            let numbers = self.numbers(&place, u);
+            let count = part.word.len();
+            let period = numbers.period / f64::from(times);
+            let is_same = (count..numbers.times.len()).all(|k| {
+                let apart = numbers.times[k] - numbers.times[k - count] - period;
+                (apart / self.radian(&place)).abs() < REPETITION
+            });
+            if is_same {
+                let Numbers { state, times: all, drifts, .. } = numbers;
+                let drifts = drifts.iter().map(|x| x / f64::from(times)).collect();
+                let own = Numbers { state, times: all[..count].to_vec(), period, drifts };
+                let u = part.point(&place, &own, self.value(u));
+                return Ok((part, u));
+            }
+        }
+        Ok((self.clone(), u.clone()))
+    }
+
+    /// The neutral directions of a machine, as changes of a state.
     pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
         Neutral::of(place.assembly.system()).states()
     }

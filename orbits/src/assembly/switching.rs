@@ -78,6 +78,16 @@ pub(super) fn at_touch(
     };
     let value = problem.value(u);
     let at = other.point(&place, &numbers, value);
+    let (short, at) = other.reduced(&at)?;
+    // In the shorter word the sought condition is that of its first passage.
+    let sought = match sought {
+        Condition::Rises { letter } => Condition::Rises { letter: letter % short.word.len().max(1) },
+        Condition::Stays { letter, watch, place } => {
+            Condition::Stays { letter: letter % short.word.len().max(1), watch, place }
+        }
+        lasts => lasts,
+    };
+    let other = short;
     let axis = crate::curve::axis(at.len(), at.len() - 1);
     let direction = tangent(&other, &at, &axis)?;
     // The side on which the sought condition holds.

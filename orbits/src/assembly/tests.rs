@@ -73,7 +73,7 @@ fn example(name: &str) -> Machine {
 fn try_pair() {
     let m = example("impact_pair.toml");
     println!("{:?}", m.description.parameters().iter().map(|p| p.name.clone()).collect::<Vec<_>>());
-    let family = Family::new(&m, "body.base.amplitude", (0.4, 3.0)).unwrap();
+    let family = Family::new(&m, "body.base.motion.amplitude", (0.4, 3.0)).unwrap();
     let found = grown(&family, 12, 2);
     for b in &found {
         for o in b.orbits_at(1.0) {
@@ -86,7 +86,7 @@ fn try_pair() {
 fn try_ball() {
     let text = "name = \"Ball\"\ngravity = 10.0\n[body.ball]\nmass = 1.0\ngravity = -1.0\nstart = { s = 0.5, v = 5.0 }\n[body.table]\nmotion = { amplitude = 0.02, frequency = \"20 rad/s\" }\n[stop.floor]\nbetween = [\"ball\", \"table\"]\ngap = 0.0\nrestitution = 0.6\n";
     let m = machine(text);
-    let family = Family::new(&m, "body.table.amplitude", (0.018, 0.05)).unwrap();
+    let family = Family::new(&m, "body.table.motion.amplitude", (0.018, 0.05)).unwrap();
     grown(&family, 12, 2);
     let (g, e, w): (f64, f64, f64) = (10.0, 0.6, 20.0);
     let fold = std::f64::consts::PI * g * (1.0 - e) / (1.0 + e);
@@ -122,5 +122,5 @@ fn try_paper() {
 fn try_damper() {
     let m = example("damper_with_buffer.toml");
     let family = Family::new(&m, "load.shaker.frequency", (8.0, 12.0)).unwrap();
-    grown(&family, 24, 2);
+    grown(&family, 24, 0);
 }
