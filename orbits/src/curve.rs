@@ -30,6 +30,11 @@ pub(super) trait Equations {
     /// # Errors
     /// An obstacle if the equations are not defined at `u`.
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle>;
+
+    /// Relative size of a Newton step below which the next one is rounding.
+    fn rounding(&self) -> f64 {
+        STEP_ROUNDING
+    }
 }
 
 /// A point on a curve with its tangent of length one.
@@ -87,7 +92,7 @@ pub(super) fn correct(
         // Rounding leaves longer steps under a load that a soft spring holds far away, and next to
         // a crossing of branches.
         let last = if steps == STEPS { stalled } else { None };
-        if size < STEP_ROUNDING * (1.0 + u.norm()) || last.is_some() {
+        if size < equations.rounding() * (1.0 + u.norm()) || last.is_some() {
             let tangent = right.column(1).normalize();
             return Ok(CurvePoint { u, tangent, steps: last.unwrap_or(steps) });
         }

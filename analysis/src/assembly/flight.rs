@@ -142,9 +142,11 @@ impl Flow {
         });
         let mut term = dense * part;
         let (mut change, mut bound) = (term.clone(), self.rate * part.abs());
+        let mut next = DMatrix::zeros(size, size);
         for k in 2..ORDERS {
             let factor = part / k as f64;
-            term = dense * term * factor;
+            multiply(dense, &term, factor, &mut next);
+            std::mem::swap(&mut term, &mut next);
             change += &term;
             bound *= self.rate * factor.abs();
             if bound < REMAINDER {
@@ -152,12 +154,34 @@ impl Flow {
             }
         }
         for _ in 0..doublings as u32 {
-            change = &change * 2.0 + &change * &change;
+            multiply(&change, &change, 1.0, &mut next);
+            next.iter_mut().zip(change.iter()).for_each(|(square, x)| *square += 2.0 * x);
+            std::mem::swap(&mut change, &mut next);
         }
         for i in 0..size {
             change[(i, i)] += 1.0;
         }
         change
+    }
+}
+
+/// Rows below which a product is summed in place: a library's product packs its factors first,
+/// which takes longer than such a product.
+const SMALL: usize = 32;
+
+/// Writes `factor` a b to a matrix of the product's shape.
+pub fn multiply(a: &DMatrix<f64>, b: &DMatrix<f64>, factor: f64, to: &mut DMatrix<f64>) {
+    if a.nrows() > SMALL {
+        return to.gemm(factor, a, b, 0.0);
+    }
+    let rows = a.nrows();
+    let columns = b.as_slice().chunks_exact(b.nrows());
+    for (to, b) in to.as_mut_slice().chunks_exact_mut(rows).zip(columns) {
+        to.fill(0.0);
+        for (a, b) in a.as_slice().chunks_exact(rows).zip(b).filter(|(_, b)| **b != 0.0) {
+            let b = factor * b;
+            to.iter_mut().zip(a).for_each(|(sum, a)| *sum += b * a);
+        }
     }
 }
 

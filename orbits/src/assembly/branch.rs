@@ -58,6 +58,10 @@ impl Special {
         match condition {
             Condition::Rises { letter } => of(word.letters[letter].watch),
             Condition::Stays { watch, .. } => of(watch),
+            Condition::Lasts { letter } if word.letters[letter].chatter.is_some() => {
+                let element = element_of(place, word.letters[letter].watch);
+                Self { kind: Kind::As(Label::Chatter), element }
+            }
             Condition::Lasts { letter } => {
                 let [first, next] = [letter, (letter + 1) % word.len()].map(|k| word.letters[k].watch);
                 if first.contact() == next.contact() {
@@ -86,6 +90,13 @@ pub struct OrbitPoint {
     /// The special point here, if it is one.
     pub special: Option<Special>,
     pub(super) u: DVector<f64>,
+}
+
+impl OrbitPoint {
+    /// Whether it is a special point with a label.
+    pub(super) fn is(&self, label: Label) -> bool {
+        self.special.as_ref().is_some_and(|special| special.kind == Kind::As(label))
+    }
 }
 
 /// A connected family of orbits along a parameter.

@@ -7,23 +7,25 @@
 //! them: a change of the state does not move the times.
 
 use super::place::Place;
-use super::word::{Letter, Word};
+use super::word::{Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
 use nalgebra::DMatrix;
 use std::sync::Arc;
-use vibro_analysis::assembly::flight::coefficients;
-use vibro_analysis::assembly::flight::{Flow, dot, turning_points};
-use vibro_assembly::mode::Watch;
-use vibro_assembly::motion::Crossing;
+use vibro_analysis::assembly::flight::{Flow, coefficients, dot, multiply, turning_points};
+use vibro_assembly::Motion;
+use vibro_assembly::mode::{StopState, Watch};
+use vibro_assembly::motion::{Crossing, Reached};
 use vibro_assembly::system::System;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;
 
-/// The flight after an event.
+/// The flight after an event, or after the run of impacts that begins with it.
 #[derive(Clone, Debug)]
 pub struct Leg {
+    /// The run of impacts before it: time and augmented state after the first impact.
+    pub(super) run: Option<(f64, Vec<f64>)>,
     /// Time of its begin, s.
     pub time: f64,
     /// Duration, s.
@@ -32,6 +34,10 @@ pub struct Leg {
     pub states: [Vec<f64>; 2],
     /// Its linear system.
     pub flow: Arc<Flow>,
+    /// exp(A span).
+    pub(super) propagator: DMatrix<f64>,
+    /// z' at its end.
+    pub(super) rate: Vec<f64>,
     /// The functional of the event at its end, by place among those of the flow.
     pub(super) ending: Option<usize>,
 }
@@ -111,15 +117,22 @@ impl Cycle {
         if with_derivatives {
             (0..own).for_each(|i| c[(i, i)] = 1.0);
         }
+        let mut next_c = DMatrix::zeros(size, columns);
         let (mut legs, mut ends) = (Vec::with_capacity(m.max(1)), Vec::new());
         for k in 0..m.max(1) {
             let flow = place.flow(word.mode_after(k));
             if with_derivatives && k == 0 && m > 0 && place.period.is_some() {
-                let rate = flow.derivative(&z);
+                let rate = place.flow(&word.letters[0].modes[1]).derivative(&z);
                 (0..own).for_each(|i| c[(i, own)] = -rate[i]);
             }
             let time = times[k];
             let until = times.get(k + 1).copied().unwrap_or(times[0] + period);
+            let mut run = None;
+            let mut time = time;
+            if let Some(chatter) = word.letters.get(k).and_then(|letter| letter.chatter.as_ref()) {
+                run = Some((time, z.clone()));
+                time = close(place, chatter, (time, until + period), &mut z, &mut c)?;
+            }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
             let propagator = flow.propagator(until - time);
             let mut end = vec![0.0; size];
@@ -131,7 +144,8 @@ impl Cycle {
             let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?;
             let rate = flow.derivative(&end);
             if with_derivatives {
-                c = propagator * c;
+                multiply(&propagator, &c, 1.0, &mut next_c);
+                std::mem::swap(&mut c, &mut next_c);
                 if let Some(place) = place_of {
                     let row = &flow.watched[place].1;
                     let mut by: Vec<f64> =
@@ -141,20 +155,25 @@ impl Cycle {
                 }
             }
             let letter = letter.unwrap_or(&stay);
-            let mut after = end.clone();
-            letter.apply(system, [&mut after[..]]);
-            if with_derivatives {
-                letter.apply(system, c.as_mut_slice().chunks_mut(size));
-                if m > 0 {
-                    let mut jumped = rate;
-                    letter.apply(system, [&mut jumped[..]]);
-                    let leaving = (next > 0).then(|| place.flow(&letter.modes[1]).derivative(&after));
-                    for i in 0..own {
-                        c[(i, own + next)] += jumped[i] - leaving.as_ref().map_or(0.0, |rate| rate[i]);
-                    }
+            let (mut after, mut jumped) = (end.clone(), rate.clone());
+            letter.apply(system, c.as_mut_slice().chunks_mut(size).chain([&mut after[..], &mut jumped[..]]));
+            if with_derivatives && m > 0 {
+                let leaving = (next > 0).then(|| place.flow(&letter.modes[1]).derivative(&after));
+                for i in 0..own {
+                    c[(i, own + next)] += jumped[i] - leaving.as_ref().map_or(0.0, |rate| rate[i]);
                 }
             }
-            legs.push(Leg { time, span: until - time, states: [z, end], flow, ending: place_of });
+            let states = [z, end];
+            legs.push(Leg {
+                run,
+                time,
+                span: until - time,
+                states,
+                flow,
+                propagator,
+                rate,
+                ending: place_of,
+            });
             z = after;
         }
         let derivatives = with_derivatives.then(|| Derivatives { ends, back: c.rows(0, own).into_owned() });
@@ -170,8 +189,8 @@ impl Cycle {
     pub(super) fn rise(&self, k: usize) -> f64 {
         let leg = self.before(k);
         let Some(place) = leg.ending else { return f64::INFINITY };
-        let (row, end) = (leg.flow.watched[place].1.as_slice(), &leg.states[1]);
-        dot(row, &leg.flow.derivative(end))
+        let row = leg.flow.watched[place].1.as_slice();
+        dot(row, &leg.rate)
     }
 
     /// Derivative of the state (q, v) after the last event's law by the state at the start: times of
@@ -179,23 +198,31 @@ impl Cycle {
     pub(super) fn monodromy(&self, place: &Place, word: &Word) -> DMatrix<f64> {
         let system = place.assembly.system();
         let (own, size) = (2 * system.coordinates, system.signals.size);
-        let mut c = DMatrix::identity(size, own);
+        let (mut c, mut next_c) = (DMatrix::identity(size, own), DMatrix::zeros(size, own));
         let stay = Letter::staying(word);
         let last = word.letters.last().unwrap_or(&stay);
         last.keep(system, c.as_mut_slice().chunks_mut(size));
         for (k, leg) in self.legs.iter().enumerate() {
-            c = leg.flow.propagator(leg.span) * c;
+            let chatter = word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
+            if let (Some(chatter), Some((time, z))) = (chatter, &leg.run) {
+                let latest = leg.time + leg.span.max(0.0);
+                // It has closed before, from this state.
+                let _ = close(place, chatter, (*time, latest + f64::EPSILON), &mut z.clone(), &mut c);
+            }
+            multiply(&leg.propagator, &c, 1.0, &mut next_c);
+            std::mem::swap(&mut c, &mut next_c);
             let next = (k + 1) % self.legs.len();
             let letter = word.letters.get(next).unwrap_or(&stay);
-            let (after, state) = match self.legs.get(k + 1) {
-                Some(leg) => (leg.flow.clone(), &leg.states[0]),
-                None => (self.legs[0].flow.clone(), &self.back),
+            let state = match self.legs.get(k + 1) {
+                Some(leg) => leg.run.as_ref().map_or(&leg.states[0], |(_, z)| z),
+                None => &self.back,
             };
-            let rates = [leg.flow.derivative(&leg.states[1]), after.derivative(state)];
+            let after = place.flow(&letter.modes[1]);
+            let leaving = after.derivative(state);
             let crossing = Crossing {
                 modes: [&letter.modes[0], &letter.modes[1]],
                 states: [&leg.states[1], state],
-                rates: [&rates[0], &rates[1]],
+                rates: [&leg.rate, &leaving],
                 row: leg.ending.map(|place| leg.flow.watched[place].1.as_slice()),
                 events: &letter.events,
             };
@@ -267,6 +294,45 @@ impl Cycle {
             all.push((Condition::Stays { letter, watch: watched[place].0, place }, value));
         }
     }
+}
+
+/// Follows a run of impacts until its stop closes, by the machine's own motion, with variations at
+/// fixed times. Returns the time at which it closes.
+fn close(
+    place: &Place,
+    chatter: &Chatter,
+    (time, latest): (f64, f64),
+    z: &mut [f64],
+    columns: &mut DMatrix<f64>,
+) -> Result<f64, Obstacle> {
+    let system = place.assembly.system();
+    let own = 2 * system.coordinates;
+    let failed = |_| Obstacle::Order;
+    // The first impact of an orbit is at its stop. On the way to an orbit it is near it: the run is
+    // that from the stop, with its derivative for the way between.
+    let (stop, mut off) = (&system.stops[chatter.stop], vec![0.0; z.len()]);
+    let e = &stop.elongation;
+    let part = stop.excess.at(z) / e.w.dot(&e.mobility);
+    off.iter_mut().zip(e.mobility.iter()).for_each(|(off, m)| *off = part * m);
+    let begin: Vec<f64> = z.iter().zip(&off).take(own).map(|(x, off)| x - off).collect();
+    let motion = Motion::from_state(place.assembly.clone(), time, &begin).map_err(failed)?;
+    let mut motion = motion.without_energy_accounts();
+    let mut variations: Vec<Vec<f64>> = columns.column_iter().map(|c| c.iter().copied().collect()).collect();
+    variations.push(off);
+    while motion.mode().stops[chatter.stop] != StopState::Closed {
+        if motion.advance_with(latest, &mut variations).map_err(failed)? == Reached::End {
+            return Err(Obstacle::Order);
+        }
+        motion.pass_event_with(&mut variations).map_err(failed)?;
+    }
+    if *motion.mode() != chatter.mode {
+        return Err(Obstacle::Order);
+    }
+    z.iter_mut().zip(motion.state()).zip(&variations[columns.ncols()]).for_each(|((z, x), off)| *z = x + off);
+    for (mut column, variation) in columns.column_iter_mut().zip(&variations) {
+        column.copy_from_slice(variation);
+    }
+    Ok(motion.time())
 }
 
 /// Size of a functional's terms in a flight.

@@ -6,8 +6,9 @@ use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::seed::Seed;
 use super::word::{Letter, Word};
+use crate::curve::Equations;
 use crate::obstacle::Obstacle;
-use crate::orbit::{STEP_ROUNDING, STEP_STALLED};
+use crate::orbit::STEP_STALLED;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
 use vibro_analysis::assembly::flight::{ObservedFlight, Observer, Passage, dot};
@@ -69,8 +70,8 @@ pub struct Orbit {
     multipliers: Vec<Complex<f64>>,
     /// Number of multipliers that are 1 by theory.
     trivial: usize,
-    /// The condition that is furthest from holding, where one does not hold.
-    broken: Option<(Condition, f64)>,
+    /// The conditions under which it is a motion of the machine, with their values.
+    conditions: Vec<(Condition, f64)>,
 }
 
 /// Why Newton's method found no orbit.
@@ -109,7 +110,8 @@ pub(super) fn newton(
     let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
     let (own, m, size) = (problem.units.state.len(), problem.word.len(), problem.size());
     for _ in 0..STEPS {
-        let (value, matrix) = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
+        let at = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
+        let (value, matrix) = (at.value, at.matrix);
         residual = value.amax();
         let matrix = matrix.ok_or((Obstacle::NoConvergence, residual))?;
         let step = least_step(matrix, &value).ok_or((Obstacle::Singular, residual))?;
@@ -126,7 +128,7 @@ pub(super) fn newton(
             }
         }
         u.rows_mut(0, size).axpy(part, &step, 1.0);
-        let is_done = length < STEP_ROUNDING * (1.0 + u.norm());
+        let is_done = length < problem.rounding() * (1.0 + u.norm());
         let has_stalled = length < STEP_STALLED && length > 0.5 * before;
         if part == 1.0 && (is_done || has_stalled) {
             return Ok(u);
@@ -194,6 +196,16 @@ impl Orbit {
     /// The orbit whose unknowns are known.
     pub(super) fn at(problem: Problem, place: Place, u: DVector<f64>) -> std::result::Result<Self, Obstacle> {
         let cycle = problem.cycle(&place, &u)?;
+        Self::of_cycle(problem, place, u, cycle)
+    }
+
+    /// The orbit of a cycle that returns.
+    pub(super) fn of_cycle(
+        problem: Problem,
+        place: Place,
+        u: DVector<f64>,
+        cycle: Cycle,
+    ) -> std::result::Result<Self, Obstacle> {
         let numbers = problem.numbers(&place, &u);
         let trivial = problem.neutral.len() + usize::from(place.period.is_none());
         let units = &problem.units.state;
@@ -204,15 +216,8 @@ impl Orbit {
             }
         }
         let multipliers = multipliers(matrix, trivial).ok_or(Obstacle::NoConvergence)?;
-        let broken = cycle
-            .conditions(&problem.word)
-            .into_iter()
-            .filter(|(condition, value)| match condition {
-                Condition::Stays { .. } => *value < -ROUNDING,
-                _ => *value <= 0.0,
-            })
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        Ok(Self { problem, u, place: Arc::new(place), cycle, numbers, multipliers, trivial, broken })
+        let conditions = cycle.conditions(&problem.word);
+        Ok(Self { problem, u, place: Arc::new(place), cycle, numbers, multipliers, trivial, conditions })
     }
 
     /// The machine.
@@ -282,17 +287,26 @@ impl Orbit {
 
     /// Whether it is a motion of the machine: each event is reached, and no other one.
     pub fn is_certified(&self) -> bool {
-        self.broken.is_none()
+        self.broken().is_none()
     }
 
     /// The conditions under which it is a motion of the machine, with their values.
-    pub(super) fn conditions(&self) -> Vec<(Condition, f64)> {
-        self.cycle.conditions(self.word())
+    pub(super) fn conditions(&self) -> &[(Condition, f64)] {
+        &self.conditions
+    }
+
+    /// The condition that is furthest from holding, where one does not hold.
+    fn broken(&self) -> Option<(Condition, f64)> {
+        let fails = |(condition, value): &&(Condition, f64)| match condition {
+            Condition::Stays { .. } => *value < -ROUNDING,
+            _ => *value <= 0.0,
+        };
+        self.conditions.iter().filter(fails).min_by(|a, b| a.1.total_cmp(&b.1)).copied()
     }
 
     /// The condition that does not hold, in words.
     pub fn violation(&self) -> Option<String> {
-        let (condition, _) = self.broken?;
+        let (condition, _) = self.broken()?;
         Some(condition.in_words(self.word(), &self.place))
     }
 

@@ -3,7 +3,7 @@
 use super::branch::{Branch, OrbitPoint, Special};
 use super::cycle::Condition;
 use super::orbit::{Orbit, Stability};
-use super::problem::Problem;
+use super::problem::{Problem, Residual};
 use crate::branch::Label;
 use crate::curve::{CurvePoint, Equations, correct, gradient, meet};
 use crate::obstacle::Obstacle;
@@ -14,6 +14,8 @@ use nalgebra::{Complex, DVector};
 
 /// Least step; a branch that needs a smaller one ends with MX.
 const LEAST_STEP: f64 = 1e-7;
+/// Steps that are tried where shorter ones fail.
+const JUMPS: [f64; 4] = [1e-3, 3e-3, 1e-2, 3e-2];
 /// Least cosine of the angle by which the tangent turns in a step.
 const COSINE: f64 = 0.95;
 /// Growth of the step after few Newton steps, and its reduction after many.
@@ -21,6 +23,8 @@ const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
 /// Points after which a branch can have closed.
 const SHORTEST_LOOP: usize = 10;
+/// Share of the parameter in the tangent below which the equations are bordered as they are.
+const STEEP: f64 = 1e-2;
 /// Size of the difference of an orbit's halves that is rounding.
 const BIRTH: f64 = 1e-9;
 /// Step of the differences of a test function. It sets the speed of convergence of its zero and
@@ -30,6 +34,10 @@ const DIFFERENCE: f64 = 1e-6;
 const LOCATION: f64 = 1e-13;
 /// Value of a condition, relative to its terms, below zero that is rounding.
 const ROUNDING: f64 = 1e-12;
+/// Distance, in parts of a step, within which a bifurcation is one with a touch.
+const MERGED: f64 = 1e-5;
+/// Distance of a fold from a crossing at which it is the turn of the side branch.
+const TURN: f64 = 1e-4;
 /// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
 /// parts of the arc.
 const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
@@ -48,6 +56,17 @@ pub(super) struct Departure {
     pub step: f64,
     /// The special point from which it leaves: no condition is examined there.
     pub special: Option<Special>,
+}
+
+impl Departure {
+    /// The orbit after a first step of a length; `None` where there is none.
+    pub fn first_orbit(&self, step: f64) -> Option<Orbit> {
+        let direction = self.direction.normalize();
+        let at = correct(&self.problem, &(&self.u + &direction * step), &direction).ok()?;
+        let (problem, u) = self.problem.reduced(&at.u).ok()?;
+        let place = problem.place(&u).ok()?;
+        Orbit::at(problem, place, u).ok()
+    }
 }
 
 /// What follows at the end of a path.
@@ -146,7 +165,14 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
                 step *= 0.5;
                 continue;
             }
-            Err(_) => return Ok(ended(points, Label::NoConvergence)),
+            // Next to a crossing the equations are nearly singular: a longer step passes it.
+            Err(_) => {
+                let mut jumps = JUMPS.iter().filter(|_| !is_first);
+                match jumps.find_map(|jump| follower.step(&last, *jump, false).ok()) {
+                    Some(next) => next,
+                    None => return Ok(ended(points, Label::NoConvergence)),
+                }
+            }
         };
         let Step { between, next, special, end } = next;
         if is_first && departure.special.is_some() {
@@ -210,12 +236,22 @@ impl Follower<'_> {
     /// Properties of a point of the curve.
     fn look(&self, at: CurvePoint) -> Result<Position, Obstacle> {
         let CurvePoint { u, tangent, steps } = at;
-        let matrix = self.problem.linearize(&u, None)?.matrix;
-        let mut bordered = matrix.clone().insert_row(matrix.nrows(), 0.0);
-        bordered.set_row(matrix.nrows(), &tangent.transpose());
-        let crossing = determinant(bordered);
         let place = self.problem.place(&u)?;
-        let orbit = Orbit::at(self.problem.clone(), place, u.clone())?;
+        let Residual { matrix, cycle, .. } = self.problem.residual(&place, &u, true)?;
+        let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
+        let along = tangent[tangent.len() - 1];
+        // det [F_u F_p; t] = det F_u / t_p, since F_u t_u = -F_p t_p.
+        let crossing = if along.abs() > STEEP {
+            let SignedLog { sign, log } = determinant(matrix);
+            SignedLog { sign: sign * along.signum(), log: log - along.abs().ln() }
+        } else {
+            let whole = self.problem.linearize(&u, None)?.matrix;
+            let last = whole.nrows();
+            let mut bordered = whole.insert_row(last, 0.0);
+            bordered.set_row(last, &tangent.transpose());
+            determinant(bordered)
+        };
+        let orbit = Orbit::of_cycle(self.problem.clone(), place, u.clone(), cycle)?;
         let multipliers = orbit.multipliers().to_vec();
         let pair = pair_test(&multipliers);
         Ok(Position {
@@ -226,7 +262,7 @@ impl Follower<'_> {
             crossing,
             doubling: doubling(&multipliers),
             pair: pair.relative_to(SignedLog { sign: 1.0, log: 0.0 }),
-            conditions: orbit.conditions(),
+            conditions: orbit.conditions().to_vec(),
             multipliers,
             u,
         })
@@ -266,7 +302,8 @@ impl Follower<'_> {
             (next, arc, special, end) =
                 (birth, at * arc, Some(Special::of(Label::PeriodDoubling)), Some(PathEnd::Plain));
         }
-        let between = self.bifurcations(last, &next, arc, leaves)?;
+        let is_touch = matches!(end, Some(PathEnd::Broken(_)));
+        let between = self.bifurcations(last, &next, arc, (leaves, is_touch))?;
         Ok(Step { between, next, special, end })
     }
 
@@ -374,7 +411,7 @@ impl Follower<'_> {
         last: &Position,
         next: &Position,
         arc: f64,
-        leaves: bool,
+        (leaves, ends_at_touch): (bool, bool),
     ) -> Result<Vec<OrbitPoint>, Obstacle> {
         let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
         for test in Test::ALL {
@@ -396,6 +433,8 @@ impl Follower<'_> {
             found.push((at, self.point(&position, Some(Special::of(test.label())))));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
+        found.retain(|(at, _)| !ends_at_touch || arc - at > MERGED * arc);
         // The piece after a bifurcation has the stability of what follows.
         let mut points: Vec<OrbitPoint> = found.into_iter().map(|(_, point)| point).collect();
         for k in 0..points.len() {
@@ -490,6 +529,14 @@ impl Branch {
         points.pop();
         let began_at = Some(points.len());
         points.extend(on.points);
+        // The side branch of a crossing turns there: its fold is the crossing.
+        let crossings: Vec<DVector<f64>> =
+            points.iter().filter(|p| p.is(Label::BranchPoint)).map(|p| p.u.clone()).collect();
+        for point in points.iter_mut().filter(|p| p.is(Label::Fold)) {
+            if crossings.iter().any(|u| (u - &point.u).norm() < TURN) {
+                point.special = None;
+            }
+        }
         let closed = matches!(on.end, PathEnd::Closed);
         let branch = Self { id: 0, parent: None, depth: 0, points, closed, began_at, problem };
         (branch, [back.end, on.end])

@@ -11,6 +11,7 @@ use super::place::{Family, Place};
 use super::word::Word;
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
+use crate::orbit::STEP_ROUNDING;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -20,6 +21,10 @@ use vibro_assembly::neutral::Neutral;
 /// Step of the differences by the parameter, in its unit: rounding and the third derivative leave
 /// about 1e-10 of the derivative, which slows Newton's method by that factor and moves no solution.
 const DIFFERENCE: f64 = 1e-6;
+/// Step where impacts accumulate: their number jumps, which moves the state by some 1e-12.
+const CHATTER_DIFFERENCE: f64 = 1e-4;
+/// Relative size of a Newton step that is rounding there.
+const CHATTER_ROUNDING: f64 = 1e-10;
 /// Largest difference of the times of passages of one orbit, rad.
 const REPETITION: f64 = 1e-6;
 /// Change of a signal over a period, relative to its values, that is rounding.
@@ -59,6 +64,15 @@ pub(super) struct Numbers {
     pub period: f64,
     /// Drifts by period along the neutral directions.
     pub drifts: Vec<f64>,
+}
+
+/// Values of the equations.
+pub(super) struct Residual {
+    pub value: DVector<f64>,
+    /// Derivatives by all unknowns but the parameter, on request.
+    pub matrix: Option<DMatrix<f64>>,
+    /// The motion.
+    pub cycle: Cycle,
 }
 
 impl Problem {
@@ -126,7 +140,7 @@ impl Problem {
         place: &Place,
         u: &DVector<f64>,
         with_derivatives: bool,
-    ) -> Result<(DVector<f64>, Option<DMatrix<f64>>), Obstacle> {
+    ) -> Result<Residual, Obstacle> {
         let (own, m, size) = (self.units.state.len(), self.word.len(), self.size());
         let Numbers { state, times, period, drifts } = self.numbers(place, u);
         let (cycle, derivatives) =
@@ -150,7 +164,7 @@ impl Problem {
             value[own + m + k] = (at - self.fixed[k]) / self.length(n);
         }
         let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period)));
-        Ok((value, matrix))
+        Ok(Residual { value, matrix, cycle })
     }
 
     /// The way by which uniformly moving bodies carry the state along in a period.
@@ -177,8 +191,9 @@ impl Problem {
         let leg = cycle.before(k);
         let Some(place) = leg.ending else { return 1.0 };
         let row = leg.flow.watched[place].1.as_slice();
-        let own = row.iter().zip(&self.units.state).map(|(a, unit)| (a * unit).abs());
-        own.sum::<f64>().max(f64::MIN_POSITIVE)
+        let own: f64 = row.iter().zip(&self.units.state).map(|(a, unit)| (a * unit).abs()).sum();
+        let terms: f64 = row.iter().zip(&leg.states[1]).map(|(a, x)| (a * x).abs()).sum();
+        own.max(terms).max(f64::MIN_POSITIVE)
     }
 
     /// Size of a neutral direction in the units of the state.
@@ -224,13 +239,19 @@ impl Problem {
         matrix
     }
 
+    /// Whether impacts accumulate in the word.
+    fn has_run(&self) -> bool {
+        self.word.letters.iter().any(|letter| letter.chatter.is_some())
+    }
+
     /// Derivative of the equations by the parameter.
     fn by_parameter(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
         let last = self.size();
-        crate::curve::slope(DIFFERENCE, |by| {
+        let step = if self.has_run() { CHATTER_DIFFERENCE } else { DIFFERENCE };
+        crate::curve::slope(step, |by| {
             let mut moved = u.clone();
             moved[last] += by;
-            Ok(self.residual(&self.place(&moved)?, &moved, false)?.0.as_slice().to_vec())
+            Ok(self.residual(&self.place(&moved)?, &moved, false)?.value.as_slice().to_vec())
         })
     }
 
@@ -327,7 +348,7 @@ impl Problem {
 impl Equations for Problem {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let place = self.place(u)?;
-        let (value, matrix) = self.residual(&place, u, true)?;
+        let Residual { value, matrix, .. } = self.residual(&place, u, true)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let last = self.size();
         let column = match known {
@@ -337,5 +358,9 @@ impl Equations for Problem {
         let mut whole = matrix.insert_column(last, 0.0);
         whole.set_column(last, &column);
         Ok(Linearization { value, matrix: whole })
+    }
+
+    fn rounding(&self) -> f64 {
+        if self.has_run() { CHATTER_ROUNDING } else { STEP_ROUNDING }
     }
 }

@@ -5,15 +5,16 @@ use super::cycle::with_signals;
 use super::orbit::{Obstructed, Orbit};
 use super::place::Family;
 use super::problem::{Numbers, Problem, Units};
-use super::word::{Letter, Word};
+use super::word::{Chatter, Letter, Word};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot};
-use vibro_analysis::assembly::{Machine, Section, SectionRule, Start, carried, discard, settled};
+use vibro_analysis::assembly::{Machine, Section, SectionRule, Start, carried, discard, now, settled};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Motion;
 use vibro_assembly::mode::Mode;
+use vibro_assembly::motion::EventKind;
 use vibro_assembly::system::System;
 
 /// Relative difference of a motion's period from a multiple of the drive's that is rounding.
@@ -28,8 +29,8 @@ const SAMPLES: usize = 8;
 struct Record {
     letters: Vec<Letter>,
     times: Vec<f64>,
-    /// The state after the first event.
-    first: Vec<f64>,
+    /// The state after each event.
+    states: Vec<Vec<f64>>,
     /// Whether a signal had a knot.
     has_knot: bool,
     /// Least and largest value of each number of the state.
@@ -60,6 +61,56 @@ impl Record {
     }
 }
 
+impl Record {
+    /// Places in the letters of the events at which a stop closes after impacts that accumulate.
+    fn closings(&self) -> Vec<(usize, usize)> {
+        let closes = |(k, letter): (usize, &Letter)| {
+            let stop = letter.events.iter().find_map(|event| match event.kind {
+                EventKind::Close { stop } if letter.hits().any(|hit| hit == stop) => Some(stop),
+                _ => None,
+            })?;
+            Some((k, stop))
+        };
+        self.letters.iter().enumerate().filter_map(closes).collect()
+    }
+
+    /// Makes each run of impacts that accumulates one letter. The record begins after the last
+    /// closing, so that no run goes on over its end.
+    fn with_runs(&mut self, period: f64) {
+        let closings = self.closings();
+        let Some((last, _)) = closings.last() else { return };
+        let first = (last + 1) % self.letters.len();
+        self.letters.rotate_left(first);
+        self.states.rotate_left(first);
+        let later = self.times.len() - first;
+        self.times.rotate_left(first);
+        self.times.iter_mut().skip(later).for_each(|time| *time += period);
+        for (end, stop) in self.closings().into_iter().rev() {
+            let hits: Vec<usize> =
+                (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
+            // The run begins with the impact after which all intervals shrink.
+            let mut begin = hits.len() - 1;
+            while begin >= 1 {
+                let interval = |k: usize| self.times[hits[k + 1]] - self.times[hits[k]];
+                let shrinks = begin + 1 >= hits.len() || interval(begin - 1) > interval(begin);
+                if !shrinks {
+                    break;
+                }
+                begin -= 1;
+            }
+            let begin = hits[begin];
+            if begin == end {
+                continue;
+            }
+            let mode = self.letters[end].modes[1].clone();
+            self.letters[begin].chatter = Some(Chatter { stop, mode });
+            self.letters.drain(begin + 1..=end);
+            self.states.drain(begin + 1..=end);
+            self.times.drain(begin + 1..=end);
+        }
+    }
+}
+
 impl Observer for Record {
     fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         let part = flight.span / SAMPLES as f64;
@@ -85,10 +136,9 @@ impl Observer for Record {
             .collect();
         let place = (0..own.len()).min_by(|a, b| own[*a].total_cmp(&own[*b])).unwrap_or(0);
         let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
-        if self.letters.is_empty() {
-            self.first = passage.states[1].to_vec();
-        }
-        self.letters.push(Letter { modes, watch, place, events: passage.events.to_vec() });
+        self.states.push(passage.states[1].to_vec());
+        let events = passage.events.to_vec();
+        self.letters.push(Letter { modes, watch, place, events, chatter: None });
         self.times.push(passage.time);
     }
 }
@@ -142,10 +192,11 @@ pub(super) fn seed(
         let problem = "the motion has no events and nothing drives it: it rests, or swings freely; allowed are motions with events or a drive";
         return Err(Error::Described { problem: problem.into() });
     }
+    record.with_runs(period);
     let radian = place.period.unwrap_or(span) / TAU;
     let units = record.units(system.coordinates, radian);
     let mut times = if is_empty { vec![from] } else { std::mem::take(&mut record.times) };
-    let mut state = if is_empty { begin } else { std::mem::take(&mut record.first) };
+    let mut state = if is_empty { begin } else { std::mem::take(&mut record.states[0]) };
     // Times count from within the first period of the drive.
     let whole = place.period.map_or(times[0], |period| (times[0] / period).floor() * period);
     move_back(system, &mut state, times[0], whole)?;
@@ -153,7 +204,7 @@ pub(super) fn seed(
     state.truncate(own);
     let neutral = Problem::neutral_of(&place);
     let fixed = neutral.iter().map(|n| n.iter().zip(&state).map(|(n, x)| n * x).sum()).collect();
-    let mode = record.letters.last().map_or(mode, |letter| letter.modes[1].clone());
+    let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word { letters: record.letters.into(), mode, periods };
     let drifts = vec![0.0; neutral.len()];
     let problem = Problem { family: family.clone(), word, units, neutral, fixed, origin: times[0] };
@@ -191,21 +242,23 @@ impl Orbit {
     /// Newton's method finds none; as [`Machine::motion`] and [`Place::new`].
     pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
-        Self::settled_in(&family, machine, f64::NAN, start, discard_returns)
+        Self::settled_in(&family, machine, f64::NAN, &mut start.clone(), discard_returns)
     }
 
-    /// As [`settled`](Self::settled), of a family's machine at a value.
+    /// As [`settled`](Self::settled), of a family's machine at a value. `start` becomes the state
+    /// that the motion has reached, whatever it is.
     pub(super) fn settled_in(
         family: &Arc<Family>,
         machine: &Machine,
         value: f64,
-        start: &Start,
+        start: &mut Start,
         discard_returns: u32,
     ) -> Result<Self> {
         let (motion, section) = machine.motion(start)?;
         let mut motion = motion.without_energy_accounts();
         discard(&mut motion, &section, discard_returns)?;
         let found = settled(&mut motion, &section, None)?;
+        *start = now(&motion);
         let MotionClass::Periodic(returns) = found.class else {
             let words = section.in_words(&machine.description);
             let problem = format!(

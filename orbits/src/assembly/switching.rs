@@ -30,7 +30,7 @@ const BEYOND: [f64; 3] = [1e-5, 1e-3, 1e-2];
 pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departure, Obstacle> {
     let place = problem.place(u)?;
     let (doubled, u) = problem.repeated(&place, u, 2);
-    let matrix = doubled.residual(&place, &u, true)?.1.ok_or(Obstacle::NoConvergence)?;
+    let matrix = doubled.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let special = Some(Special::of(Label::PeriodDoubling));
     Ok(Departure { direction: direction.push(0.0), problem: doubled, u, step: SWITCH_STEP, special })
@@ -134,6 +134,7 @@ fn with_impact(
         watch: Watch::Meets(stop),
         place: 0,
         events: vec![Event { time, kind }],
+        chatter: None,
     };
     let mut numbers = problem.numbers(place, u);
     let mut letters = problem.word.letters.to_vec();
@@ -159,7 +160,8 @@ fn without_impact(
     letter: usize,
 ) -> Result<Other, Obstacle> {
     let own = &problem.word.letters[letter];
-    let is_simple = own.is_impact() && own.modes[0] == own.modes[1] && own.hits().count() == 1;
+    let is_simple =
+        own.chatter.is_none() && own.is_impact() && own.modes[0] == own.modes[1] && own.hits().count() == 1;
     let Watch::Meets(stop) = own.watch else { return Err(Obstacle::NoConvergence) };
     if !is_simple {
         return Err(Obstacle::NoConvergence);
@@ -185,7 +187,7 @@ fn without_impact(
         let flight = if letter == 0 { count - 2 } else { letter - 1 };
         (problem.origin, Condition::Stays { letter: flight, watch, place })
     };
-    let mode = letters.last().map_or(mode, |letter| letter.modes[1].clone());
+    let mode = letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word { letters: letters.into(), mode, periods: problem.word.periods };
     let mut other = Problem { word, origin, ..problem.clone() };
     other.fixed =

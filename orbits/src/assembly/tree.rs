@@ -19,8 +19,8 @@ use vibro_analysis::assembly::Start;
 
 /// First step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
-/// Difference of the parameter, in its unit, at which two special points of one kind are one.
-const SAME_PLACE: f64 = 1e-7;
+/// Step from a special point at which the branch that begins there is compared with known ones.
+const KNOWN_STEP: f64 = 1e-2;
 /// Most branches.
 const MOST: usize = 400;
 
@@ -157,13 +157,9 @@ impl Grower<'_> {
             for k in 0..count {
                 let value = value(if upward { k } else { count - 1 - k });
                 let Ok(machine) = self.family.at(value) else { continue };
-                let settled = Orbit::settled_in(self.family, &machine, value, &start, self.options.discard);
-                if let Ok(orbit) = settled.map(|orbit| {
-                    start = orbit.start();
-                    orbit
-                }) {
-                    found.push(orbit);
-                }
+                let settled =
+                    Orbit::settled_in(self.family, &machine, value, &mut start, self.options.discard);
+                found.extend(settled.ok());
             }
             found
         };
@@ -202,21 +198,8 @@ impl Grower<'_> {
                     && branch.orbits_at(orbit.value()).iter().any(|own| own.is_same(orbit))
             }),
             StartKind::Departures(departures) => {
-                let Departure { problem, u, special, .. } = &departures[0];
-                let value = problem.value(u);
-                let kind = special.as_ref().map(|s| s.kind);
-                let is_there = |branch: &Branch| {
-                    let ends = [branch.points.first(), branch.points.last()];
-                    let mut known =
-                        branch.points.iter().filter(|p| p.special.as_ref().map(|s| s.kind) == kind);
-                    let near = |point: &super::branch::OrbitPoint| {
-                        (point.value - value).abs() <= SAME_PLACE * self.family.unit()
-                    };
-                    super::orbit::same_word(branch.word(), &problem.word)
-                        && (ends.into_iter().flatten().any(near) || known.any(near))
-                        && kind != Some(Kind::As(Label::BranchPoint))
-                };
-                self.branches.iter().any(is_there)
+                let first = departures[0].first_orbit(KNOWN_STEP);
+                first.is_some_and(|orbit| self.is_known(&StartKind::Orbit(Box::new(orbit))))
             }
         }
     }

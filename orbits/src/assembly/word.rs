@@ -20,6 +20,18 @@ pub struct Letter {
     /// The reports of the event: impacts in their order, then changes of elements. Times and speeds
     /// are those of the motion in which the event was found.
     pub events: Vec<Event>,
+    /// Where the event is the first impact of a run that accumulates: what the run ends with.
+    pub chatter: Option<Chatter>,
+}
+
+/// A run of impacts that accumulates until its stop closes. It is one part of a word, whatever the
+/// number of its impacts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chatter {
+    /// The stop.
+    pub stop: usize,
+    /// The mode in which it has closed.
+    pub mode: Mode,
 }
 
 impl PartialEq for Letter {
@@ -28,6 +40,7 @@ impl PartialEq for Letter {
         self.modes == other.modes
             && (self.watch, self.place) == (other.watch, other.place)
             && self.impacts().eq(other.impacts())
+            && self.chatter == other.chatter
     }
 }
 
@@ -43,6 +56,11 @@ impl Letter {
     /// The stops that are hit.
     pub fn hits(&self) -> impl Iterator<Item = usize> + '_ {
         self.impacts().map(|(stop, _)| stop)
+    }
+
+    /// The mode after it, and after its run of impacts.
+    pub(super) fn last_mode(&self) -> &Mode {
+        self.chatter.as_ref().map_or(&self.modes[1], |chatter| &chatter.mode)
     }
 
     /// Whether the event has an impact.
@@ -63,7 +81,7 @@ impl Letter {
     /// The letter of a word without events: the contacts of its mode are kept.
     pub(super) fn staying(word: &Word) -> Self {
         let modes = [word.mode.clone(), word.mode.clone()];
-        Self { modes, watch: Watch::Meets(usize::MAX), place: 0, events: Vec::new() }
+        Self { modes, watch: Watch::Meets(usize::MAX), place: 0, events: Vec::new(), chatter: None }
     }
 
     /// Removes from variations what the contacts after the event constrain.
@@ -81,6 +99,9 @@ impl Letter {
             if !words.contains(&word) {
                 words.push(word);
             }
+        }
+        if let Some(Chatter { stop, .. }) = self.chatter {
+            words.push(format!("chatter {}", plain(&assembly.name_of_stop(stop))));
         }
         if words.is_empty() { "change".into() } else { words.join(" + ") }
     }
@@ -108,9 +129,9 @@ impl Word {
         self.letters.is_empty()
     }
 
-    /// The mode of the flight after event `k`.
+    /// The mode of the flight that ends before the event after event `k`.
     pub(super) fn mode_after(&self, k: usize) -> &Mode {
-        self.letters.get(k).map_or(&self.mode, |letter| &letter.modes[1])
+        self.letters.get(k).map_or(&self.mode, Letter::last_mode)
     }
 
     /// The word passed `times` times.
@@ -125,7 +146,7 @@ impl Word {
     pub(super) fn rotated(&self, first: usize) -> Self {
         let mut letters = self.letters.to_vec();
         letters.rotate_left(first);
-        let mode = letters.last().map_or_else(|| self.mode.clone(), |letter| letter.modes[1].clone());
+        let mode = letters.last().map_or_else(|| self.mode.clone(), |letter| letter.last_mode().clone());
         Self { letters: letters.into(), mode, periods: self.periods }
     }
 

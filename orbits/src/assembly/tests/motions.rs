@@ -1,0 +1,99 @@
+//! Orbits against the machines' own motions.
+
+use super::*;
+use vibro_analysis::assembly::Start;
+use vibro_assembly::Motion;
+
+/// Largest difference of an event's time, in periods: rounding of a flight.
+const TIME: f64 = 1e-11;
+/// Push of a state, relative to its units.
+const PUSH: f64 = 1e-6;
+
+#[test]
+fn second_method_orbits_of_the_gallery_are_motions() {
+    for (name, events) in [
+        ("belt_friction.toml", 2),
+        ("brake_squeal.toml", 2),
+        ("damper_with_buffer.toml", 18),
+        ("den_hartog.toml", 2),
+        ("impact_on_spring.toml", 2),
+        ("impact_pair.toml", 2),
+        ("paper_machine.toml", 2),
+        ("percussion_drill.toml", 19),
+        ("vibratory_conveyor.toml", 3),
+    ] {
+        let orbit = Orbit::settled(&example(name), &Start::default(), 500).unwrap();
+        assert_eq!(orbit.word().len(), events, "{name}");
+        assert!(orbit.is_certified(), "{name}: {:?}", orbit.violation());
+        let apart = orbit.check_by_motion().unwrap();
+        assert!(apart < TIME * orbit.period(), "{name}: {apart} s");
+    }
+}
+
+/// Distance of a pushed motion from the orbit after some periods, in pushes.
+fn after_push(orbit: &Orbit, periods: u32) -> f64 {
+    let own = 2 * orbit.place().assembly.system().coordinates;
+    let (time, state) = orbit.middle_state();
+    let pushed: Vec<f64> = state
+        .iter()
+        .zip(&orbit.problem.units.state)
+        .enumerate()
+        .map(|(i, (x, u))| x + PUSH * u * (1.0 + 0.1 * i as f64))
+        .collect();
+    let mut motion = Motion::from_state(orbit.place().assembly.clone(), time, &pushed).unwrap();
+    motion.advance_to(time + f64::from(periods) * orbit.period()).unwrap();
+    let apart = motion.state().iter().zip(&state).zip(&orbit.problem.units.state).take(own);
+    apart.map(|((a, b), unit)| ((a - b) / unit).abs()).fold(0.0, f64::max) / PUSH
+}
+
+#[test]
+fn second_method_pushed_motions_come_back_to_stable_orbits_and_leave_unstable_ones() {
+    let family = Family::new(&example("paper_machine.toml"), "load.drive.amplitude", (0.19, 0.35)).unwrap();
+    let (mut stable, mut unstable) = (0, 0);
+    for branch in grown(&family, 6, 1) {
+        for value in
+            [0.192, 0.195, 0.2, 0.215, 0.22, 0.23, 0.235, 0.242, 0.26, 0.275, 0.285, 0.3, 0.32, 0.33, 0.34]
+        {
+            for orbit in branch.orbits_at(value) {
+                // A push grows or shrinks by some thousand at most.
+                let logarithm = orbit.spectral_radius().ln().abs();
+                let periods = (7.0 / logarithm).ceil();
+                if !(1.0..=200.0).contains(&periods) {
+                    continue;
+                }
+                let apart = after_push(&orbit, periods as u32);
+                match orbit.stability() {
+                    Stability::Stable => {
+                        assert!(apart < 0.2, "{value}: {apart} after {periods}");
+                        stable += 1;
+                    }
+                    Stability::Unstable => {
+                        assert!(apart > 5.0, "{value}: {apart} after {periods}");
+                        unstable += 1;
+                    }
+                    other => panic!("{value}: {other}"),
+                }
+            }
+        }
+    }
+    assert!(stable >= 20 && unstable >= 20, "{stable} {unstable}");
+}
+
+/// A run of impacts that accumulates: a ball on a table that throws it once a period.
+#[test]
+fn second_method_orbits_with_runs_of_impacts_are_motions_and_are_followed() {
+    let text = "name = \"Ball\"\ngravity = 10.0\nbody.ball = { mass = 1.0, gravity = -1.0 }\n\
+        body.table = { motion = { amplitude = 0.03, frequency = \"20 rad/s\" } }\n\
+        stop.floor = { between = [\"ball\", \"table\"], gap = 0.0, restitution = 0.6 }\n";
+    let orbit = Orbit::settled(&machine(text), &Start::default(), 50).unwrap();
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    assert_eq!(words, "open floor, impact floor + chatter floor");
+    assert!(orbit.is_certified() && orbit.stability() == Stability::Stable);
+    assert!(orbit.spectral_radius() < 1e-9);
+    // The table's acceleration opens the stop: A ω² sin ωt = g.
+    let opens = (10.0_f64 / (0.03 * 400.0)).asin() / 20.0;
+    assert!((orbit.times()[0].rem_euclid(orbit.period()) - opens).abs() < 1e-12, "{:?}", orbit.times());
+    let family = Family::new(&machine(text), "body.table.motion.amplitude", (0.026, 0.034)).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    assert!(found.points.len() < 400, "{}", found.points.len());
+}
