@@ -50,6 +50,7 @@ use std::sync::Arc;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Start {
     /// s.
     pub time: f64,
@@ -58,7 +59,7 @@ pub struct Start {
 }
 
 /// Coordinate and rate of a body at the start, where they are given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyStart {
     /// m or rad.
     pub s: Option<f64>,
@@ -258,6 +259,36 @@ fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
         "the start at t = {time:?} s violates it by e - gap = {excess:?} {unit}; allowed is e <= gap"
     );
     Refusal::one(Problem::new(gap, value, text)).into()
+}
+
+/// The word for the machine's own start in serialized form.
+const OWN: &str = "File";
+
+impl From<Start> for String {
+    fn from(start: Start) -> Self {
+        if start.is_own() { OWN.into() } else { start.to_string() }
+    }
+}
+
+impl TryFrom<String> for Start {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let mut start = Self::default();
+        if text == OWN {
+            return Ok(start);
+        }
+        for part in text.split(',') {
+            let number = part.split_once('=').and_then(|(name, x)| Some((name, x.parse::<f64>().ok()?)));
+            match number.map(|(name, x)| (name.split_once('.'), x)) {
+                Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
+                Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
+                Some((None, time)) => start.time = time,
+                _ => return Err(format!("`{part}` is no number of a start")),
+            }
+        }
+        Ok(start)
+    }
 }
 
 /// The numbers in one line, such as `time=0.5,box.s=0.001`.

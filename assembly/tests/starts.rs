@@ -111,6 +111,7 @@ fn invariant_a_start_is_written_and_read_with_all_digits() {
             named.set(&assembly.description, &name, value).unwrap();
         }
         assert_eq!(named, start);
+        assert_eq!(Start::try_from(String::from(start.clone())), Ok(start.clone()));
         let begun = again.motion(assembly).unwrap();
         assert_eq!((begun.time(), begun.mode()), (motion.time(), motion.mode()));
     }
