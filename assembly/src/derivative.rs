@@ -8,6 +8,7 @@
 //! [`Motion`](crate::Motion), which has the bits that it has alone.
 
 mod bodies;
+mod by;
 mod crossing;
 mod differentiated;
 mod flight;
@@ -21,5 +22,6 @@ mod start;
 mod tangent;
 mod values;
 
+pub use by::By;
 pub use differentiated::{Differentiated, VariedObserver};
 pub use lost::{Cause, Lost};

@@ -1,32 +1,32 @@
 //! A motion with its derivatives by parameters.
 
+use super::by::By;
 use super::crossing::{Crossing, Met};
 use super::impulse::Impulse;
 use super::jump::jumped;
 use super::lost::Lost;
 use super::machine::{Instant, Machine};
 use super::mode::VariedMode;
-use super::start::start;
+use super::start::Start;
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::motion::{Event, Motion, Reached};
+use crate::motion::{Event, Motion, Reached, start_of};
 use crate::quantity::Quantity;
 use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Events count as being at one instant within this part of the time, and of the time in which the
 /// mode's fastest motion changes.
 const INSTANT: f64 = 1e-13;
 
-/// A motion from the machine's start with the derivatives of its values and of its events' times by
-/// parameters of the machine, exact through impacts, contacts and sticking.
+/// A motion with the derivatives of its values and of its events' times by numbers of its machine
+/// and of its start, exact through impacts, contacts and sticking.
 ///
-/// A parameter is any number of [`Description::parameters`](crate::Description::parameters). Where
-/// a motion has no derivative, its [`derivative`](Self::derivative) is `None` from then on, and
+/// A column of derivatives is [`By`] a parameter, or by the start. Where a motion has no
+/// derivative, its [`derivative`](Self::derivative) is `None` from then on, and
 /// [`lost`](Self::lost) says why.
 ///
 /// A ball that falls from rest on a floor at the depth h meets it at √(2h/g):
@@ -64,30 +64,31 @@ const INSTANT: f64 = 1e-13;
 pub struct Differentiated {
     machine: Arc<Machine>,
     motion: Motion,
-    parameters: Vec<String>,
+    names: Vec<String>,
     modes: HashMap<Mode, Arc<VariedMode>>,
     mode: Arc<VariedMode>,
-    /// By parameter.
+    /// By column.
     deltas: Vec<Option<DVector<f64>>>,
-    /// By parameter: their largest sizes so far.
+    /// By column: their largest sizes so far.
     scales: Vec<DVector<f64>>,
-    /// By parameter.
+    /// By column.
     lost: Vec<Option<Lost>>,
     /// Events of the present instant.
     met: Vec<Met>,
 }
 
-/// Callback for events, each with the derivatives of its time by parameter.
+/// Callback for events, each with the derivatives of its time by column.
 pub type VariedObserver<'a> = dyn FnMut(&Event, &[Option<f64>]) + 'a;
 
 impl Differentiated {
-    /// The motion from the machine's start, at time 0, with its derivatives by parameters.
+    /// The motion from the machine's start, at time 0, with its derivatives by numbers of the
+    /// machine, such as `["stop.floor.gap"]`, or of its start ([`By`]).
     ///
     /// # Errors
     /// [`Error::Refused`] for an unknown parameter, with the nearest name; as
     /// [`Motion::new`].
-    pub fn new(assembly: Arc<Assembly>, parameters: &[&str]) -> Result<Self, Error> {
-        Self::new_observed(assembly, parameters, &mut |_, _| ())
+    pub fn new(assembly: Arc<Assembly>, columns: &[impl Into<By> + Clone]) -> Result<Self, Error> {
+        Self::new_observed(assembly, columns, &mut |_, _| ())
     }
 
     /// As [`new`](Self::new), with the events at the start reported to `observer`.
@@ -96,35 +97,106 @@ impl Differentiated {
     /// As [`new`](Self::new).
     pub fn new_observed(
         assembly: Arc<Assembly>,
-        parameters: &[&str],
+        columns: &[impl Into<By> + Clone],
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
-        let known = |name: &&str| Ok(assembly.description.parameter(name)?.name);
-        let parameters: Vec<String> = parameters.iter().map(known).collect::<Result<_, Error>>()?;
-        let machine = Arc::new(Machine::new(assembly.clone(), &parameters)?);
-        let inputs = vec![(0.0, [0.0; 4]); assembly.system().signals.inputs];
-        let begun = Motion::state_at_start(&assembly, DoubleDouble::default(), &inputs);
-        let begun = machine.widened(&begun);
+        let start = start_of(&assembly);
+        Self::begin(assembly, columns, (0.0, &start, false), observer)
+    }
+
+    /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
+    /// parameter moves the state. A start on a rigid stop that stays closed varies as the contact
+    /// allows: with the stop's gap, and not against it.
+    ///
+    /// A spring's state after a time, by its start, is the transition matrix:
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use vibro_assembly::derivative::By;
+    /// use vibro_assembly::{Assembly, Differentiated, file};
+    ///
+    /// let text = r#"
+    ///     name = "Oscillator"
+    ///     [body.a]
+    ///     mass = 1.0
+    ///     [spring.k]
+    ///     between = ["ground", "a"]
+    ///     stiffness = 4.0
+    /// "#;
+    /// let assembly = Arc::new(Assembly::new(file::parse(text, "a.toml", &file::no_records)?)?);
+    /// let columns = [By::Start(0), By::Start(1)];
+    /// let mut motion = Differentiated::from_state(assembly, 0.5, &[0.1, 0.0], &columns)?;
+    /// motion.advance_to(0.8)?;
+    /// let (sine, cosine) = 0.6f64.sin_cos();
+    /// let matrix = [[cosine, -2.0 * sine], [0.5 * sine, cosine]];
+    /// for (column, exact) in matrix.iter().enumerate() {
+    ///     let found = motion.state_derivative(column).unwrap();
+    ///     assert!(found.iter().zip(exact).all(|(x, y)| (x - y).abs() < 1e-14));
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) and [`Motion::from_state`].
+    pub fn from_state(
+        assembly: Arc<Assembly>,
+        time: f64,
+        state: &[f64],
+        columns: &[impl Into<By> + Clone],
+    ) -> Result<Self, Error> {
+        Self::from_state_observed(assembly, time, state, columns, &mut |_, _| ())
+    }
+
+    /// As [`from_state`](Self::from_state), with the events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`from_state`](Self::from_state).
+    pub fn from_state_observed(
+        assembly: Arc<Assembly>,
+        time: f64,
+        state: &[f64],
+        columns: &[impl Into<By> + Clone],
+        observer: &mut VariedObserver,
+    ) -> Result<Self, Error> {
+        Self::begin(assembly, columns, (time, state, true), observer)
+    }
+
+    /// Begins at a time with a state, which may be given, or be that of the machine.
+    fn begin(
+        assembly: Arc<Assembly>,
+        columns: &[impl Into<By> + Clone],
+        (time, state, is_given): (f64, &[f64], bool),
+        observer: &mut VariedObserver,
+    ) -> Result<Self, Error> {
+        let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
+        columns.iter().try_for_each(|by| by.check(&assembly))?;
         let mut events = Vec::new();
-        let motion = Motion::new_observed(assembly, &mut |event| events.push(event.clone()))?;
+        let mut note = |event: &Event| events.push(event.clone());
+        let motion = Motion::from_state_observed(assembly.clone(), time, state, &mut note)?;
+        let machine = Arc::new(Machine::new(assembly, columns)?);
         let mode = Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
         let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
         let z = machine.widened(motion.state());
+        let mut begun = z.clone();
+        begun.as_mut_slice()[..state.len()].copy_from_slice(state);
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
-        let started = (0..parameters.len()).map(|p| start(&machine, p, &begun, &events, &at));
-        let (deltas, lost): (Vec<_>, Vec<_>) = started
-            .map(|outcome| match outcome {
+        let start = Start { machine: &machine, is_given, begun: &begun, events: &events, at };
+        let (deltas, lost): (Vec<_>, Vec<_>) = (0..machine.columns.len())
+            .map(|p| match start.derivative(p) {
                 Ok(delta) => (Some(delta), None),
                 Err(lost) => (None, Some(lost)),
             })
             .unzip();
-        let times: Vec<Option<f64>> = deltas.iter().map(|delta| delta.as_ref().map(|_| 0.0)).collect();
+        let by_start = machine.columns.iter().map(|by| if *by == By::Time { 1.0 } else { 0.0 });
+        let times: Vec<Option<f64>> =
+            deltas.iter().zip(by_start).map(|(delta, later)| delta.as_ref().map(|_| later)).collect();
         events.iter().for_each(|event| observer(event, &times));
         let zero = DVector::zeros(z.len());
         let scales =
             deltas.iter().map(|d: &Option<DVector<f64>>| d.as_ref().unwrap_or(&zero).abs()).collect();
-        Ok(Self { machine, motion, parameters, modes, mode, deltas, scales, lost, met: Vec::new() })
+        let names = machine.columns.iter().map(By::to_string).collect();
+        Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, met: Vec::new() })
     }
 
     /// A motion that a flag interrupts, as [`Motion::with_interruption`].
@@ -139,21 +211,32 @@ impl Differentiated {
         &self.motion
     }
 
-    /// The parameters' names.
-    pub fn parameters(&self) -> &[String] {
-        &self.parameters
+    /// What the columns are by.
+    pub fn columns(&self) -> &[By] {
+        &self.machine.columns
     }
 
-    /// The derivative of a quantity at the present time by the parameter with an index; `None`
-    /// where there is none.
-    pub fn derivative(&self, quantity: Quantity, parameter: usize) -> Option<f64> {
-        let delta = self.deltas.get(parameter)?.as_ref()?;
+    /// The columns' names: of a parameter its own, else `start[0]` or `start.time`.
+    pub fn parameters(&self) -> &[String] {
+        &self.names
+    }
+
+    /// A column of the derivative of the machine's coordinates, then of their rates; `None` where
+    /// there is none.
+    pub fn state_derivative(&self, column: usize) -> Option<&[f64]> {
+        let delta = self.deltas.get(column)?.as_ref()?;
+        Some(&delta.as_slice()[..self.machine.system.signals.one])
+    }
+
+    /// A column of the derivative of a quantity at the present time; `None` where there is none.
+    pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
+        let delta = self.deltas.get(column)?.as_ref()?;
         let z = self.state();
         let point = super::values::Point {
             system: &self.machine.system,
-            tangent: &self.machine.tangents[parameter],
+            tangent: &self.machine.tangents[column],
             mode: &self.mode,
-            p: parameter,
+            p: column,
             z: &z,
             delta,
             scale: delta,
@@ -162,9 +245,9 @@ impl Differentiated {
         Some(point.quantity(quantity) + 0.0).filter(|value| value.is_finite())
     }
 
-    /// Why there is no derivative by the parameter with an index any more.
-    pub fn lost(&self, parameter: usize) -> Option<&Lost> {
-        self.lost.get(parameter)?.as_ref()
+    /// Why a column has no derivatives any more.
+    pub fn lost(&self, column: usize) -> Option<&Lost> {
+        self.lost.get(column)?.as_ref()
     }
 
     /// Advances to a time.

@@ -1,5 +1,6 @@
 //! A machine with its derivatives by some parameters.
 
+use super::by::By;
 use super::lost::{Cause, Lost};
 use super::mode::VariedMode;
 use super::tangent::{ElongationTangent, Tangent};
@@ -8,7 +9,7 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::law::ZERO;
 use crate::law::box_qp::triangle;
-use crate::mode::{Contact, StopState, Watch};
+use crate::mode::{Contact, Watch};
 use crate::signals::Layout;
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::DVector;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 /// what a parameter that matters makes.
 pub(super) const STILL: f64 = 1e-9;
 /// Relative rate of a passage, by the sizes of its terms, under which it is a touch.
-const TOUCH: f64 = 1e-12;
+pub(super) const TOUCH: f64 = 1e-12;
 /// Multiples of what counts as zero up to which a functional is at its limit beside an event.
 const BESIDE: f64 = 4.0;
 
@@ -29,7 +30,9 @@ pub(super) struct Machine {
     pub system: System,
     /// By coordinate of `system` its place in the assembly's augmented state.
     places: Vec<Option<usize>>,
-    /// By parameter.
+    /// What the columns of derivatives are by.
+    pub columns: Vec<By>,
+    /// By column.
     pub tangents: Vec<Tangent>,
 }
 
@@ -52,14 +55,14 @@ pub(super) struct Varied<'a> {
 }
 
 impl Machine {
-    pub fn new(assembly: Arc<Assembly>, parameters: &[String]) -> Result<Self, Error> {
+    pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
         let d = &assembly.description;
-        let any = |end: &str| parameters.iter().any(|name| name.ends_with(end));
+        let any = |end: &str| columns.iter().any(|by| by.parameter().ends_with(end));
         let layout = Layout { frequencies_apart: any(".frequency"), rates: any(".motion.rate") };
         let system = System::laid_out(d, layout)?;
         let places = system.signals.places_in(&assembly.system.signals);
-        let tangents = parameters.iter().map(|name| Tangent::new(&system, d, name)).collect();
-        Ok(Self { assembly, system, places, tangents })
+        let tangents = columns.iter().map(|by| Tangent::new(&system, d, by.parameter())).collect();
+        Ok(Self { assembly, system, places, columns, tangents })
     }
 
     /// A vector of the assembly's augmented state in the coordinates of `system`.
@@ -173,7 +176,7 @@ impl Machine {
     }
 
     /// The sum of the sizes of the terms of a functional's time derivative.
-    fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
+    pub fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
         row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum()
     }
 
@@ -270,31 +273,12 @@ impl Machine {
 
     /// Whether the force is continuous where this functional passes zero: that of a stop without
     /// damping.
-    fn is_smooth(&self, watch: Watch) -> bool {
+    pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
             Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
                 self.system.stops[i].force == self.system.stops[i].spring
             }
             _ => false,
         }
-    }
-
-    /// Whether a rigid stop that touches at the start, or a damped compliant one at its gap, has a
-    /// gap that varies: then it has an event on one side only.
-    pub fn check_touching(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
-        for (i, stop) in self.system.stops.iter().enumerate() {
-            let is_held =
-                at.mode.mode.stops[i] == StopState::Closed && self.assembly.description.starts_at_rest;
-            if is_held || self.is_smooth(Watch::Presses(i)) && stop.restitution().is_none() {
-                continue;
-            }
-            let (row, by) = (&*stop.excess, &self.tangents[column.p].stops[i].excess);
-            let point = self.point(column, at);
-            if self.is_zero(row, at) && point.of(row, by).abs() > STILL * point.size(row, by) {
-                let element = self.assembly.name_of_stop(i);
-                return Err(Lost { time: at.time, element, cause: Cause::Limit });
-            }
-        }
-        Ok(())
     }
 }

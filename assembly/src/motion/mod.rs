@@ -269,15 +269,6 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The augmented state before the law at the start.
-    pub(crate) fn state_at_start(
-        assembly: &Assembly,
-        time: DoubleDouble,
-        inputs: &[(f64, Input)],
-    ) -> DVector<f64> {
-        Self::state_with_signals(assembly, time, &start_of(assembly), inputs)
-    }
-
     /// The augmented state with coordinates and rates `start`.
     fn state_with_signals(
         assembly: &Assembly,

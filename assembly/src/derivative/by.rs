@@ -1,0 +1,63 @@
+//! What the columns of a motion's derivatives are by.
+
+use crate::assembly::Assembly;
+use crate::error::Error;
+use std::fmt;
+
+/// What a motion is differentiated by: one column of its derivatives.
+///
+/// A text is the name of a parameter: `"stop.floor.gap".into()`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum By {
+    /// A number of the machine, by its name in
+    /// [`Description::parameters`](crate::Description::parameters).
+    Parameter(String),
+    /// A number of the state at the start, by its place: the machine's coordinates, then their
+    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies).
+    Start(usize),
+    /// The time of the start, with the state there kept.
+    Time,
+}
+
+impl From<&str> for By {
+    fn from(name: &str) -> Self {
+        Self::Parameter(name.to_owned())
+    }
+}
+
+impl From<String> for By {
+    fn from(name: String) -> Self {
+        Self::Parameter(name)
+    }
+}
+
+impl fmt::Display for By {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Parameter(name) => f.write_str(name),
+            Self::Start(place) => write!(f, "start[{place}]"),
+            Self::Time => f.write_str("start.time"),
+        }
+    }
+}
+
+impl By {
+    /// Refuses what a machine does not have.
+    pub(super) fn check(&self, assembly: &Assembly) -> Result<(), Error> {
+        let count = 2 * assembly.system.coordinates;
+        match self {
+            Self::Parameter(name) => Ok(assembly.description.parameter(name).map(drop)?),
+            Self::Start(place) if *place >= count => Err(Error::OutOfRange {
+                name: "number of the start".into(),
+                value: *place as f64,
+                allowed: format!("0 to {}", count - 1),
+            }),
+            Self::Start(_) | Self::Time => Ok(()),
+        }
+    }
+
+    /// The parameter's name; empty for others, which change nothing in the machine.
+    pub(super) fn parameter(&self) -> &str {
+        if let Self::Parameter(name) = self { name } else { "" }
+    }
+}
