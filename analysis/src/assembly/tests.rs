@@ -7,6 +7,7 @@ use crate::plane::ParameterAxis;
 use vibro_impact::{Parameters, Simulator, State};
 
 mod measured;
+mod starts;
 pub(super) mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
