@@ -188,6 +188,12 @@ impl Start {
         *self == Self::default()
     }
 
+    /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, ….
+    pub fn names(assembly: &Assembly) -> Vec<String> {
+        let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
+        bodies().map(|name| format!("{name}.s")).chain(bodies().map(|name| format!("{name}.v"))).collect()
+    }
+
     /// Coordinates and rates of a machine's coordinates, as [`Motion::from_state`] takes them.
     ///
     /// # Errors
@@ -269,6 +275,21 @@ impl Start {
         let columns = columns.collect::<Result<Vec<By>, Refusal>>()?;
         let begun =
             Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
+
+impl Start {
+    /// The motion from this start with its derivatives by the state there: a column for each
+    /// coordinate of the machine, then for each rate. Their
+    /// [`state_derivative`](Differentiated::state_derivative)s are the transition matrix.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion).
+    pub fn transition(&self, assembly: Arc<Assembly>) -> Result<Differentiated, Error> {
+        let state = self.state(&assembly)?;
+        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+        let begun = Differentiated::from_state(assembly.clone(), self.time, &state, &columns);
         begun.map_err(|error| in_words(&assembly, self.time, error))
     }
 }
