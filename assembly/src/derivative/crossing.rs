@@ -9,7 +9,7 @@ use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
 use crate::signals::StepTime;
-use crate::system::StateRow;
+use crate::system::Functional;
 use nalgebra::DVector;
 
 /// Adds `factor` × `rates` ⊗ `later`.
@@ -28,15 +28,15 @@ pub(super) struct Crossing<'a> {
     /// The instant after it.
     pub after: Instant<'a, 'a>,
     /// The functional that has passed zero; `None` at a knot.
-    pub due: Option<(Watch, &'a StateRow)>,
+    pub due: Option<(Watch, &'a Functional)>,
     pub impulses: Vec<Impulse>,
     pub events: &'a [Event],
     /// Earlier events of the same instant.
     pub earlier: &'a [Met],
     /// Functionals that come to zero at this instant.
-    pub together: Vec<&'a (Watch, StateRow)>,
+    pub together: Vec<&'a (Watch, Functional)>,
     /// Functionals that are zero throughout the mode that follows.
-    pub still: Vec<&'a (Watch, StateRow)>,
+    pub still: Vec<&'a (Watch, Functional)>,
 }
 
 /// Record of an event for later events at the same instant.
@@ -176,10 +176,10 @@ impl Crossing<'_> {
     }
 
     /// The δt of an event that nothing accompanies.
-    fn alone(&self, p: usize, row: &StateRow, deltas: &Columns) -> Later {
+    fn alone(&self, p: usize, row: &Functional, deltas: &Columns) -> Later {
         let (machine, before) = (self.machine, &self.before);
-        let own = deltas.numbers[p + 1..].iter().step_by(deltas.width);
-        let mut varied: f64 = row.iter().zip(own).map(|(h, delta)| h * delta).sum();
+        let own = |&(j, h): &(usize, f64)| h * deltas.numbers[j * deltas.width + p + 1];
+        let mut varied: f64 = row.terms().iter().map(own).sum();
         let tangent = &machine.tangents[p];
         if let Some((watch, _)) = self.due.filter(|_| !tangent.is_zero) {
             varied += before.mode.row_by(&machine.system, tangent, p, watch, row).dot(before.z);

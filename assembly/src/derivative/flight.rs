@@ -4,20 +4,18 @@ use super::columns::{Columns, width_of};
 use super::mode::VariedMode;
 use crate::flow::{RADIUS, RUNGS};
 use pulp::{Arch, Simd, WithSimd};
+use std::sync::atomic::Ordering;
 
 /// Bound of the terms that a power series leaves out, relative to its largest.
 const REMAINDER: f64 = 1e-18;
 /// Orders beyond those of the state's own series: a term of a derivative is that of the state times
 /// its order.
 const MORE: usize = 2;
-/// Shortest flight by matrices, as a part of the length of a series.
+/// Shortest flight by a rung, as a part of the length of a series.
 const PART: f64 = 0.125;
-/// Most coordinates with which every flight from [`PART`] on is one by matrices: modes recur, and
-/// each matrix is made once.
-const SMALL: usize = 20;
-/// With more coordinates, a flight is one by matrices where it has more lengths of a series than
-/// the square of their number over this: making a matrix takes the cube.
-const DEAR: f64 = 15.0;
+/// Work of an order of a power series for each coordinate, in the unit of an entry's: sums are
+/// scaled and added.
+const ORDER: usize = 3;
 
 /// A matrix that acts on a state and its derivatives, by rows: entries with their places, and what
 /// the state adds to each column.
@@ -205,7 +203,7 @@ impl WithSimd for Flight<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { mode, z, memory: Memory { term, next }, rung, time } = self;
-        let (width, each) = (z.width, z.width / S::F64_LANES);
+        let each = z.width / S::F64_LANES;
         term.clone_from(&z.numbers);
         if let Some(rung) = rung {
             let by = S::as_simd_f64s(&rung.by).0;
@@ -237,7 +235,6 @@ impl WithSimd for Flight<'_> {
             }
             std::mem::swap(term, next);
         }
-        debug_assert_eq!(width % S::F64_LANES, 0);
     }
 }
 
@@ -263,8 +260,8 @@ impl WithSimd for Make<'_> {
 impl VariedMode {
     /// Carries a state and its derivatives over a time without events.
     pub fn carry(&self, arch: Arch, z: &mut Columns, memory: &mut Memory, mut time: f64) {
-        let (size, parts) = (self.a.len(), time / (PART * self.length));
-        if parts >= 1.0 && (size <= SMALL || PART * parts > (size as f64).powi(2) / DEAR) {
+        if self.is_by_rungs(time) {
+            let parts = time / (PART * self.length);
             let longest = (parts.log2() as usize).min(RUNGS - 1);
             for k in (0..=longest).rev() {
                 let length = PART * self.length * 2f64.powi(k as i32);
@@ -279,6 +276,31 @@ impl VariedMode {
         for _ in 0..parts as u64 {
             arch.dispatch(Flight { mode: self, z, memory, rung: None, time: time / parts });
         }
+    }
+
+    /// Whether a flight is one by rungs: where that takes less work, once the work that they would
+    /// have saved so far is that of making them.
+    fn is_by_rungs(&self, time: f64) -> bool {
+        let (size, parts) = (self.a.len(), time / (PART * self.length));
+        if parts < 1.0 {
+            return false;
+        }
+        let series = |time: f64| {
+            let parts = (time / self.length).ceil().max(1.0);
+            let entries = self.a.entries() + self.sources.0.entries.len() + ORDER * size;
+            let each = orders(RADIUS * time / (parts * self.length)) * entries;
+            parts * each as f64
+        };
+        let longest = (parts.log2() as usize).min(RUNGS - 1);
+        let count = (parts as u64).count_ones() as f64 + (parts / 2f64.powi(longest as i32) - 1.0).max(0.0);
+        let work = count * (2 * size * size) as f64 + series(PART * self.length * parts.fract());
+        let saved = series(time) - work;
+        if saved <= 0.0 {
+            return false;
+        }
+        let missing = (0..=longest).filter(|&k| self.flights.at(k).get().is_none()).count();
+        let saved = self.saved.fetch_add(saved as u64, Ordering::Relaxed) as f64;
+        saved >= (missing * size.pow(3)) as f64
     }
 
     /// The flow over 2^`k` parts of a length.

@@ -11,7 +11,7 @@ use crate::law::ZERO;
 use crate::mode::{Contact, Watch};
 use crate::motion::Motion;
 use crate::signals::Layout;
-use crate::system::{Elongation, StateRow, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::DVector;
 use std::borrow::Cow;
 use std::ops::Deref;
@@ -189,20 +189,19 @@ impl Machine {
     }
 
     /// Whether a row's value counts as zero at an instant.
-    pub fn is_zero(&self, row: &StateRow, at: &Instant) -> bool {
-        let size: f64 = row.iter().zip(at.sizes.iter()).map(|(r, s)| r.abs() * s).sum();
-        row.dot(at.z).abs() <= BESIDE * ZERO * size
+    pub fn is_zero(&self, row: &Functional, at: &Instant) -> bool {
+        row.at(at.z.as_slice()).abs() <= BESIDE * ZERO * row.size(at.sizes.as_slice())
     }
 
     /// The watched functionals that come to zero at this instant.
-    pub fn approaching<'m>(&self, at: &Instant<'m, '_>) -> Vec<&'m (Watch, StateRow)> {
+    pub fn approaching<'m>(&self, at: &Instant<'m, '_>) -> Vec<&'m (Watch, Functional)> {
         let comes = |row: &StateRow| row.dot(at.rates) > TOUCH * self.speed_size(row, at);
         at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
     }
 
     /// The watched functionals that are zero throughout the mode. With `begins`, those that leave
     /// zero count as well.
-    pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, StateRow)> {
+    pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
             true => !self.is_smooth(watch),
@@ -292,7 +291,7 @@ impl Machine {
 
     /// Whether one of the functionals `still`, which are zero throughout the mode, varies: then the
     /// changed motion has another mode on one side.
-    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, StateRow)]) -> Result<(), Lost> {
+    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, Functional)]) -> Result<(), Lost> {
         for (watch, row) in still {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
             let point = self.point(column, at);

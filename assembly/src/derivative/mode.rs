@@ -6,10 +6,11 @@ use super::tangent::Tangent;
 use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::{Contact, Linear, Mode, StopState, Triangle, Watch};
-use crate::system::{StateRow, System};
+use crate::system::{Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// What one parameter changes in a mode.
 pub(super) struct InMode {
@@ -28,7 +29,7 @@ pub(super) struct VariedMode {
     pub length: f64,
     /// Forces of the basis.
     pub lambda: Vec<StateRow>,
-    pub watched: Vec<(Watch, StateRow)>,
+    pub watched: Vec<(Watch, Functional)>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,
     /// By column.
@@ -37,6 +38,8 @@ pub(super) struct VariedMode {
     pub sources: Sources,
     /// Flights over 2^k parts of `length`, made on first use.
     pub flights: Ladder<Rung>,
+    /// Work that these would have saved so far.
+    pub saved: AtomicU64,
 }
 
 /// What of the linear system of a mode derivatives need.
@@ -72,11 +75,11 @@ impl VariedMode {
         let size = system.signals.size;
         let dense = |row: &Sparse| StateRow::from_vec(row.dense(size));
         let lambda: Vec<StateRow> = lambda.iter().map(dense).collect();
-        let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
+        let watched = watched.into_iter().map(|(watch, row)| (watch, Functional::of(dense(&row)))).collect();
         let (by, sources) = (Vec::new(), Sources::default());
-        let flights = Ladder::default();
+        let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
         let mut made =
-            Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, sources, flights };
+            Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, sources, flights, saved };
         let mut acceleration = DMatrix::zeros(system.coordinates, size);
         for k in 0..system.coordinates {
             made.a.row(system.coordinates + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);

@@ -112,7 +112,7 @@ impl Start<'_> {
             if is_held || is_smooth || self.leaves(i) {
                 continue;
             }
-            let (row, by) = (&*stop.excess, &machine.tangents[column.p].stops[i].excess);
+            let (row, by) = (&stop.excess, &machine.tangents[column.p].stops[i].excess);
             let point = machine.point(column, at);
             if machine.is_zero(row, at) && point.of(row, by).abs() > STILL * point.size(row, by) {
                 return Err(self.limit(machine.assembly.name_of_stop(i)));
