@@ -272,7 +272,7 @@ pub fn assembly_transition<'py>(
         let mut motion = start.transition(assembly)?;
         motion.advance_to(until)?;
         let columns: Vec<_> = (0..names.len()).map(|p| motion.state_derivative(p)).collect();
-        let row = |i: usize| columns.iter().map(|column| column.map(|c| c[i])).collect::<Vec<_>>();
+        let row = |i: usize| columns.iter().map(|column| column.as_ref().map(|c| c[i])).collect::<Vec<_>>();
         let rows: Vec<_> = (0..names.len()).map(row).collect();
         let lost = (0..names.len()).map(|p| motion.lost(p).map_or(String::new(), ToString::to_string));
         Ok((names, whole, Start::of(motion.motion()).numbers(), rows, lost.collect()))

@@ -1,5 +1,7 @@
 //! A motion with its derivatives by parameters.
 
+mod under_way;
+
 use super::by::By;
 use super::columns::Columns;
 use super::crossing::{Crossing, Later, Met};
@@ -276,13 +278,7 @@ impl Differentiated {
     /// As [`Motion::advance_to`].
     pub fn advance_observed(&mut self, end: f64, observer: &mut VariedObserver) -> Result<(), Error> {
         loop {
-            let from = self.motion.time();
-            let outcome = self.motion.advance_before_event(end, &mut |_| ());
-            let span = self.motion.time() - from;
-            if span > 0.0 {
-                self.fly(span);
-            }
-            match outcome? {
+            match self.advance_before_event(end)? {
                 Reached::End => return Ok(()),
                 Reached::Event => self.pass(observer)?,
             }
