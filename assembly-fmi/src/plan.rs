@@ -27,7 +27,7 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
-    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (3.0.2, 2.4.8).
+    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2, 2.4.8).
     pub(crate) knows_parameters: bool,
     token: String,
     text: String,
