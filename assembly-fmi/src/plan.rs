@@ -27,6 +27,8 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
+    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2, 2.4.8).
+    pub(crate) knows_parameters: bool,
     token: String,
     text: String,
 }
@@ -43,7 +45,7 @@ impl Plan {
         let token = token(&text);
         let table = VariableTable::new(&assembly.description);
         let nominals = assembly.nominals();
-        Ok(Self { table, assembly, nominals, token, text })
+        Ok(Self { table, assembly, nominals, knows_parameters: true, token, text })
     }
 
     /// The plan of a description, written as a file with its records included.
@@ -88,7 +90,7 @@ impl Plan {
             let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
             MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
         })?;
-        Self::new(text, &name)
+        Ok(Self { knows_parameters: request.version == Version::Fmi3, ..Self::new(text, &name)? })
     }
 
     /// The instantiation token of the machine whose [`FILE`] has this text.

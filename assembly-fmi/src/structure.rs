@@ -266,7 +266,8 @@ impl<'a> Structure<'a> {
             | Quantity::Parameter(_)
             | Quantity::Input(_)
             | Quantity::Transition
-            | Quantity::Response => {}
+            | Quantity::Response
+            | Quantity::ByParameters => {}
         }
         knowns
     }

@@ -8,7 +8,7 @@
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
-//! | `step.transition`, `step.response`: matrices, in FMI 3.0 with arrays | local |
+//! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
 //!
 //! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
@@ -46,6 +46,8 @@ pub enum Quantity {
     Transition,
     /// Derivatives of the states at the end of the last step with respect to the inputs.
     Response,
+    /// Derivatives of the states at the end of the last step with respect to tunable parameters.
+    ByParameters,
 }
 
 impl Quantity {
@@ -142,6 +144,9 @@ pub struct VariableTable {
 fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
     units[usize::from(dimension == Dimension::Rotation)]
 }
+
+/// Most numbers of `step.parameters`; a larger machine has none.
+const MOST_BY_PARAMETERS: usize = 1_000_000;
 
 /// The unit of matrices, whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
@@ -274,6 +279,7 @@ impl VariableTable {
         const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
                             last step";
         let inputs = 4 * self.inputs.len();
+        let tunable = self.tunable().count();
         let mut push = |name: &str, meaning: String, columns: usize, quantity: Quantity| {
             if columns > 0 {
                 let text = format!("{ROWS} by {meaning}, through all its events, in SI units");
@@ -285,6 +291,17 @@ impl VariableTable {
         let meaning =
             "value and derivatives 1 to 3, at its begin, of each input (four columns for each in turn)";
         push("step.response", meaning.into(), inputs, Quantity::Response);
+        let meaning = "each tunable parameter, in the order of the model description, set at its begin; 0 where there is none, as after a touch";
+        let columns = Some(tunable).filter(|tunable| states * tunable <= MOST_BY_PARAMETERS).unwrap_or(0);
+        push("step.parameters", meaning.into(), columns, Quantity::ByParameters);
+    }
+
+    /// The tunable parameters, by place among [`parameters`](Self::parameters).
+    pub(crate) fn tunable(&self) -> impl Iterator<Item = usize> {
+        self.rows.iter().filter(|row| row.role == Role::Tunable).filter_map(|row| match row.quantity {
+            Quantity::Parameter(i) => Some(i),
+            _ => None,
+        })
     }
 
     /// The value reference of a name.

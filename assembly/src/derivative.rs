@@ -9,6 +9,7 @@
 
 mod bodies;
 mod by;
+mod columns;
 mod crossing;
 mod differentiated;
 mod flight;

@@ -103,7 +103,7 @@ const TURN: [[f64; 2]; 8] = {
 
 /// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by
 /// the rate of a prescribed body need coordinates of their own.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Whether each harmonic has a cosine and a sine of its own, even where frequencies are equal.
     pub frequencies_apart: bool,

@@ -2,6 +2,7 @@
 //! of the machine's own start.
 
 use crate::assembly::Assembly;
+use crate::derivative::{By, Differentiated, VariedObserver};
 use crate::description::{Body, BodyKind, Description, Dimension};
 use crate::elements::Element;
 use crate::error::Error;
@@ -50,6 +51,7 @@ use std::sync::Arc;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Start {
     /// s.
     pub time: f64,
@@ -58,7 +60,7 @@ pub struct Start {
 }
 
 /// Coordinate and rate of a body at the start, where they are given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyStart {
     /// m or rad.
     pub s: Option<f64>,
@@ -186,6 +188,12 @@ impl Start {
         *self == Self::default()
     }
 
+    /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, ….
+    pub fn names(assembly: &Assembly) -> Vec<String> {
+        let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
+        bodies().map(|name| format!("{name}.s")).chain(bodies().map(|name| format!("{name}.v"))).collect()
+    }
+
     /// Coordinates and rates of a machine's coordinates, as [`Motion::from_state`] takes them.
     ///
     /// # Errors
@@ -243,6 +251,61 @@ impl Start {
     }
 }
 
+/// Derivatives of motions from a start.
+impl Start {
+    /// The motion from this start with its derivatives by parameters, and with the events at the
+    /// start reported to `observer`. From another start than the machine's own the state is fixed:
+    /// no parameter moves it but `body.NAME.start.s` and `body.NAME.start.v`, by which the
+    /// derivatives are those by this start.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion); [`Error::Refused`] for an unknown parameter, with the nearest
+    /// name.
+    pub fn differentiated(
+        &self,
+        assembly: Arc<Assembly>,
+        parameters: &[&str],
+        observer: &mut VariedObserver,
+    ) -> Result<Differentiated, Error> {
+        if self.is_own() {
+            return Differentiated::new_observed(assembly, parameters, observer);
+        }
+        let state = self.state(&assembly)?;
+        let columns = parameters.iter().map(|name| column(&assembly, name));
+        let columns = columns.collect::<Result<Vec<By>, Refusal>>()?;
+        let begun =
+            Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
+
+impl Start {
+    /// The motion from this start with its derivatives by the state there: a column for each
+    /// coordinate of the machine, then for each rate. Their
+    /// [`state_derivative`](Differentiated::state_derivative)s are the transition matrix.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion).
+    pub fn transition(&self, assembly: Arc<Assembly>) -> Result<Differentiated, Error> {
+        let state = self.state(&assembly)?;
+        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+        let begun = Differentiated::from_state(assembly.clone(), self.time, &state, &columns);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
+
+/// What a parameter is the name of in a motion from a state.
+fn column(assembly: &Assembly, name: &str) -> Result<By, Refusal> {
+    let name = assembly.description.parameter(name)?.name;
+    let of = &assembly.system.bodies_of;
+    let number = |(k, &body): (usize, &usize)| {
+        let own = format!("body.{}.start", assembly.description.bodies[body].name);
+        let key = name.strip_prefix(&own)?;
+        [".s", ".v"].iter().position(|own| *own == key).map(|order| By::Start(order * of.len() + k))
+    };
+    Ok(of.iter().enumerate().find_map(number).unwrap_or(By::Parameter(name)))
+}
+
 /// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.
 fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
     let Error::Violated { stop, time, excess } = &error else { return error };
@@ -258,6 +321,36 @@ fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
         "the start at t = {time:?} s violates it by e - gap = {excess:?} {unit}; allowed is e <= gap"
     );
     Refusal::one(Problem::new(gap, value, text)).into()
+}
+
+/// The word for the machine's own start in serialized form.
+const OWN: &str = "File";
+
+impl From<Start> for String {
+    fn from(start: Start) -> Self {
+        if start.is_own() { OWN.into() } else { start.to_string() }
+    }
+}
+
+impl TryFrom<String> for Start {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let mut start = Self::default();
+        if text == OWN {
+            return Ok(start);
+        }
+        for part in text.split(',') {
+            let number = part.split_once('=').and_then(|(name, x)| Some((name, x.parse::<f64>().ok()?)));
+            match number.map(|(name, x)| (name.split_once('.'), x)) {
+                Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
+                Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
+                Some((None, time)) => start.time = time,
+                _ => return Err(format!("`{part}` is no number of a start")),
+            }
+        }
+        Ok(start)
+    }
 }
 
 /// The numbers in one line, such as `time=0.5,box.s=0.001`.

@@ -111,6 +111,7 @@ fn invariant_a_start_is_written_and_read_with_all_digits() {
             named.set(&assembly.description, &name, value).unwrap();
         }
         assert_eq!(named, start);
+        assert_eq!(Start::try_from(String::from(start.clone())), Ok(start.clone()));
         let begun = again.motion(assembly).unwrap();
         assert_eq!((begun.time(), begun.mode()), (motion.time(), motion.mode()));
     }
@@ -196,4 +197,33 @@ fn invariant_a_rate_of_rounding_is_rest() {
     }
     let motion = Motion::from_state(assembly, 0.0, &[1e-4, 1e-6]).unwrap();
     assert!(!motion.mode().frictions[0].sticks());
+}
+
+/// The derivatives by the start of a file are those of its description, and those of a start that
+/// names all bodies are the same columns.
+#[test]
+fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
+    let text = MACHINE.replace("mass = \"2 kg\"", "mass = \"2 kg\"\nstart = { s = 5e-4, v = 0.02 }");
+    let names = ["body.block.start.s", "body.block.start.v", "stop.wall.gap", "friction.belt.force"];
+    let of_file = Arc::new(Assembly::new(described(&text)).unwrap());
+    let mut times = Vec::new();
+    let mut tell = |_: &Event, by: &[Option<f64>]| times.push(by.to_vec());
+    let mut own = Start::default().differentiated(of_file.clone(), &names, &mut tell).unwrap();
+    own.advance_observed(0.5, &mut tell).unwrap();
+    let mut start = Start::default();
+    start.set(&of_file.description, "block.s", 5e-4).unwrap();
+    start.set(&of_file.description, "block.v", 0.02).unwrap();
+    let mut again = Vec::new();
+    let mut tell = |_: &Event, by: &[Option<f64>]| again.push(by.to_vec());
+    let mut given = start.differentiated(machine(), &names, &mut tell).unwrap();
+    given.advance_observed(0.5, &mut tell).unwrap();
+    assert!(times.len() > 2 && times == again, "{times:?} {again:?}");
+    for quantity in of_file.description.quantities() {
+        for p in 0..names.len() {
+            let (one, other) = (own.derivative(quantity, p), given.derivative(quantity, p));
+            assert!(one.is_some() && one == other, "{quantity:?} by {}: {one:?} {other:?}", names[p]);
+        }
+    }
+    let unknown = start.differentiated(machine(), &["stop.wal.gap"], &mut |_, _| ()).err().unwrap();
+    assert!(unknown.to_string().contains("the nearest is `stop.wall.gap`"), "{unknown}");
 }

@@ -131,9 +131,9 @@ fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
     let machine = vibro_assembly::file::read(&file).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
-    let times = vibro::assembly::even_times(until, SAMPLES).expect("some samples");
-    let record =
-        vibro::assembly::record(machine, &times, &Arc::default(), &mut |_| ()).expect("it has a start");
+    let times = vibro::assembly::even_times((0.0, until), SAMPLES).expect("some samples");
+    let record = vibro::assembly::record(machine, &Default::default(), &times, &Arc::default(), &mut |_| ())
+        .expect("it has a start");
     let text = |csv: vibro::Result<Vec<u8>>| String::from_utf8(csv.expect("a table")).expect("text");
     let kit = Kit::read(&common::python::kit()).expect("a kit");
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assemblies").join(name).with_extension("fmu");

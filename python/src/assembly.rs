@@ -1,24 +1,21 @@
 //! Machines that a file or a program describes: their parameters, motions, measures and diagrams.
 
-use crate::arrays::{Array1, Array2, column, numbers, plane, table};
+use crate::arrays::{Array1, column};
 use crate::background::{Control, compute, each_of};
 use crate::failure::Failure;
 use crate::studies::{MeasureRow, in_parts, row};
 use fmi_doors::Version;
-use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, AssemblyPoint};
-use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, measure, named, values};
+use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, measure};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
 use vibro_analysis::plane::ParameterAxis;
-use vibro_assembly::derivative::VariedObserver;
 use vibro_assembly::description::Description;
-use vibro_assembly::motion::Event;
-use vibro_assembly::{Assembly, Differentiated, Motion, file};
+use vibro_assembly::{Assembly, file};
 use vibro_figures::canvas;
 use vibro_pack::Kit;
 use vibro_sketch::Sketch;
@@ -29,6 +26,9 @@ use vibro_sketch::Sketch;
 pub struct Described {
     description: Arc<Description>,
 }
+
+/// Names and numbers of a start, SI; none of a machine's own.
+pub type Numbers = Vec<(String, f64)>;
 
 /// A new value of a parameter: a number in SI, or a text with a unit.
 #[derive(FromPyObject)]
@@ -90,6 +90,23 @@ impl Described {
         Ok(Self { description: Arc::new(description) })
     }
 
+    /// The numbers of a start that changes some of another's, SI.
+    fn start(&self, numbers: Numbers, changes: Vec<(String, Value)>) -> PyResult<Numbers> {
+        let mut start = self.start_of(&numbers)?;
+        let d = &*self.description;
+        let set = |(name, value): &(String, Value)| match value {
+            Value::Number(x) => start.set(d, name, *x),
+            Value::Text(text) => start.set_text(d, name, text),
+        };
+        changes.iter().try_for_each(set).map_err(Failure::from)?;
+        self.checked(&start)
+    }
+
+    /// The numbers of a start's file.
+    fn read_start(&self, path: PathBuf) -> PyResult<Numbers> {
+        self.checked(&Start::read(&path, &self.description).map_err(Failure::from)?)
+    }
+
     /// Its sketch as SVG.
     fn sketch(&self) -> PyResult<String> {
         Ok(canvas::svg(&Sketch::new(&self.description)).map_err(Failure::from)?)
@@ -109,22 +126,27 @@ impl Described {
 }
 
 impl Described {
-    fn motion(&self) -> Result<Motion, Failure> {
-        Ok(Motion::new(Arc::new(Assembly::new((*self.description).clone())?))?)
+    /// The machine with its matrices.
+    pub fn assembly(&self) -> Result<Arc<Assembly>, Failure> {
+        Ok(Arc::new(Assembly::new((*self.description).clone())?))
     }
 
-    /// The motion from the start, with its derivatives if `parameters` is not empty. `observer` is
-    /// called with the impacts at the start.
-    fn follower(&self, parameters: &[String], observer: &mut VariedObserver) -> Result<Follower, Failure> {
-        let assembly = Arc::new(Assembly::new((*self.description).clone())?);
-        if parameters.is_empty() {
-            let motion = Motion::new_observed(assembly, &mut |event| observer(event, &[]))?;
-            return Ok(Follower::Alone(Box::new(motion)));
-        }
-        let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
-        let known = names.iter().try_for_each(|name| self.description.parameter(name).map(drop));
-        known?;
-        Ok(Follower::Varied(Box::new(Differentiated::new_observed(assembly, &names, observer)?)))
+    /// The description.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The numbers of a start whose bodies have coordinates of their own.
+    fn checked(&self, start: &Start) -> PyResult<Numbers> {
+        start.state(&*self.assembly()?).map_err(Failure::from)?;
+        Ok(start.numbers())
+    }
+
+    /// The start with these numbers by name.
+    pub fn start_of(&self, numbers: &Numbers) -> Result<Start, Failure> {
+        let mut start = Start::default();
+        numbers.iter().try_for_each(|(name, value)| start.set(&self.description, name, *value))?;
+        Ok(start)
     }
 
     fn machine(&self, section: Option<SectionChoice>) -> Machine {
@@ -147,149 +169,19 @@ fn rule(section: Option<SectionChoice>) -> SectionRule {
     }
 }
 
-/// A sampled motion with its events.
-#[derive(IntoPyObject)]
-pub struct AssemblyRun<'py> {
-    values: Array2<'py, f64>,
-    t: Array1<'py, f64>,
-    kind: Vec<&'static str>,
-    element: Vec<String>,
-    value: Array1<'py, f64>,
-    stops: Array1<'py, i32>,
-    energy: Array2<'py, f64>,
-    /// Derivatives by sample, column and parameter, and whether each exists.
-    derivatives: Varied<'py>,
-    /// Derivatives of the times of events, by event and parameter.
-    event_derivatives: Varied<'py>,
-    /// For each parameter the reason why derivatives do not exist from some time on, or an empty
-    /// text.
-    lost: Vec<String>,
-}
-
-/// Numbers, and for each whether it exists.
-type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
-
-fn varied<'py>(py: Python<'py>, rows: &[Vec<Option<f64>>], columns: usize) -> PyResult<Varied<'py>> {
-    let all = rows.iter().flatten();
-    let numbers: Vec<f64> = all.clone().map(|x| x.unwrap_or(0.0)).collect();
-    let known: Vec<bool> = all.map(Option::is_some).collect();
-    Ok((plane(py, &numbers, rows.len(), columns)?, plane(py, &known, rows.len(), columns)?))
-}
-
-/// A motion alone, or with its derivatives.
-enum Follower {
-    Alone(Box<Motion>),
-    Varied(Box<Differentiated>),
-}
-
-impl Follower {
-    fn motion(&self) -> &Motion {
-        match self {
-            Self::Alone(motion) => motion,
-            Self::Varied(varied) => varied.motion(),
-        }
-    }
-
-    /// The derivatives of all columns by all of `count` parameters.
-    fn derivatives(&self, count: usize) -> Vec<Option<f64>> {
-        let Self::Varied(varied) = self else { return Vec::new() };
-        let quantities = varied.motion().assembly().description.quantities();
-        quantities.flat_map(|q| (0..count).map(move |p| varied.derivative(q, p))).collect()
-    }
-
-    fn lost(&self, count: usize) -> Vec<String> {
-        let Self::Varied(varied) = self else { return Vec::new() };
-        (0..count).map(|p| varied.lost(p).map_or(String::new(), ToString::to_string)).collect()
-    }
-
-    fn advance(&mut self, time: f64, tell: &mut VariedObserver) -> Result<(), Failure> {
-        match self {
-            Self::Alone(motion) => motion.advance_observed(time, &mut |event| tell(event, &[]))?,
-            Self::Varied(varied) => varied.advance_observed(time, tell)?,
-        }
-        Ok(())
-    }
-}
-
-/// The motion at ascending times (s), with what happened up to the last, and with its derivatives
-/// by parameters.
-#[pyfunction]
-#[pyo3(signature = (machine, t, parameters, progress = None))]
-pub fn simulate_assembly<'py>(
-    py: Python<'py>,
-    machine: &Described,
-    t: PyReadonlyArray1<'_, f64>,
-    parameters: Vec<String>,
-    progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyRun<'py>> {
-    let (own, times, count) = (machine.clone(), numbers(&t)?, parameters.len());
-    let (samples, energies, events, told, by, times_by, lost) = compute(py, progress, move |control| {
-        let (mut events, mut times_by): (Vec<Event>, Vec<Vec<Option<f64>>>) = Default::default();
-        let mut tell = |event: &Event, by: &[Option<f64>]| {
-            events.push(event.clone());
-            times_by.push(by.to_vec());
-        };
-        let mut follower = own.follower(&parameters, &mut tell)?;
-        let (mut samples, mut energies, mut by) = (Vec::new(), Vec::new(), Vec::new());
-        samples.try_reserve_exact(times.len())?;
-        for &time in &times {
-            control.check()?;
-            follower.advance(time, &mut tell)?;
-            let motion = follower.motion();
-            samples.push(values(motion));
-            let (kinetic, stored) = motion.kinetic_and_stored();
-            energies.push([kinetic, stored, motion.energy().balance()]);
-            by.push(follower.derivatives(count));
-            control.add(1);
-        }
-        let motion = follower.motion();
-        let told: Vec<_> = events.iter().map(|event| named(motion.assembly(), &event.kind)).collect();
-        Ok((samples, energies, events, told, by, times_by, follower.lost(count)))
-    })?;
-    Ok(AssemblyRun {
-        values: plane(py, &samples.concat(), samples.len(), machine.description.quantities().count())?,
-        t: column(py, &events.iter().map(|e| e.time).collect::<Vec<_>>()),
-        kind: told.iter().map(|e| e.kind).collect(),
-        value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
-        stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
-        element: told.into_iter().map(|e| e.element).collect(),
-        energy: table(py, &energies)?,
-        derivatives: varied(py, &by, count * machine.description.quantities().count())?,
-        event_derivatives: varied(py, &times_by, count)?,
-        lost,
-    })
-}
-
-/// The ends of many machines' motions at a time (s), of which all have the same columns.
-#[pyfunction]
-#[pyo3(signature = (machines, until, progress = None))]
-pub fn simulate_assemblies<'py>(
-    py: Python<'py>,
-    machines: Vec<PyRef<'_, Described>>,
-    until: f64,
-    progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Array2<'py, f64>> {
-    let count = machines.first().map_or(0, |m| m.description.quantities().count());
-    let machines = clones(&machines);
-    let ends = each_of(py, machines.len(), progress, move |_, index| {
-        let mut motion = machines[index].motion()?.without_energy_accounts();
-        motion.advance_to(until)?;
-        Ok(values(&motion))
-    })?;
-    plane(py, &ends.concat(), ends.len(), count)
-}
-
-fn clones(machines: &[PyRef<'_, Described>]) -> Vec<Described> {
+/// Copies of machines, for another thread.
+pub fn clones(machines: &[PyRef<'_, Described>]) -> Vec<Described> {
     machines.iter().map(|m| (*m).clone()).collect()
 }
 
-/// Measures of many machines' settled motions, a row for each.
+/// Measures of many machines' settled motions, each from a start, a row for each.
 #[pyfunction]
-#[pyo3(signature = (machines, names, settle, periods, section, in_rows, progress = None))]
+#[pyo3(signature = (machines, starts, names, settle, periods, section, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn measure_assemblies(
     py: Python<'_>,
     machines: Vec<PyRef<'_, Described>>,
+    starts: Vec<Numbers>,
     names: Vec<String>,
     settle: u32,
     periods: u32,
@@ -303,8 +195,9 @@ pub fn measure_assemblies(
     let machines = clones(&machines);
     let count = machines.len();
     let one = move |control: &Control, index: usize| -> Result<Measured, Failure> {
-        let machine = Machine { section: rule.clone(), ..machines[index].machine(None) };
-        let (mut motion, section) = machine.motion(&Start::default())?;
+        let own = &machines[index];
+        let machine = Machine { section: rule.clone(), ..own.machine(None) };
+        let (mut motion, section) = machine.motion(&own.start_of(&starts[index])?)?;
         vibro_analysis::assembly::settle(&mut motion, &section, settle)?;
         control.check()?;
         Ok(measure(&mut motion, &section, &measures, periods)?)
@@ -369,7 +262,7 @@ fn direction<'py>(
 /// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle
 /// on.
 #[pyfunction]
-#[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, progress = None))]
+#[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, start, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn assembly_diagram<'py>(
     py: Python<'py>,
@@ -383,13 +276,16 @@ pub fn assembly_diagram<'py>(
     exponents: Option<u32>,
     section: Option<SectionChoice>,
     anew: bool,
+    start: Numbers,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyDiagram<'py>> {
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
+    let start = machine.start_of(&start)?;
+    let axis_of = axis.clone();
     let request =
-        diagram::DiagramRequest { axis: axis.clone(), of, at_section, discard, keep, exponents, anew };
+        diagram::DiagramRequest { axis: axis_of, of, at_section, discard, keep, exponents, anew, start };
     let own = machine.machine(section);
     let found: Diagram<AssemblyPoint> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))

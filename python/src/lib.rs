@@ -19,6 +19,7 @@
 
 mod arrays;
 mod assembly;
+mod assembly_motion;
 mod background;
 mod failure;
 mod motion;
@@ -33,8 +34,10 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::assembly::{
-        Described, assembly_diagram, measure_assemblies, simulate_assemblies, simulate_assembly,
+    use super::assembly::{Described, assembly_diagram, measure_assemblies};
+    #[pymodule_export]
+    use super::assembly_motion::{
+        assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,
     };
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};

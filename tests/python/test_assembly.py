@@ -65,6 +65,85 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
         alone.derivative("ball.s", "gravity")
 
 
+def test_invariant_a_motion_goes_on_from_the_end_of_another(tmp_path):
+    machine = damper()
+    whole = machine.simulate(1.0, samples=20)
+    first = machine.simulate(0.5, samples=1)
+    path = first.end.save(tmp_path / "end.toml")
+    assert machine.start(path) == first.end == pickle.loads(pickle.dumps(first.end)) and len({first.end, machine.start(first.end)}) == 1
+    assert first.end.time == 0.5 and first.end["box.s"] == first["box.s"][-1] and "pump.v" in first.end
+    for start in (first.end, path, str(path), dict(first.end)):
+        second = machine.simulate(1.0, samples=10, start=start)
+        assert second.t[0] == 0.5 and np.abs(second.values - whole.values[10:]).max() < 1e-6
+    # What is not named is the machine's own.
+    moved = machine.simulate(times=[0.2], start={"time": 0.2, "box.v": "5 cm/s"})
+    assert moved["box.v"][0] == 0.05 and moved["box.s"][0] == machine.simulate(times=[0.0])["box.s"][0]
+    with pytest.raises(KeyError, match="allowed are time, "):
+        first.end["boks.s"]
+
+
+def test_closed_form_studies_begin_at_their_starts():
+    # Undamped, so that each motion keeps its amplitude: 0.6 m/s over 20/s are 3 cm.
+    free = vi.Assembly({**OSCILLATOR, "load": {}})
+    starts = [{"mass.s": 0.01}, {"mass.s": 0.0, "mass.v": 0.6, "time": 3.0}]
+    of = {"section": 0.1, "settle": 20}
+    amplitudes = [0.01, 0.03]
+    for start, amplitude in zip(starts, amplitudes):
+        assert abs(free.measure(["amplitude.mass.s"], start=start, **of)["amplitude.mass.s"] - amplitude) < ROUNDING
+        (row,) = free.sweep(["amplitude.mass.s"], start=start, **of, **{"body.mass.mass": [2.0]})
+        assert abs(row["amplitude.mass.s"] - amplitude) < ROUNDING
+        assert free.largest_exponent(start=start, **of) == free.measure(["exponent"], start=start, **of)["exponent"]
+        diagram = free.bifurcation("mass.s", start=start, anew=True, section=0.1, periods=(20, 20), **{"body.mass.mass": [2.0, 2.0001]})
+        assert abs(diagram.up.maxima[diagram.up.at == 0].max() - amplitude) < SETTLED
+    rows = vi.measure_many(free, ["amplitude.mass.s"], starts, **of)
+    assert np.abs(np.array([row["amplitude.mass.s"] for row in rows]) - amplitudes).max() < ROUNDING
+    ends = vi.simulate_many(free, starts, until=3.5)
+    assert abs(ends["mass.s"][1] - 0.03 * np.sin(20.0 * 0.5)) < ROUNDING
+
+
+def test_second_method_many_trajectories_are_single_ones_with_their_derivatives():
+    machines = [damper().replace(**{"stop.steel.gap": gap}) for gap in (4e-3, 5e-3)]
+    start, names = machines[0].simulate(0.3, samples=1).end, ["stop.steel.gap"]
+    times = np.linspace(0.3, 0.6, 7)
+    runs = vi.simulate_many(machines, start, times=times, derivatives=names)
+    for machine, run in zip(machines, runs):
+        alone = machine.simulate(times=times, start=start, derivatives=names)
+        assert (run.values == alone.values).all() and (run.events == alone.events).all() and run.end == alone.end
+        assert run.machine == machine and (run.energy == alone.energy).all()
+        found, expected = (r.derivative("box.s", "stop.steel.gap") for r in (run, alone))
+        assert (found == expected).all() and np.abs(found[-1]) > 0.0
+    assert len(vi.simulate_many(machines[0], [None, start], times=[0.7])) == 2
+
+
+def test_closed_form_transition_of_an_oscillator_and_products_of_parts():
+    oscillator = vi.Assembly(OSCILLATOR)
+    found = oscillator.transition(0.4, start={"time": 0.1, "mass.s": 0.2})
+    angle = 20.0 * 0.3
+    expected = [[np.cos(angle), np.sin(angle) / 20.0], [-20.0 * np.sin(angle), np.cos(angle)]]
+    assert found.states == ["mass.s", "mass.v"] and found.lost == {} and not found.matrix.mask.any()
+    assert np.abs(found.matrix - expected).max() < 20 * ROUNDING
+    assert dict(found.start) == {"time": 0.1, "mass.s": 0.2, "mass.v": 0.0} and found.end.time == 0.4
+    # Through impacts of the damper.
+    machine = damper()
+    whole = machine.transition(0.5, start=machine.simulate(0.2, samples=1).end)
+    first = machine.transition(0.33, start=whole.start)
+    second = machine.transition(0.5, start=first.end)
+    assert len(machine.simulate(0.5, start=whole.start).events) > 2
+    size = np.abs(second.matrix) @ np.abs(first.matrix)
+    assert np.abs(second.matrix @ first.matrix - whole.matrix).max() < 1e-8 * size.max()
+    assert machine.start(whole.start).save is not None and "[body.box]\ns = " in whole.start.toml
+    assert whole.start.toml.count("[body.box]") == 1
+
+
+def test_invariant_a_transition_is_lost_where_the_start_touches():
+    ball = vi.Assembly({
+        "name": "Ball", "gravity": 10.0, "body": {"ball": {"mass": 1.0, "gravity": 1.0}},
+        "stop": {"floor": {"between": ["ground", "ball"], "gap": 0.0, "restitution": 0.5}},
+    })
+    found = ball.transition(0.1, start={"ball.v": 1.0})
+    assert found.matrix.mask[:, 0].all() and "stop.floor" in found.lost["ball.s"] and "t = 0 s" in found.lost["ball.s"]
+
+
 def test_closed_form_a_dictionary_is_an_oscillator():
     machine = vi.Assembly(OSCILLATOR)
     run = machine.simulate(2.0, samples=500)
@@ -148,6 +227,21 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().replace(**{"stop.steel.gap": "5"}), ValueError, "a number, which is in m, or a text with a unit"),
         (lambda: damper().replace(**{"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
         (lambda: damper().simulate(), TypeError, "until or times"),
+        (lambda: damper().simulate(1.0, start={"bx.s": 1.0}), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().simulate(1.0, start={"box.s": "5"}), ValueError, "a number, which is in SI, or a text with a unit"),
+        (lambda: damper().simulate(1.0, start={"box.s": "5 N"}), ValueError, "in m, cm, mm, um"),
+        (lambda: damper().simulate(1.0, start={"box.s": np.nan}), ValueError, "box.s = nan: allowed is a finite number"),
+        (lambda: damper().simulate(1.0, start={3: 1.0}), TypeError, "3 is no name"),
+        (lambda: damper().simulate(1.0, start=3), TypeError, "start is of type int"),
+        (lambda: damper().simulate(1.0, start={"block.s": 1.0}), ValueError, "stop.steel.gap = 0.004: the start at t = 0.0 s violates it"),
+        (lambda: damper().measure(["class"], start={"block.s": 1.0}), ValueError, "the start at t = 0.0 s violates it"),
+        (lambda: damper().simulate(1.0, start={"time": 2.0}), ValueError, "until = 1.0: allowed is a finite number above 2"),
+        (lambda: damper().simulate(times=[0.5], start={"time": 2.0}), ValueError, "ascending finite times from 2 on"),
+        (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: cannot be read"),
+        (lambda: damper().transition(0.0), ValueError, "until = 0.0"),
+        (lambda: vi.simulate_many([damper()], until=1.0, derivatives=["gravity"]), TypeError, "allowed with `times`"),
+        (lambda: vi.simulate_many([damper()], times=[1.0], derivatives=["grvity"]), ValueError, "the nearest is `gravity`"),
+        (lambda: vi.simulate_many([damper()] * 2, [None] * 3, until=1.0), ValueError, "starts has 3 starts: allowed is one, or one for each of 2"),
         (lambda: damper().simulate(-1.0), ValueError, "until"),
         (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
         (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),

@@ -3,10 +3,12 @@
 
 mod derivatives;
 mod picture;
+mod start;
 mod summary;
 
 pub use derivatives::{DerivativeRecord, check_parameters};
 pub use picture::figure;
+pub use start::read_start;
 pub use summary::summary;
 
 use crate::table::{CsvRows, exact};
@@ -20,7 +22,7 @@ use vibro_analysis::assembly::{
 use vibro_assembly::description::Description;
 use vibro_assembly::elements::Action;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
+use vibro_assembly::{Assembly, Element, Motion, Quantity, Start, What};
 use vibro_impact::quantities::{self, Unit};
 
 /// Error text for a parameter file in place of a machine's file.
@@ -68,13 +70,18 @@ pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
-/// The instants 0, end/count, …, end.
+/// The ends of `count` equal parts of the time from `begin` to `end`, with `begin`, s.
 ///
 /// # Errors
-/// [`Error::Refused`] if there are more than ten million instants.
-pub fn even_times(end: f64, count: usize) -> Result<Vec<f64>> {
+/// [`Error::Refused`] if there are more than ten million instants, or `end` is not after `begin`.
+pub fn even_times((begin, end): (f64, f64), count: usize) -> Result<Vec<f64>> {
     check_count(count)?;
-    Ok((0..=count).map(|k| if k == count { end } else { end * k as f64 / count as f64 }).collect())
+    if end <= begin {
+        let problem = format!("allowed is a time after that of the start, {begin:?} s");
+        return Err(Error::Refused { what: format!("--until {end:?}"), problem });
+    }
+    let instant = |k: usize| begin + (end - begin) * k as f64 / count as f64;
+    Ok((0..=count).map(|k| if k == count { end } else { instant(k) }).collect())
 }
 
 fn check_count(count: usize) -> Result<()> {
@@ -84,20 +91,20 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: one number in s per line, none negative and none smaller than the one
-/// before. Empty lines and lines that begin with `#` are skipped.
+/// Instants from a file: one number in s per line, none before `begin`, s, and none smaller than the
+/// one before. Empty lines and lines that begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a line is not
 /// valid.
-pub fn times_of(path: &Path) -> Result<Vec<f64>> {
+pub fn times_of(path: &Path, begin: f64) -> Result<Vec<f64>> {
     let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
     let mut times: Vec<f64> = Vec::new();
     for (i, line) in text.lines().map(str::trim).enumerate() {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let least = times.last().copied().unwrap_or(0.0);
+        let least = times.last().copied().unwrap_or(begin);
         match line.parse::<f64>() {
             Ok(time) if time.is_finite() && time >= least => times.push(time),
             _ => {
@@ -131,8 +138,10 @@ pub struct MotionRecord {
     pub followed: Followed,
     /// The motion at its end.
     pub motion: Motion,
+    /// The start.
+    pub start: Start,
     /// Kinetic and stored energy at the start, J.
-    pub start: f64,
+    pub energy: f64,
     /// Reason why the record ended before the last instant, if it did.
     pub ended: Option<Ended>,
 }
@@ -146,39 +155,49 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine to each of the instants, or until `asked` is set. `done` is called at each
-/// instant and event with the elapsed fraction of the time. If coordinates overflow, the record
+/// Follows a machine from a start to each of the instants, or until `asked` is set. `done` is called
+/// at each instant and event with the elapsed fraction of the time. If coordinates overflow, the record
 /// ends at the previous instant.
 ///
 /// # Errors
-/// [`Error::Assembly`] if the machine has no motion from its start.
+/// [`Error::Assembly`] if the machine has no motion from the start.
 pub fn record(
     machine: Description,
+    start: &Start,
     times: &[f64],
     asked: &Arc<AtomicBool>,
     done: &mut dyn FnMut(f64),
 ) -> Result<MotionRecord> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
-    let motion = Motion::new_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
+    let motion = start.motion_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
     let motion = motion.with_interruption(asked.clone());
     let (kinetic, stored) = motion.kinetic_and_stored();
-    let start = kinetic + stored - motion.energy().balance();
+    let energy = kinetic + stored - motion.energy().balance();
     let columns = columns(&assembly.description);
-    let end = times.last().copied().unwrap_or(0.0);
-    let extremes =
-        Extremes::new(&watched(&assembly.description), (times.first().copied().unwrap_or(0.0), end));
+    let ends = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    let extremes = Extremes::new(&watched(&assembly.description), ends);
+    let part = |time: f64| (time - start.time) / (ends.1 - start.time);
     let followed = Followed::new(ContactRecorder::new(&motion, &events), extremes);
-    let mut record =
-        MotionRecord { assembly, columns, rows: Vec::new(), events, followed, motion, start, ended: None };
+    let mut record = MotionRecord {
+        assembly,
+        columns,
+        rows: Vec::new(),
+        events,
+        followed,
+        motion,
+        start: start.clone(),
+        energy,
+        ended: None,
+    };
     for &time in times {
-        record.ended = record.advance(time, &mut |now| done(now / end));
+        record.ended = record.advance(time, &mut |now| done(part(now)));
         if record.ended.is_some() {
             return Ok(record);
         }
         let row = std::iter::once(record.motion.time()).chain(values(&record.motion)).collect();
         record.rows.push(row);
-        done(time / end);
+        done(part(time));
         if asked.load(Ordering::Relaxed) {
             record.ended = Some(Ended::Stopped);
             return Ok(record);

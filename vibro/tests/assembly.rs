@@ -7,7 +7,7 @@ mod command;
 use command::{command, drawn, folder, pixels, refused, table};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use vibro_assembly::{Assembly, Motion};
+use vibro_assembly::{Assembly, Motion, Start};
 use vibro_figures::chart::Shape;
 
 fn example(name: &str) -> PathBuf {
@@ -124,8 +124,8 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
 fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let run = |samples| {
         let description = vibro_assembly::file::read(&example("damper_with_buffer.toml")).unwrap();
-        let times = vibro::assembly::even_times(1.0, samples).unwrap();
-        vibro::assembly::record(description, &times, &Arc::default(), &mut |_| ()).unwrap()
+        let times = vibro::assembly::even_times((0.0, 1.0), samples).unwrap();
+        vibro::assembly::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ()).unwrap()
     };
     let (few, many) = (run(10), run(20_000));
     let column = many.columns.iter().position(|c| c == "buffer.f").unwrap();
@@ -356,9 +356,10 @@ fn every_example_of_the_repository_moves() {
     assert!(files.len() > 20);
     for path in files {
         let description = vibro_assembly::file::read(&path).unwrap_or_else(|e| panic!("{e}"));
-        let times = vibro::assembly::even_times(0.5, 20).unwrap();
-        let record = vibro::assembly::record(description, &times, &Arc::default(), &mut |_| ())
-            .unwrap_or_else(|e| panic!("{path:?}: {e}"));
+        let times = vibro::assembly::even_times((0.0, 0.5), 20).unwrap();
+        let record =
+            vibro::assembly::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ())
+                .unwrap_or_else(|e| panic!("{path:?}: {e}"));
         assert!(record.ended.is_none() && record.rows.len() == 21, "{path:?} {:?}", record.ended);
         assert!(record.rows.iter().flatten().all(|x| x.is_finite()), "{path:?}");
     }

@@ -69,7 +69,7 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
         let text = help(&["assembly", command]);
         assert!(text.contains("<FILE>") && text.contains("NUMBERS"), "{text}");
         for word in
-            ["with FILE", "paper", "LIMITS", "f10", "kappa", "box.k", "x1", "figure", "--config", "--start"]
+            ["with FILE", "paper", "LIMITS", "f10", "kappa", "box.k", "x1", "figure", "--config", "orbit"]
         {
             assert!(!text.contains(word), "{command} {word}: {text}");
         }
@@ -91,14 +91,15 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("template --set kappa=0.6", "of the options of all commands it takes none\n"),
         ("merge here --set kappa=0.6", "--set: `vibro merge` has no use for it"),
         ("steady --discard-unfinished", "--discard-unfinished: `vibro steady` has no use for it"),
-        ("run FILE --until 2s --start x1=1", "--start: is an option of the paper's machine, and "),
-        ("run FILE --start x1=1", "of such options allowed here: --until, --times, --knots"),
+        ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, and "),
+        ("run FILE --discard 1", "of such options allowed here: --until, --times, --knots"),
+        ("run --start v2=1 --start x1=1", "allowed is one start, with commas between its numbers"),
         ("bifurcation FILE --orbits --vary body.a.mass=1:2", "--orbits: is an option of the paper's machine"),
         ("sweep FILE --design rows.csv", "--design: is an option of the paper's machine"),
         ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
             "run --knots",
-            "of such options allowed here: --periods, --duration, --discard, --start, --load, --interpolation, --config",
+            "of such options allowed here: --periods, --duration, --discard, --load, --interpolation, --config",
         ),
         ("lyapunov --section upper", "`vibro lyapunov FILE --section …`"),
         ("bifurcation FILE", "no --vary: allowed is one parameter"),

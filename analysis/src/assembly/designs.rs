@@ -7,27 +7,11 @@ use super::{Machine, Measure, Start, measure};
 use crate::design_sweep::{self, MotionMeasures, SweepRequest, failed};
 use crate::error::Result;
 use crate::measures::{Measured, unsettled_in_words};
-use serde::{Deserialize, Serialize};
-use std::fmt;
 use vibro_assembly::Assembly;
-
-/// Start of a described machine's motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub enum FileStart {
-    /// The start that the machine's file gives.
-    #[default]
-    File,
-}
-
-impl fmt::Display for FileStart {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("as the file says")
-    }
-}
 
 impl design_sweep::DesignMachine for Machine {
     type Name = String;
-    type Start = FileStart;
+    type Start = Start;
     type Measure = Measure;
     const PART: usize = 64;
     const AGAIN: u64 = 300_000;
@@ -49,8 +33,8 @@ impl design_sweep::DesignMachine for Machine {
     }
 
     fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures> {
-        let one = || -> Result<_> {
-            let (mut motion, section) = self.motion(&Start::default())?;
+        let one = |start: &Start| -> Result<_> {
+            let (mut motion, section) = self.motion(start)?;
             if !need_accounts(&request.measures) {
                 motion = motion.without_energy_accounts();
             }
@@ -61,11 +45,11 @@ impl design_sweep::DesignMachine for Machine {
             let reason = unsettled_in_words(&found, &request.measures);
             (found, reason)
         };
-        let outcome = one().map_or_else(|e| failed(&e, request.measures.len()), told);
-        vec![outcome; request.starts.len()]
+        let outcome = |start| one(start).map_or_else(|e| failed(&e, request.measures.len()), told);
+        request.starts.iter().map(outcome).collect()
     }
 
-    fn spread_starts(_: u32) -> Vec<FileStart> {
+    fn spread_starts(_: u32) -> Vec<Start> {
         Vec::new()
     }
 

@@ -41,8 +41,11 @@ pub struct DiagramRequest {
     pub keep: u32,
     /// Returns over which the largest exponent is counted, if it is.
     pub exponents: Option<u32>,
-    /// Whether each value starts from the file's start at time 0, which leaves one direction.
+    /// Whether each value starts from `start`, which leaves one direction.
     pub anew: bool,
+    /// Start at the first value of either direction.
+    #[serde(default, skip_serializing_if = "Start::is_own")]
+    pub start: Start,
 }
 
 /// Motion at one value.
@@ -108,12 +111,14 @@ impl DiagramRequest {
         for end in [self.axis.from, self.axis.to] {
             let own = self.at(machine, end)?;
             let section = Section::of(&own.description, &own.section)?;
-            match runs_on_beyond(&own.description, &section, self.discard) {
+            match runs_on_beyond(&own.description, &section, self.start.time, self.discard) {
                 Some(why) if !self.anew => return Err(Error::Described { problem: runs_on_in_words(&why) }),
                 _ => {}
             }
         }
-        self.at(machine, self.axis.from)?.motion(&Start::default()).map(drop)
+        let others = (!self.anew && !self.start.is_own()).then_some(self.axis.to);
+        let mut begun = std::iter::once(self.axis.from).chain(others);
+        begun.try_for_each(|value| self.at(machine, value)?.motion(&self.start).map(drop))
     }
 
     /// Number of parts.
@@ -126,7 +131,7 @@ impl DiagramRequest {
 fn runs_on_in_words(why: &str) -> String {
     format!(
         "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
-         discarded at the first value (--discard), or --anew (anew=True in Python), with which each value starts as the file says and nothing is said of \
+         discarded at the first value (--discard), or --anew (anew=True in Python), with which each value has the same start and nothing is said of \
          hysteresis"
     )
 }
@@ -137,25 +142,35 @@ fn chain(
     store: &dyn PartStore,
     upward: bool,
 ) -> Result<Vec<SettledStart>> {
-    let mut state = Start::default();
+    let mut state = None;
     if request.anew {
         let start = |i| SettledStart {
             value: request.axis.value(i),
-            start: upward.then(|| settled_at(machine, request, request.axis.value(i), &state).ok()).flatten(),
+            start: upward.then(|| settled_at(machine, request, request.axis.value(i), None).ok()).flatten(),
         };
         return Ok((0..request.axis.count).into_par_iter().map(start).collect());
     }
     chained(request.axis.count, upward, store, &mut |i| {
         let value = request.axis.value(i);
-        let start = settled_at(machine, request, value, &state).ok();
-        state = start.clone().unwrap_or_default();
+        let start = settled_at(machine, request, value, state.as_ref()).ok();
+        state = start.clone();
         Ok(SettledStart { value, start })
     })
 }
 
-/// State of the motion at a value after it has settled.
-fn settled_at(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<Start> {
-    let (motion, section) = request.at(machine, value)?.motion(start)?;
+/// State of the motion at a value after it has settled; it begins at the state of the value before
+/// or, without one, at the start.
+fn settled_at(
+    machine: &Machine,
+    request: &DiagramRequest,
+    value: f64,
+    before: Option<&Start>,
+) -> Result<Start> {
+    let own = request.at(machine, value)?;
+    let (motion, section) = match before {
+        Some(end) => own.motion_on(end)?,
+        None => own.motion(&request.start)?,
+    };
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, request.discard)?;
     Ok(now(&motion))
@@ -165,8 +180,8 @@ fn settled_at(machine: &Machine, request: &DiagramRequest, value: f64, start: &S
 ///
 /// # Errors
 /// Where the motion cannot go on.
-fn observe(machine: &Machine, request: &DiagramRequest, value: f64, start: &Start) -> Result<AssemblyPoint> {
-    let (motion, section) = request.at(machine, value)?.motion(start)?;
+fn observe(machine: &Machine, request: &DiagramRequest, value: f64, end: &Start) -> Result<AssemblyPoint> {
+    let (motion, section) = request.at(machine, value)?.motion_on(end)?;
     let mut motion = motion.without_energy_accounts();
     let mut scout = motion.clone();
     let settled = settled(&mut scout, &section, request.exponents)?;
@@ -262,7 +277,17 @@ mod tests {
     fn request(count: usize) -> DiagramRequest {
         let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), count).unwrap();
         let of = "a.s".parse().unwrap();
-        DiagramRequest { axis, of, at_section: true, discard: 400, keep: 4, exponents: None, anew: false }
+        let start = Start::default();
+        DiagramRequest {
+            axis,
+            of,
+            at_section: true,
+            discard: 400,
+            keep: 4,
+            exponents: None,
+            anew: false,
+            start,
+        }
     }
 
     /// An oscillator at whole periods of its drive.

@@ -30,7 +30,6 @@ mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
-pub use designs::FileStart;
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use measures::{Measure, measure};
@@ -47,7 +46,9 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vibro_assembly::description::Description;
+pub use vibro_assembly::Start;
+use vibro_assembly::description::{Body, Description};
+use vibro_assembly::start::BodyStart;
 use vibro_assembly::{Assembly, Motion, file};
 use vibro_impact::quantities::{Unit, quantity_in};
 
@@ -84,16 +85,6 @@ impl TryFrom<Written> for Machine {
         let description = file::parse(&written.file, "machine", &file::no_records)?;
         Ok(Self { description, section: written.section, units: written.units })
     }
-}
-
-/// Start of a motion: a time and, for each body, coordinate and rate; the machine's own where there
-/// are none.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Start {
-    /// Time, s.
-    pub time: f64,
-    /// Coordinate and rate of each body: m, m/s or rad, rad/s.
-    pub bodies: Option<Vec<(f64, f64)>>,
 }
 
 /// Rounding of e - gap relative to its terms.
@@ -140,18 +131,30 @@ impl Machine {
         if symbol.is_empty() { number } else { format!("{number} {symbol}") }
     }
 
-    /// The motion from a start, with its section. Where the start violates rigid stops, as that of
-    /// a machine with other gaps may, the engine moves bodies by the least amount in the inertia's
+    /// The motion from a start, with its section.
+    ///
+    /// # Errors
+    /// What the machine's matrices or its section refuse; as [`Start::motion`].
+    pub fn motion(&self, start: &Start) -> Result<(Motion, Section)> {
+        let section = Section::of(&self.description, &self.section)?;
+        Ok((start.motion(Arc::new(Assembly::new(self.description.clone())?))?, section))
+    }
+
+    /// The motion from the [end](now) of another motion, of a machine with other numbers. Where its
+    /// state violates rigid stops, the engine moves bodies by the least amount in the inertia's
     /// metric. If that fails, or no motion begins there, the machine's own start is taken.
     ///
     /// # Errors
-    /// What the machine's matrices, its start or its section refuse.
-    pub fn motion(&self, start: &Start) -> Result<(Motion, Section)> {
+    /// What the machine's matrices, its own start or its section refuse.
+    pub fn motion_on(&self, end: &Start) -> Result<(Motion, Section)> {
         let section = Section::of(&self.description, &self.section)?;
         let assembly = Assembly::new(self.description.clone())?;
-        let placed = start.bodies.clone().and_then(|bodies| {
-            Motion::starting_at(Arc::new(assembly.clone().starting_from(bodies)), start.time).ok()
-        });
+        let body = |body: &Body| {
+            let given = end.bodies.get(&body.name).copied().unwrap_or_default();
+            (given.s.unwrap_or(0.0), given.v.unwrap_or(0.0))
+        };
+        let bodies = self.description.bodies.iter().map(body).collect();
+        let placed = Motion::starting_at(Arc::new(assembly.clone().starting_from(bodies)), end.time).ok();
         let motion = match placed.filter(is_between_stops) {
             Some(motion) => motion,
             None => Motion::new(Arc::new(assembly))?,
@@ -169,14 +172,15 @@ fn is_between_stops(motion: &Motion) -> bool {
     })
 }
 
-/// The present state of a motion, as a start for another machine.
+/// The present state of a motion, from which one of a machine with other numbers goes
+/// [on](Machine::motion_on): all bodies, since other arms may leave other coordinates free.
 pub fn now(motion: &Motion) -> Start {
-    let count = motion.assembly().description.bodies.len();
-    let body = |i: usize| {
+    let body = |(i, body): (usize, &Body)| {
         let [s, v, _] = motion.body(i);
-        (s, v)
+        (body.name.clone(), BodyStart { s: Some(s), v: Some(v) })
     };
-    Start { time: motion.time(), bodies: Some((0..count).map(body).collect()) }
+    let bodies = motion.assembly().description.bodies.iter().enumerate();
+    Start { time: motion.time(), bodies: bodies.map(body).collect() }
 }
 
 #[cfg(test)]

@@ -1,14 +1,15 @@
 //! Described machines as [`PlaneMachine`]s.
 
 use super::timescales::{runs_on_beyond, settle};
-use super::{FileStart, Machine, Section, Start, settled};
+use super::{Machine, Section, settled};
 use crate::attractor::MotionClass;
 use crate::error::{Error, Result};
 use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use vibro_assembly::Assembly;
 
-/// Motion from the machine's own start at one point of a plane.
+/// Motion at one point of a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanePoint {
     /// Class of the motion.
@@ -30,15 +31,15 @@ impl PlaneMachine for Machine {
     const IN_PLANE_PART: usize = 32;
 
     fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()> {
-        let FileStart::File = request.start;
         for axis in [&request.x, &request.y] {
             for end in [axis.from, axis.to] {
                 self.with([(axis.name.as_str(), end)])?;
             }
         }
         // Conditions of every point.
+        request.start.state(&Assembly::new(self.description.clone())?)?;
         let section = Section::of(&self.description, &self.section)?;
-        match runs_on_beyond(&self.description, &section, request.discard) {
+        match runs_on_beyond(&self.description, &section, request.start.time, request.discard) {
             None => Ok(()),
             Some(why) => Err(Error::Described {
                 problem: format!(
@@ -65,7 +66,7 @@ impl PlaneMachine for Machine {
 /// Values that make no machine; a motion that cannot go on.
 fn point(machine: &Machine, request: &IsoperiodicRequest<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
     let own = machine.with([(request.x.name.as_str(), x), (request.y.name.as_str(), y)])?;
-    let (motion, section) = own.motion(&Start::default())?;
+    let (motion, section) = own.motion(&request.start)?;
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, request.discard)?;
     let found = settled(&mut motion, &section, request.exponents)?;

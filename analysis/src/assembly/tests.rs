@@ -7,6 +7,7 @@ use crate::plane::ParameterAxis;
 use vibro_impact::{Parameters, Simulator, State};
 
 mod measured;
+mod starts;
 pub(super) mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
@@ -206,8 +207,16 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     let machine = example("damper_with_buffer.toml");
     let axis = ParameterAxis::of("stop.steel.gap".to_owned(), (4e-3, 6e-3), 3).unwrap();
     let of = "block.s".parse().unwrap();
-    let request =
-        DiagramRequest { axis, of, at_section: false, discard: 150, keep: 12, exponents: None, anew: false };
+    let request = DiagramRequest {
+        axis,
+        of,
+        at_section: false,
+        discard: 150,
+        keep: 12,
+        exponents: None,
+        anew: false,
+        start: Start::default(),
+    };
     let found = diagram::diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
     let first = found.up[0].as_ref().unwrap();
     let top = measured(&machine.with([("stop.steel.gap", 4e-3)]).unwrap(), &["maximum.block.s"])[0];
@@ -298,8 +307,16 @@ fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_aske
 fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), 5).unwrap();
     let of = "a.s".parse().unwrap();
-    let request =
-        DiagramRequest { axis, of, at_section: false, discard: 100, keep: 5, exponents: None, anew: false };
+    let request = DiagramRequest {
+        axis,
+        of,
+        at_section: false,
+        discard: 100,
+        keep: 5,
+        exponents: None,
+        anew: false,
+        start: Start::default(),
+    };
     let machine = stepped("200 s");
     let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
     assert!(error.starts_with("load.f has a step at 200 s: ") && error.contains("--anew"), "{error}");

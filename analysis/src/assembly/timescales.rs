@@ -118,13 +118,16 @@ pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
 
-/// Description of the last change of a signal if it comes after `discard` returns from the start.
+/// Description of the last change of a signal if it comes after `discard` returns from a start at
+/// the time `begin`, s.
 /// With a section of events the time of these returns is not known in advance, and a change at any
 /// time counts.
-pub(super) fn runs_on_beyond(d: &Description, section: &Section, discard: u32) -> Option<String> {
+pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, discard: u32) -> Option<String> {
     match section {
-        Section::Period(period) | Section::Shifted(period, _) => runs_on(d, f64::from(discard) * period),
-        Section::Stop(_) | Section::Friction(_) => runs_on(d, 0.0),
+        Section::Period(period) | Section::Shifted(period, _) => {
+            runs_on(d, begin + f64::from(discard) * period)
+        }
+        Section::Stop(_) | Section::Friction(_) => runs_on(d, begin),
     }
 }
 

@@ -1,14 +1,14 @@
 //! Units in which a machine's file writes its numbers. They apply to numbers that are given
 //! elsewhere without a unit.
 
-use super::Machine;
+use super::{Machine, Start};
 use crate::error::Result;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::{Table, Value};
 use vibro_assembly::description::Description;
 use vibro_assembly::file::{self, Records};
-use vibro_impact::quantities::{Quantity, quantity_in};
+use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 
 impl Machine {
     /// Reads a machine's file, with the units in which it writes its parameters.
@@ -51,6 +51,26 @@ impl Machine {
             }
             None => Quantity { value: parameter.read(text)?, unit: typed },
         })
+    }
+
+    /// Sets a number of a start from a text. A number without a unit is in the unit in which the
+    /// file wrote that number of its own start, which is returned if it is not SI.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for a value that is not
+    /// allowed.
+    pub fn set_start(&self, start: &mut Start, name: &str, text: &str) -> Result<Option<&'static Unit>> {
+        let plain = name.strip_prefix("body.").unwrap_or(name);
+        let own = plain.split_once('.').map(|(body, key)| format!("body.{body}.start.{key}"));
+        let is_bare = text.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
+        let unit = own.and_then(|own| self.written_unit(&own)).filter(|unit| is_bare && !unit.is_si());
+        match unit {
+            Some(unit) => {
+                start.set_text(&self.description, name, &format!("{} {}", text.trim(), unit.plain()))?;
+            }
+            None => start.set_text(&self.description, name, text)?,
+        }
+        Ok(unit)
     }
 
     /// If `text` contains a unit, the parameter is read and shown in this unit from now on.

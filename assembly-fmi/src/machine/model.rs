@@ -68,6 +68,7 @@ impl Model for Machine {
             match row.quantity {
                 Quantity::Transition => values.extend_from_slice(&self.step_matrices().transition),
                 Quantity::Response => values.extend_from_slice(&self.step_matrices().response),
+                Quantity::ByParameters => values.extend_from_slice(self.step_by_parameters()),
                 quantity => values.push(self.finite_value(quantity, &row.name)?),
             }
         }

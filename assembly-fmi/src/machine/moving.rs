@@ -203,7 +203,8 @@ impl Moving {
             | Quantity::Parameter(_)
             | Quantity::Input(_)
             | Quantity::Transition
-            | Quantity::Response => 0.0,
+            | Quantity::Response
+            | Quantity::ByParameters => 0.0,
         }
     }
 

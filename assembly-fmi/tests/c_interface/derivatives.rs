@@ -2,7 +2,7 @@
 
 use crate::host::*;
 use crate::*;
-use vibro_assembly_fmi::{FILE, Plan};
+use vibro_assembly_fmi::{FILE, Plan, Role};
 
 /// A body between a spring and a compliant stop, which an input pushes.
 fn pushed() -> Plan {
@@ -201,6 +201,88 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
             }
         }
     }
+}
+
+/// Every tunable parameter, set at a communication point under way: a step with the changed machine.
+#[test]
+fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_steps() {
+    // Relative step and error of a fourth-order difference, with rounding over its step.
+    const STEP: f64 = 1e-5;
+    const DIFFERENCE: f64 = 1e-6;
+    const BEGIN: f64 = 0.3;
+    let plan = shaken();
+    let tunable: Vec<&str> =
+        plan.table.rows.iter().filter(|row| row.role == Role::Tunable).map(|row| row.name.as_str()).collect();
+    let run = |size: f64, changed: &str, shift: f64| {
+        let machine = Instance::of("step by parameters", &plan, false);
+        machine.begin();
+        assert_eq!(machine.set("load.push.input", 0.3), OK);
+        machine.step(0.0, BEGIN);
+        if shift != 0.0 {
+            assert_eq!(machine.set(changed, machine.get(changed) + shift), OK, "{changed}");
+        }
+        machine.step(BEGIN, size);
+        machine
+    };
+    for size in SIZES {
+        let machine = run(size, "", 0.0);
+        let mut all = vec![f64::NAN; 4 * tunable.len()];
+        let reference = machine.reference("step.parameters");
+        let status = unsafe { fmi3GetFloat64(machine.c, &reference, 1, all.as_mut_ptr(), all.len()) };
+        assert_eq!(status, OK, "{:?}", machine.messages);
+        let mut moved = 0;
+        for (k, name) in tunable.iter().enumerate() {
+            let step = STEP * machine.get(name).abs().max(0.1);
+            // Nothing is below 0 but what may be.
+            let places = if machine.get(name) == 0.0 { [0.0, 1.0, 2.0, 3.0] } else { [-2.0, -1.0, 1.0, 2.0] };
+            let [a, b, c, d] = places.map(|place| states(&run(size, name, place * step)));
+            for i in 0..4 {
+                let difference = match places[0] {
+                    0.0 => (-11.0 * a[i] + 18.0 * b[i] - 9.0 * c[i] + 2.0 * d[i]) / (6.0 * step),
+                    _ => (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * step),
+                };
+                let exact = all[i * tunable.len() + k];
+                moved += usize::from(exact != 0.0);
+                assert!(
+                    (exact - difference).abs() < DIFFERENCE * (1.0 + exact.abs()),
+                    "{size} {} by {name}: {exact} {difference}",
+                    STATES[i]
+                );
+            }
+        }
+        assert!(moved > 20, "{moved}");
+    }
+    // Without a step there is nothing that a parameter has moved.
+    let still = Instance::of("step by parameters", &plan, false);
+    still.begin();
+    let mut all = vec![f64::NAN; 4 * tunable.len()];
+    let reference = still.reference("step.parameters");
+    assert_eq!(unsafe { fmi3GetFloat64(still.c, &reference, 1, all.as_mut_ptr(), all.len()) }, OK);
+    assert!(all.iter().all(|x| *x == 0.0));
+}
+
+/// Of FMI 2.0 knowns are inputs and states; of FMI 3.0 tunable parameters and time, too, once the
+/// motion has begun.
+#[test]
+fn what_is_no_known_is_refused_by_name() {
+    let plan = pushed();
+    let machine = Instance::of("knowns", &plan, false);
+    let (unknown, gap, start) = (
+        machine.reference("b.a"),
+        machine.reference("spring.k.stiffness"),
+        machine.reference("body.b.start.s"),
+    );
+    let mut along = 7.0;
+    let mut ask = |known: &u32| unsafe {
+        fmi3GetDirectionalDerivative(machine.c, &unknown, 1, known, 1, &2.0, 1, &mut along, 1)
+    };
+    machine.begin();
+    assert_eq!(ask(&gap), OK);
+    assert_eq!(ask(&start), ERROR);
+    let last = machine.messages.last().unwrap();
+    assert!(last.contains("other variables than inputs, tunable parameters and time"), "{last}");
+    // -2 k' s/m with s = 0.3 m and m = 2 kg.
+    assert!((along + 0.3).abs() < 1e-15, "{along}");
 }
 
 /// Steps that end before each event's law. Read after the events, the product of their matrices is

@@ -247,6 +247,99 @@ fn second_method_dependencies_by_differences_in_every_mode_that_is_met() {
     assert_eq!(kinds.len(), 5, "{kinds:?}");
 }
 
+/// Partial derivatives by tunable parameters and time, where the states and the mode stay.
+fn partial(probe: &mut Probe, found: &mut HashSet<String>) -> usize {
+    // Relative step and error of a central difference.
+    const STEP: f64 = 1e-4;
+    const DIFFERENCE: f64 = 1e-6;
+    // Rounding of a value, and of the largest, of which accelerations may be small differences; a
+    // change of a parameter that shows nothing but rounding, and how much more there may be.
+    const ROUNDING: (f64, f64) = (1e-12, 1e-11);
+    const NOISE: (f64, f64) = (1e-12, 16.0);
+    let plan = probe.plan;
+    let is_column =
+        |unknown: &u32| matches!(plan.table.rows[*unknown as usize - 1].quantity, Quantity::Column(_));
+    let (unknowns, all) = (probe.unknowns.clone(), probe.unknowns.iter().copied().filter(is_column));
+    let columns: Vec<u32> = all.collect();
+    let mut moved = 0;
+    for (known, row) in (1..).zip(&plan.table.rows) {
+        let is_time = row.quantity == Quantity::Time;
+        if row.role != Role::Tunable && !is_time {
+            continue;
+        }
+        probe.solver.restore(&probe.saved);
+        let before = mode(plan, probe.solver);
+        let now = if is_time { 0.0 } else { get(&mut probe.solver.machine, known).unwrap() };
+        let step = if is_time { 1e-6 } else { STEP * if now == 0.0 { 1.0 } else { now.abs() } };
+        let mut along = vec![f64::NAN; columns.len()];
+        let (machine, write) = (&mut probe.solver.machine, |i: usize, x: f64| along[i] = x);
+        machine.directional_derivative(&columns, &[known], &[1.0], write).unwrap();
+        let mut at = |by: f64| {
+            let values = match is_time {
+                true => Some(probe.at(&[(known, by)])),
+                false => after_event(probe, known, &[now + by]),
+            };
+            values.filter(|_| mode(plan, probe.solver) == before)
+        };
+        // Time varies forwards only, and what must not be negative may be 0.
+        let difference = match [at(0.0), at(step), at(2.0 * step), at(-step).filter(|_| !is_time)] {
+            [_, Some(b), _, Some(d)] => {
+                b.iter().zip(&d).map(|(b, d)| (b - d) / (2.0 * step)).collect::<Vec<_>>()
+            }
+            [Some(a), Some(b), Some(c), None] => {
+                let all = a.iter().zip(&b).zip(&c);
+                all.map(|((a, b), c)| (4.0 * b - 3.0 * a - c) / (2.0 * step)).collect()
+            }
+            _ => continue,
+        };
+        let still: Vec<_> = (0..4).filter_map(|k| at(f64::from(k) * NOISE.0 * step / STEP)).collect();
+        let sizes = probe.at(&[]);
+        let largest = sizes.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        for (exact, unknown) in along.iter().zip(&columns) {
+            let i = unknowns.iter().position(|own| own == unknown).unwrap();
+            moved += usize::from(*exact != 0.0);
+            let noise = still.iter().map(|values| (values[i] - still[0][i]).abs()).fold(0.0, f64::max);
+            let rounding =
+                (ROUNDING.0 * sizes[i].abs() + ROUNDING.1 * STEP * largest + NOISE.1 * noise) / step;
+            if (exact - difference[i]).abs() > DIFFERENCE * exact.abs() + rounding {
+                let name = &plan.table.rows[*unknown as usize - 1].name;
+                found.insert(format!("{}: {name} by {}: {exact} {}", plan.name(), row.name, difference[i]));
+            }
+        }
+    }
+    moved
+}
+
+#[test]
+fn second_method_partial_derivatives_by_parameters_and_time_by_differences() {
+    let mut moved = 0;
+    for plan in plans() {
+        let outputs = plan.description().outputs;
+        let unknowns: Vec<u32> = outputs.iter().map(|unknown| unknown.reference).collect();
+        let mut solver = Solver::new(&plan);
+        let h = plan.description().experiment.step_size / 4.0;
+        let (mut modes, mut wrong) = (HashSet::new(), HashSet::new());
+        for _ in 0..STEPS {
+            if modes.len() < MODES && modes.insert(mode(&plan, &mut solver)) {
+                let saved = solver.machine.save().unwrap();
+                let mut probe = Probe {
+                    plan: &plan,
+                    solver: &mut solver,
+                    saved: saved.clone(),
+                    unknowns: unknowns.clone(),
+                };
+                moved += partial(&mut probe, &mut wrong);
+                solver.restore(&saved);
+            }
+            solver.step(h);
+        }
+        let mut wrong: Vec<_> = wrong.into_iter().collect();
+        wrong.sort();
+        assert!(wrong.is_empty(), "{} wrong in {} modes:\n{}", wrong.len(), modes.len(), wrong.join("\n"));
+    }
+    assert!(moved > 1000, "{moved}");
+}
+
 /// All initial unknowns; `None` where the start is refused.
 fn initial(plan: &Arc<Plan>, interface: Interface, time: f64, values: &[(u32, f64)]) -> Option<Vec<f64>> {
     let mut machine = Solver::instance(plan, interface);

@@ -1,34 +1,42 @@
 //! Derivatives over an event (docs/assembly-law.md (A30)). δt is the derivative of an event's time
 //! by a parameter.
 
+use super::columns::Columns;
 use super::impulse::Impulse;
 use super::jump::share;
 use super::lost::{Cause, Lost};
-use super::machine::{Instant, Machine, STILL, Varied};
-use super::mode::VariedRow;
+use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
 use crate::signals::StepTime;
-use crate::system::StateRow;
+use crate::system::Functional;
 use nalgebra::DVector;
+
+/// Adds `factor` × `rates` ⊗ `later`.
+fn add_outer(deltas: &mut Columns, factor: f64, rates: &DVector<f64>, later: &[f64]) {
+    for (own, rate) in deltas.numbers.chunks_exact_mut(later.len()).zip(rates.iter()) {
+        let factor = factor * rate;
+        own.iter_mut().zip(later).for_each(|(delta, later)| *delta += factor * later);
+    }
+}
 
 /// An event that a motion has passed.
 pub(super) struct Crossing<'a> {
     pub machine: &'a Machine,
     /// The instant before the law.
-    pub before: Instant<'a>,
+    pub before: Instant<'a, 'a>,
     /// The instant after it.
-    pub after: Instant<'a>,
+    pub after: Instant<'a, 'a>,
     /// The functional that has passed zero; `None` at a knot.
-    pub due: Option<(Watch, VariedRow)>,
+    pub due: Option<(Watch, &'a Functional)>,
     pub impulses: Vec<Impulse>,
     pub events: &'a [Event],
     /// Earlier events of the same instant.
     pub earlier: &'a [Met],
     /// Functionals that come to zero at this instant.
-    pub together: Vec<&'a (Watch, StateRow)>,
+    pub together: Vec<&'a (Watch, Functional)>,
     /// Functionals that are zero throughout the mode that follows.
-    pub still: Vec<&'a (Watch, StateRow)>,
+    pub still: Vec<&'a (Watch, Functional)>,
 }
 
 /// Record of an event for later events at the same instant.
@@ -83,30 +91,121 @@ impl Crossing<'_> {
         all.into_iter()
     }
 
-    /// Carries the derivative by parameter `p` over the event; returns the δt of the event and of
-    /// the other elements' events.
-    pub fn carry(&self, p: usize, delta: &mut DVector<f64>, scale: &DVector<f64>) -> Result<Later, Lost> {
-        let lost = |element, cause| Lost { time: self.before.time, element, cause };
-        let tangent = &self.machine.tangents[p];
-        if let Some(stop) = self.impulses.iter().find_map(|i| i.at_limit(&self.machine.system, tangent)) {
-            return Err(lost(self.machine.name_of(Contact::Stop(stop)), Cause::Limit));
+    /// Carries all columns over the event; returns by column the δt of the event and of the other
+    /// elements' events, `None` for those that are lost.
+    pub fn carry(
+        &self,
+        deltas: &mut Columns,
+        scales: &Columns,
+        lost: &mut [Option<Lost>],
+    ) -> Vec<Option<Later>> {
+        let mut all: Vec<Option<Later>> = vec![None; lost.len()];
+        let alive: Vec<usize> = (0..lost.len()).filter(|&p| lost[p].is_none()).collect();
+        let is_alone = self.is_alone();
+        let mut times = vec![0.0; deltas.width];
+        let mut apart = Vec::new();
+        for &p in &alive {
+            let found = match &self.due {
+                Some((_, row)) if is_alone => Ok((self.alone(p, row, deltas), false)),
+                _ => self.later(p, &deltas.column(p), &scales.column(p)),
+            };
+            match found {
+                Ok((later, is_apart)) => {
+                    times[p + 1] = later.event;
+                    if is_apart {
+                        apart.push((p, deltas.column(p)));
+                    }
+                    all[p] = Some(later);
+                }
+                Err(found) => lost[p] = Some(found),
+            }
         }
-        let later = match &self.due {
-            Some((watch, VariedRow { row, by })) => self
-                .machine
-                .later(Varied { p, delta, scale }, &self.before, (row, &by[p]))
-                .map_err(|()| lost(self.machine.assembly.name_of(*watch), Cause::Touch))?,
+        let mut single = vec![false; lost.len()];
+        apart.iter().for_each(|(p, _)| single[*p] = true);
+        self.at_once(times, deltas, lost, &single);
+        for (p, mut delta) in apart {
+            let own = all[p].as_ref().map_or(&[][..], |later| &later.own);
+            self.one_by_one(p, own, &mut delta);
+            deltas.put(p, &delta);
+        }
+        for p in alive {
+            if let Err(found) = self.finish(p, deltas, scales, lost[p].take()) {
+                (lost[p], all[p]) = (Some(found), None);
+                deltas.put(p, &DVector::zeros(self.before.z.len()));
+            }
+        }
+        deltas.put_state(self.after.z.as_slice());
+        all
+    }
+
+    /// What a column's signals, contacts and functionals without a passage require after the event.
+    fn finish(
+        &self,
+        p: usize,
+        deltas: &mut Columns,
+        scales: &Columns,
+        lost: Option<Lost>,
+    ) -> Result<(), Lost> {
+        if let Some(lost) = lost {
+            return Err(lost);
+        }
+        let (machine, after) = (self.machine, &self.after);
+        let fills = machine.tangents[p].signals.varies();
+        let holds = after.mode.mode.contacts().next().is_some();
+        if !fills && !holds && self.still.is_empty() {
+            return Ok(());
+        }
+        let (mut delta, scale) = (deltas.column(p), scales.column(p));
+        machine.fill(p, after.time, after.z, &mut delta);
+        machine.keep(p, &mut delta, &scale, after)?;
+        deltas.put(p, &delta);
+        machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
+    }
+
+    /// Whether a functional passes zero with speed and nothing else comes to a limit.
+    fn is_alone(&self) -> bool {
+        let Some((watch, row)) = self.due else { return false };
+        let terms: f64 = row.iter().zip(self.before.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
+        let is_touch = row.dot(self.before.rates).abs() <= TOUCH * terms;
+        let others = self.together.iter().any(|(other, _)| other.contact() != watch.contact());
+        let system = &self.machine.system;
+        let plastic =
+            |impulse: &Impulse| impulse.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0));
+        let plastic = self.impulses.iter().any(plastic);
+        !is_touch && !others && !plastic && self.earlier.is_empty() && self.hit().next().is_none()
+    }
+
+    /// The δt of an event that nothing accompanies.
+    fn alone(&self, p: usize, row: &Functional, deltas: &Columns) -> Later {
+        let (machine, before) = (self.machine, &self.before);
+        let own = |&(j, h): &(usize, f64)| h * deltas.numbers[j * deltas.width + p + 1];
+        let mut varied: f64 = row.terms().iter().map(own).sum();
+        let tangent = &machine.tangents[p];
+        if let Some((watch, _)) = self.due.filter(|_| !tangent.is_zero) {
+            varied += before.mode.row_by(&machine.system, tangent, p, watch, row).dot(before.z);
+        }
+        Later { event: -varied / row.dot(before.rates), own: Vec::new() }
+    }
+
+    /// The δt of the event and of the other elements' events by parameter `p`, and whether each of
+    /// them changes the motion by itself.
+    fn later(&self, p: usize, delta: &DVector<f64>, scale: &DVector<f64>) -> Result<(Later, bool), Lost> {
+        let lost = |element, cause| Lost { time: self.before.time, element, cause };
+        let (machine, tangent) = (self.machine, &self.machine.tangents[p]);
+        if let Some(stop) = self.impulses.iter().find_map(|i| i.at_limit(&machine.system, tangent)) {
+            return Err(lost(machine.name_of(Contact::Stop(stop)), Cause::Limit));
+        }
+        let column = Varied { p, delta, scale };
+        let event = match self.due {
+            Some((watch, row)) => {
+                let by = self.before.mode.row_by(&machine.system, tangent, p, watch, row);
+                let touch = |()| lost(machine.assembly.name_of(watch), Cause::Touch);
+                machine.later(column, &self.before, (row, &by)).map_err(touch)?
+            }
             None => tangent.signals.later(self.before.time).map_or(0.0, |knot| knot.later),
         };
-        let (own, apart) = self.others(Varied { p, delta, scale }, later)?;
-        match apart {
-            true => self.one_by_one(p, &own, delta),
-            false => self.at_once(p, later, delta)?,
-        }
-        self.machine.fill(p, self.before.time, self.after.z, delta);
-        self.machine.keep(p, delta, scale, &self.after)?;
-        self.machine.check(Varied { p, delta, scale }, &self.after, &self.still)?;
-        Ok(Later { event: later, own })
+        let (own, apart) = self.others(column, event)?;
+        Ok((Later { event, own }, apart))
     }
 
     /// Compares the event with the other events of the instant. Returns their elements with their
@@ -193,40 +292,61 @@ impl Crossing<'_> {
     /// Carries the derivative over impacts of stops that are not coupled, each with its own δt.
     fn one_by_one(&self, p: usize, times: &[(Contact, f64)], delta: &mut DVector<f64>) {
         let system = &self.machine.system;
+        let mut alone = Columns::zeros(delta.len(), 1);
+        alone.put(0, delta);
         for impulse in &Impulse::one_by_one(system, self.events, &self.impulses) {
             let own = |time: &&(Contact, f64)| impulse.stops.iter().any(|&i| time.0 == Contact::Stop(i));
-            let later = times.iter().find(own).map_or(0.0, |time| time.1);
+            let mut later = vec![0.0; alone.width];
+            later[1] = times.iter().find(own).map_or(0.0, |time| time.1);
             let [was, is] = [0, 1].map(|k| self.before.mode.rates(&impulse.states[k]));
-            delta.axpy(later, &was, 1.0);
-            impulse.carry(&self.machine.system, &self.machine.tangents[p], delta);
-            delta.axpy(-later, &is, 1.0);
+            add_outer(&mut alone, 1.0, &was, &later);
+            impulse.carry(system, &self.machine.tangents[p..=p], &mut alone);
+            add_outer(&mut alone, -1.0, &is, &later);
         }
+        delta.copy_from(&alone.column(0));
     }
 
-    /// Carries the derivative over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt.
-    fn at_once(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<(), Lost> {
-        let (machine, tangent) = (self.machine, &self.machine.tangents[p]);
+    /// Carries columns over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt. `later`
+    /// has the δt in the columns' places. A column that is `apart` is changed in vain.
+    fn at_once(&self, mut later: Vec<f64>, deltas: &mut Columns, lost: &mut [Option<Lost>], apart: &[bool]) {
+        let machine = self.machine;
         if self.due.is_none() {
-            let time = self.before.time;
-            let knot = tangent.signals.later(time).filter(|_| machine.system.signals.knots_at(time) > 1);
-            if let Some(knot) = knot {
-                return self.one_of_many_knots(&knot, delta);
+            for p in (0..lost.len()).filter(|&p| !apart[p]) {
+                if lost[p].is_none() {
+                    let mut delta = deltas.column(p);
+                    match self.at_knot(p, later[p + 1], &mut delta) {
+                        Ok(left) => later[p + 1] = left,
+                        Err(found) => lost[p] = Some(found),
+                    }
+                    deltas.put(p, &delta);
+                }
             }
-            let was = delta.clone();
-            machine.fill(p, time, self.after.z, delta);
-            let mut step = &*delta - was;
-            step.axpy(later, &(self.after.rates - self.before.rates), 1.0);
-            delta.axpy(later, self.before.rates, 1.0);
-            let one = machine.system.signals.one;
-            let mut signals = delta.rows_range_mut(one..);
-            signals.axpy(later, &(self.after.rates - self.before.rates).rows_range(one..), 1.0);
-            share(&machine.system, tangent, &(self.after.z - self.before.z), &step, delta);
         } else {
-            delta.axpy(later, self.before.rates, 1.0);
+            add_outer(deltas, 1.0, self.before.rates, &later);
         }
-        self.impulses.iter().for_each(|impulse| impulse.carry(&machine.system, tangent, delta));
-        delta.axpy(-later, self.after.rates, 1.0);
-        Ok(())
+        let tangents = &machine.tangents;
+        self.impulses.iter().for_each(|impulse| impulse.carry(&machine.system, tangents, deltas));
+        add_outer(deltas, -1.0, self.after.rates, &later);
+    }
+
+    /// The signals and what bodies behind links share of their jumps, before impacts; returns the δt
+    /// of all that follows.
+    fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
+        let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
+        let knot = tangent.signals.later(time).filter(|_| machine.system.signals.knots_at(time) > 1);
+        if let Some(knot) = knot {
+            return self.one_of_many_knots(&knot, delta).map(|()| 0.0);
+        }
+        let was = delta.clone();
+        machine.fill(p, time, self.after.z, delta);
+        let mut step = &*delta - was;
+        step.axpy(later, &(self.after.rates - self.before.rates), 1.0);
+        delta.axpy(later, self.before.rates, 1.0);
+        let one = machine.system.signals.one;
+        let mut signals = delta.rows_range_mut(one..);
+        signals.axpy(later, &(self.after.rates - self.before.rates).rows_range(one..), 1.0);
+        share(&machine.system, tangent, &(self.after.z - self.before.z), &step, delta);
+        Ok(later)
     }
 
     /// A step at a time with several knots: δt delays the height of this step only.
@@ -243,9 +363,16 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// The derivative of a reported event's time. A stop closes when its bounces accumulate. The
+    /// The derivative of a reported event's time, from that of the state before where a stop
+    /// closes. A stop closes when its bounces accumulate. The
     /// time from the last impact that is followed is 2 ε u/(a (1 - ε)).
-    pub fn time_of(&self, p: usize, event: &Event, later: &Later, delta: &DVector<f64>) -> Option<f64> {
+    pub fn time_of(
+        &self,
+        p: usize,
+        event: &Event,
+        later: &Later,
+        delta: Option<&DVector<f64>>,
+    ) -> Option<f64> {
         let own = event.contact().and_then(|contact| later.own.iter().find(|own| own.0 == contact));
         let later = own.map_or(later.event, |own| own.1);
         let EventKind::Close { stop } = event.kind else { return Some(later) };
@@ -256,6 +383,7 @@ impl Crossing<'_> {
             // durations diverges.
             return (e < 1.0).then_some(later);
         }
+        let delta = delta?;
         let (rows, own) = self.machine.contact(Contact::Stop(stop), p);
         let (speed, push) = (rows.rate.dot(self.before.z), rows.rate.dot(self.before.rates));
         let met = delta + self.before.rates * later;

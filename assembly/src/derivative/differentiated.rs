@@ -1,7 +1,11 @@
 //! A motion with its derivatives by parameters.
 
+mod under_way;
+
 use super::by::By;
-use super::crossing::{Crossing, Met};
+use super::columns::Columns;
+use super::crossing::{Crossing, Later, Met};
+use super::flight::Memory;
 use super::impulse::Impulse;
 use super::jump::jumped;
 use super::lost::Lost;
@@ -11,7 +15,7 @@ use super::start::Start;
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::motion::{Event, Motion, Reached, start_of};
+use crate::motion::{Event, EventKind, Motion, Reached, start_of};
 use crate::quantity::Quantity;
 use nalgebra::DVector;
 use std::collections::HashMap;
@@ -67,12 +71,14 @@ pub struct Differentiated {
     names: Vec<String>,
     modes: HashMap<Mode, Arc<VariedMode>>,
     mode: Arc<VariedMode>,
-    /// By column.
-    deltas: Vec<Option<DVector<f64>>>,
-    /// By column: their largest sizes so far.
-    scales: Vec<DVector<f64>>,
-    /// By column.
+    /// The state and its derivatives.
+    deltas: Columns,
+    /// Their largest sizes so far.
+    scales: Columns,
+    /// By column; its derivatives are 0 from then on.
     lost: Vec<Option<Lost>>,
+    memory: Memory,
+    vectors: pulp::Arch,
     /// Events of the present instant.
     met: Vec<Met>,
 }
@@ -174,29 +180,31 @@ impl Differentiated {
         let mut note = |event: &Event| events.push(event.clone());
         let motion = Motion::from_state_observed(assembly.clone(), time, state, &mut note)?;
         let machine = Arc::new(Machine::new(assembly, columns)?);
-        let mode = Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
+        let mode = Arc::new(machine.mode_of(&motion));
         let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
         let z = machine.widened(motion.state());
-        let mut begun = z.clone();
+        let mut begun = z.clone().into_owned();
         begun.as_mut_slice()[..state.len()].copy_from_slice(state);
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
         let start = Start { machine: &machine, is_given, begun: &begun, events: &events, at };
-        let (deltas, lost): (Vec<_>, Vec<_>) = (0..machine.columns.len())
-            .map(|p| match start.derivative(p) {
-                Ok(delta) => (Some(delta), None),
-                Err(lost) => (None, Some(lost)),
-            })
-            .unzip();
-        let by_start = machine.columns.iter().map(|by| if *by == By::Time { 1.0 } else { 0.0 });
-        let times: Vec<Option<f64>> =
-            deltas.iter().zip(by_start).map(|(delta, later)| delta.as_ref().map(|_| later)).collect();
+        let count = machine.columns.len();
+        let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
+        deltas.put_state(z.as_slice());
+        for (p, place) in lost.iter_mut().enumerate() {
+            match start.derivative(p) {
+                Ok(delta) => deltas.put(p, &delta),
+                Err(found) => *place = Some(found),
+            }
+        }
+        let later = |p: usize| if machine.columns[p] == By::Time { 1.0 } else { 0.0 };
+        let times: Vec<_> = (0..count).map(|p| lost[p].is_none().then(|| later(p))).collect();
         events.iter().for_each(|event| observer(event, &times));
-        let zero = DVector::zeros(z.len());
-        let scales =
-            deltas.iter().map(|d: &Option<DVector<f64>>| d.as_ref().unwrap_or(&zero).abs()).collect();
+        let mut scales = Columns::zeros(z.len(), count);
+        scales.include(&deltas);
         let names = machine.columns.iter().map(By::to_string).collect();
-        Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, met: Vec::new() })
+        let (memory, vectors, met) = (Memory::default(), pulp::Arch::new(), Vec::new());
+        Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met })
     }
 
     /// A motion that a flag interrupts, as [`Motion::with_interruption`].
@@ -223,15 +231,20 @@ impl Differentiated {
 
     /// A column of the derivative of the machine's coordinates, then of their rates; `None` where
     /// there is none.
-    pub fn state_derivative(&self, column: usize) -> Option<&[f64]> {
-        let delta = self.deltas.get(column)?.as_ref()?;
-        Some(&delta.as_slice()[..self.machine.system.signals.one])
+    pub fn state_derivative(&self, column: usize) -> Option<Vec<f64>> {
+        let delta = self.column(column)?;
+        Some(delta.as_slice()[..self.machine.system.signals.one].to_vec())
+    }
+
+    /// A column of the derivative of the augmented state.
+    fn column(&self, p: usize) -> Option<DVector<f64>> {
+        self.lost.get(p)?.is_none().then(|| self.deltas.column(p))
     }
 
     /// A column of the derivative of a quantity at the present time; `None` where there is none.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
-        let delta = self.deltas.get(column)?.as_ref()?;
-        let z = self.state();
+        let delta = &self.column(column)?;
+        let z = self.machine.widened(self.motion.state());
         let point = super::values::Point {
             system: &self.machine.system,
             tangent: &self.machine.tangents[column],
@@ -265,49 +278,45 @@ impl Differentiated {
     /// As [`Motion::advance_to`].
     pub fn advance_observed(&mut self, end: f64, observer: &mut VariedObserver) -> Result<(), Error> {
         loop {
-            let (mut z, from) = (self.state(), self.motion.time());
-            let outcome = self.motion.advance_before_event(end, &mut |_| ());
-            let span = self.motion.time() - from;
-            if span > 0.0 {
-                self.fly(&mut z, span);
-            }
-            match outcome? {
+            match self.advance_before_event(end)? {
                 Reached::End => return Ok(()),
                 Reached::Event => self.pass(observer)?,
             }
         }
     }
 
-    /// The augmented state, with a coordinate for everything that may vary.
-    fn state(&self) -> DVector<f64> {
-        self.machine.widened(self.motion.state())
-    }
-
-    /// Carries the derivatives over a flight from the state `z`.
-    fn fly(&mut self, z: &mut DVector<f64>, span: f64) {
-        let time = self.motion.time();
-        if span > INSTANT * (time.abs() + self.mode.length) {
-            self.met.clear();
+    /// Carries the derivatives over a flight from the state that they have.
+    fn fly(&mut self, span: f64) {
+        let Self { machine, motion, mode, deltas, scales, lost, memory, met, vectors, .. } = self;
+        let time = motion.time();
+        if span > INSTANT * (time.abs() + mode.length) {
+            met.clear();
         }
-        self.mode.carry(z, &mut self.deltas, span);
-        let (z, sizes) = (self.state(), self.sizes());
-        let rates = self.mode.rates(&z);
-        let at = Instant { mode: &self.mode, z: &z, rates: &rates, sizes: &sizes, time };
-        for (p, place) in self.deltas.iter_mut().enumerate() {
-            let Some(delta) = place else { continue };
-            if !self.motion.is_event_due() {
-                self.machine.fill(p, time, &z, delta);
-            }
-            include(&mut self.scales[p], delta);
-            if let Err(lost) = self.machine.keep(p, delta, &self.scales[p], &at) {
-                self.lost[p] = Some(lost);
-                *place = None;
-            }
+        if !lost.is_empty() {
+            mode.carry(*vectors, deltas, memory, span);
         }
-    }
-
-    fn sizes(&self) -> DVector<f64> {
-        self.machine.widened(&self.motion.sizes().0)
+        let z = machine.widened(motion.state());
+        deltas.put_state(z.as_slice());
+        let fills = !motion.is_event_due();
+        if mode.mode.contacts().next().is_none() && !(fills && machine.varies_signals()) {
+            scales.include(deltas);
+            return;
+        }
+        let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
+        let at = Instant { mode, z: &z, rates: &rates, sizes: &sizes, time };
+        for (p, place) in lost.iter_mut().enumerate().filter(|(_, lost)| lost.is_none()) {
+            let mut delta = deltas.column(p);
+            if fills {
+                machine.fill(p, time, &z, &mut delta);
+            }
+            let scale = scales.column(p).sup(&delta.abs());
+            *place = machine.keep(p, &mut delta, &scale, &at).err();
+            if place.is_some() {
+                delta.fill(0.0);
+            }
+            deltas.put(p, &delta);
+        }
+        scales.include(deltas);
     }
 
     /// The present mode with its derivatives.
@@ -316,64 +325,50 @@ impl Differentiated {
             return;
         }
         let Self { machine, motion, modes, .. } = self;
-        let made = || Arc::new(VariedMode::new(&machine.system, &machine.tangents, motion.mode()));
+        let made = || Arc::new(machine.mode_of(motion));
         self.mode = modes.entry(motion.mode().clone()).or_insert_with(made).clone();
     }
 
     /// Applies the law of the pending event, and carries the derivatives over it.
     fn pass(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
         let (machine, mode) = (self.machine.clone(), self.mode.clone());
-        let (z, time, sizes) = (self.state(), self.motion.time(), self.sizes());
-        let rates = mode.rates(&z);
+        let z = machine.widened(self.motion.state()).into_owned();
+        let (time, rates) = (self.motion.time(), mode.rates(&z));
+        let sizes = machine.widened(&self.motion.sizes().0);
+        let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
+        let together = machine.approaching(&before);
         // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = self.motion.due().and_then(|watch| {
-            let rows = mode.varied(&machine.system, &machine.tangents, watch);
-            let row = rows.into_iter().min_by(|a, b| a.row.dot(&z).abs().total_cmp(&b.row.dot(&z).abs()));
+            let rows = mode.watched.iter().filter(|own| own.0 == watch).map(|own| &own.1);
+            let row = rows.min_by(|a, b| a.dot(&z).abs().total_cmp(&b.dot(&z).abs()));
             row.map(|row| (watch, row))
         });
         let mut events = Vec::new();
         self.motion.apply_event(&mut |event| events.push(event.clone()))?;
         self.enter();
-        let after = self.state();
+        let Self { deltas, scales, lost, motion, .. } = self;
+        let (after, sizes) = (machine.widened(motion.state()), machine.widened(&motion.sizes().0));
         let outgoing = self.mode.rates(&after);
-        let begun = if due.is_some() { z.clone() } else { jumped(&machine.system, &z, &after) };
+        let jumped_from = due.is_none().then(|| jumped(&machine.system, &z, &after));
+        let impulses = Impulse::all(&machine.system, &events, jumped_from.as_ref().unwrap_or(&z));
         let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
         let after = Instant { mode: &self.mode, z: &after, rates: &outgoing, sizes: &sizes, time };
-        let crossing = Crossing {
-            machine: &machine,
-            together: machine.approaching(&before),
-            still: machine.still(&after, false),
-            before,
-            after,
-            due,
-            impulses: Impulse::all(&machine.system, &events, &begun),
-            events: &events,
-            earlier: &self.met,
-        };
-        let before = self.deltas.clone();
-        let mut later = vec![None; before.len()];
-        for (p, place) in self.deltas.iter_mut().enumerate() {
-            let Some(delta) = place else { continue };
-            match crossing.carry(p, delta, &self.scales[p]) {
-                Ok(time) => later[p] = Some(time),
-                Err(lost) => {
-                    self.lost[p] = Some(lost);
-                    *place = None;
-                }
-            }
-        }
-        for event in &events {
-            let time_of = |p: usize| crossing.time_of(p, event, later[p].as_ref()?, before[p].as_ref()?);
-            let times: Vec<Option<f64>> = (0..before.len()).map(|p| Some(time_of(p)? + 0.0)).collect();
-            observer(event, &times);
+        let still = machine.still(&after, false);
+        let (earlier, events) = (&self.met, &events[..]);
+        let crossing =
+            Crossing { machine: &machine, together, still, before, after, due, impulses, events, earlier };
+        let closes = events.iter().any(|event| matches!(event.kind, EventKind::Close { .. }));
+        let was = closes.then(|| deltas.clone());
+        let later = crossing.carry(deltas, scales, lost);
+        for event in events {
+            let time_of = |(p, later): (usize, &Option<Later>)| {
+                let delta = was.as_ref().map(|was| was.column(p));
+                Some(crossing.time_of(p, event, later.as_ref()?, delta.as_ref())? + 0.0)
+            };
+            observer(event, &later.iter().enumerate().map(time_of).collect::<Vec<_>>());
         }
         let later = later.iter().map(|later| later.as_ref().map(|later| later.event)).collect();
         self.met.extend(crossing.met(later));
         Ok(())
     }
-}
-
-/// Updates the largest sizes by a derivative.
-fn include(scale: &mut DVector<f64>, delta: &DVector<f64>) {
-    scale.iter_mut().zip(delta.iter()).for_each(|(most, x)| *most = most.max(x.abs()));
 }

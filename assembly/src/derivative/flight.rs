@@ -1,28 +1,80 @@
 //! Flights: derivatives of the state between two events (docs/assembly-law.md (A26)).
 
-use super::mode::{InMode, VariedMode};
+use super::columns::{Columns, width_of};
+use super::mode::VariedMode;
 use crate::flow::{RADIUS, RUNGS};
-use crate::kernel::SparseMatrix;
-use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
+use std::sync::atomic::Ordering;
 
 /// Bound of the terms that a power series leaves out, relative to its largest.
 const REMAINDER: f64 = 1e-18;
 /// Orders beyond those of the state's own series: a term of a derivative is that of the state times
 /// its order.
 const MORE: usize = 2;
-/// Shortest flight by matrices, as a part of the length of a series.
+/// Shortest flight by a rung, as a part of the length of a series.
 const PART: f64 = 0.125;
-/// Most coordinates with which every flight from [`PART`] on is one by matrices: modes recur, and
-/// each matrix is made once.
-const SMALL: usize = 20;
-/// With more coordinates, a flight is one by matrices where it has more lengths of a series than
-/// the square of their number over this: making a matrix takes the cube.
-const DEAR: f64 = 15.0;
+/// Work of an order of a power series for each coordinate, in the unit of an entry's: sums are
+/// scaled and added.
+const ORDER: usize = 3;
 
-/// The flow over 2^k parts of a length: exp(A t) - 1, and by parameter its derivative.
-pub(super) struct Rung {
-    flow: DMatrix<f64>,
-    by: Vec<DMatrix<f64>>,
+/// A matrix that acts on a state and its derivatives, by rows: entries with their places, and what
+/// the state adds to each column.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Varied {
+    /// By row where its entries end.
+    ends: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+    /// By entry its derivatives, in the places of the columns; 0 in that of the state.
+    by: Vec<f64>,
+}
+
+impl Varied {
+    /// A row's first entry and the place after its last.
+    #[inline(always)]
+    fn row(&self, i: usize) -> std::ops::Range<usize> {
+        i.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[i]
+    }
+
+    /// Adds a row with all its entries, of which those without any number are left out.
+    fn push(&mut self, row: &[f64], by: &[f64]) {
+        let width = by.len() / row.len();
+        for (j, (&x, by)) in row.iter().zip(by.chunks_exact(width)).enumerate() {
+            if x != 0.0 || by.iter().any(|x| *x != 0.0) {
+                self.entries.push((j, x));
+                self.by.extend_from_slice(by);
+            }
+        }
+        self.ends.push(self.entries.len());
+    }
+}
+
+/// The flow over 2^k parts of a length: exp(A t) - 1, and by column its derivative.
+pub(super) type Rung = Varied;
+
+/// What of A varies: entries with their derivatives by column, in rows of A.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sources(Varied);
+
+impl Sources {
+    /// Of terms by row, place, column and derivative, for a matrix of `size` rows.
+    pub fn of(size: usize, count: usize, mut all: Vec<(usize, usize, usize, f64)>) -> Self {
+        let width = width_of(count);
+        let mut own = Varied::default();
+        all.sort_by_key(|&(i, j, ..)| (i, j));
+        let mut terms = all.into_iter().peekable();
+        for row in 0..size {
+            while let Some(&(_, j, ..)) = terms.peek().filter(|term| term.0 == row) {
+                own.entries.push((j, 0.0));
+                let begin = own.by.len();
+                own.by.resize(begin + width, 0.0);
+                while let Some((_, _, p, x)) = terms.next_if(|term| (term.0, term.1) == (row, j)) {
+                    own.by[begin + 1 + p] += x;
+                }
+            }
+            own.ends.push(own.entries.len());
+        }
+        Self(own)
+    }
 }
 
 fn orders(radius: f64) -> usize {
@@ -34,100 +86,228 @@ fn orders(radius: f64) -> usize {
     k + MORE
 }
 
-impl Rung {
-    /// The flow over one part of the length of a series.
-    fn first(mode: &VariedMode) -> Self {
-        let size = mode.a.len();
-        // Transposed, as `times_rows` has them.
-        let (mut term, mut flow) = (DMatrix::identity(size, size), DMatrix::zeros(size, size));
-        let mut terms = vec![DMatrix::zeros(size, size); mode.by.len()];
-        let mut by = terms.clone();
-        for k in 1..=orders(PART * RADIUS) {
-            let factor = PART * mode.length / k as f64;
-            for ((own, sum), InMode { a, .. }) in terms.iter_mut().zip(&mut by).zip(&mode.by) {
-                let mut next = mode.a.times_rows(own, factor);
-                for (i, row) in a {
-                    let mut to = next.column_mut(*i);
-                    row.terms().iter().for_each(|&(j, x)| to.axpy(factor * x, &term.column(j), 1.0));
+/// Memory of a flight.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Memory {
+    term: Vec<f64>,
+    next: Vec<f64>,
+}
+
+/// `sums` += `factor` × `terms`, in whole vectors.
+#[inline(always)]
+fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
+    let (sums, terms, factor) =
+        (S::as_mut_simd_f64s(sums).0, S::as_simd_f64s(terms).0, simd.splat_f64s(factor));
+    for (sum, term) in sums.iter_mut().zip(terms) {
+        *sum = simd.add_f64s(*sum, simd.mul_f64s(factor, *term));
+    }
+}
+
+/// The vector sum of row `i` of `a` and of what varies, from vectors of which each coordinate has
+/// `each`; it is the one at `v` of them.
+#[inline(always)]
+fn row_at<S: Simd>(
+    simd: S,
+    (entries, varied): (&[(usize, f64)], &[(usize, f64)]),
+    by: &[S::f64s],
+    from: &[f64],
+    (each, v): (usize, usize),
+) -> S::f64s {
+    let mut sum = simd.splat_f64s(0.0);
+    let vectors = S::as_simd_f64s(from).0;
+    for &(j, x) in entries {
+        sum = simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(x), vectors[j * each + v]));
+    }
+    for (&(j, _), by) in varied.iter().zip(by.chunks_exact(each)) {
+        let state = simd.splat_f64s(from[j * each * S::F64_LANES]);
+        sum = simd.add_f64s(sum, simd.mul_f64s(state, by[v]));
+    }
+    sum
+}
+
+/// The flow over one part of the length of a series.
+#[inline(always)]
+fn first<S: Simd>(simd: S, mode: &VariedMode, width: usize) -> Rung {
+    let size = mode.a.len();
+    let (mut term, mut flow) = (vec![0.0; size * size], vec![0.0; size * size]);
+    (0..size).for_each(|i| term[i * size + i] = 1.0);
+    let (row, Sources(sources)) = (size * width, &mode.sources);
+    let (mut own, mut by) = (vec![0.0; size * row], vec![0.0; size * row]);
+    let (mut next, mut next_own) = (term.clone(), own.clone());
+    for k in 1..=orders(PART * RADIUS) {
+        let factor = PART * mode.length / k as f64;
+        next.fill(0.0);
+        next_own.fill(0.0);
+        for i in 0..size {
+            let (to, to_own) = (&mut next[i * size..][..size], &mut next_own[i * row..][..row]);
+            for &(j, x) in mode.a.row(i) {
+                add_all(simd, to_own, factor * x, &own[j * row..][..row]);
+                to.iter_mut().zip(&term[j * size..]).for_each(|(to, t)| *to += factor * x * t);
+            }
+            for place in sources.row(i) {
+                let (j, by) = (sources.entries[place].0, &sources.by[place * width..][..width]);
+                let terms = &term[j * size..][..size];
+                to_own
+                    .chunks_exact_mut(width)
+                    .zip(terms)
+                    .for_each(|(to, t)| add_all(simd, to, factor * t, by));
+            }
+        }
+        std::mem::swap(&mut term, &mut next);
+        std::mem::swap(&mut own, &mut next_own);
+        flow.iter_mut().zip(&term).for_each(|(sum, x)| *sum += x);
+        add_all(simd, &mut by, 1.0, &own);
+    }
+    let mut rung = Rung::default();
+    flow.chunks_exact(size).zip(by.chunks_exact(row)).for_each(|(row, by)| rung.push(row, by));
+    rung
+}
+
+/// The flow over twice the length: D₂ = 2 D + D², E₂ = 2 E + D E + E D.
+#[inline(always)]
+fn doubled<S: Simd>(simd: S, rung: &Rung, width: usize) -> Rung {
+    let size = rung.ends.len();
+    let (mut twice, mut row, mut by) = (Rung::default(), vec![0.0; size], vec![0.0; size * width]);
+    for i in 0..size {
+        row.fill(0.0);
+        by.fill(0.0);
+        for place in rung.row(i) {
+            let ((k, x), own) = (rung.entries[place], &rung.by[place * width..][..width]);
+            row[k] += 2.0 * x;
+            add_all(simd, &mut by[k * width..][..width], 2.0, own);
+            for place in rung.row(k) {
+                let ((j, y), other) = (rung.entries[place], &rung.by[place * width..][..width]);
+                row[j] += x * y;
+                let to = &mut by[j * width..][..width];
+                add_all(simd, to, x, other);
+                add_all(simd, to, y, own);
+            }
+        }
+        twice.push(&row, &by);
+    }
+    twice
+}
+
+/// A flight over a time, by a rung or by one power series, compiled for each kind of vectors.
+struct Flight<'a> {
+    mode: &'a VariedMode,
+    z: &'a mut Columns,
+    memory: &'a mut Memory,
+    rung: Option<&'a Rung>,
+    time: f64,
+}
+
+impl WithSimd for Flight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { mode, z, memory: Memory { term, next }, rung, time } = self;
+        let each = z.width / S::F64_LANES;
+        term.clone_from(&z.numbers);
+        if let Some(rung) = rung {
+            let by = S::as_simd_f64s(&rung.by).0;
+            for (i, to) in S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each).enumerate() {
+                let (own, places) = (rung.row(i), rung.row(i));
+                let entries = &rung.entries[own];
+                let by = &by[places.start * each..places.end * each];
+                for (v, to) in to.iter_mut().enumerate() {
+                    *to = simd.add_f64s(*to, row_at(simd, (entries, entries), by, term, (each, v)));
                 }
-                *own = next;
-                *sum += &*own;
             }
-            term = mode.a.times_rows(&term, factor);
-            flow += &term;
+            return;
         }
-        Self { flow: flow.transpose(), by: by.iter().map(DMatrix::transpose).collect() }
-    }
-
-    fn doubled(&self) -> Self {
-        let by = |by: &DMatrix<f64>| 2.0 * by + &self.flow * by + by * &self.flow;
-        Self { flow: 2.0 * &self.flow + &self.flow * &self.flow, by: self.by.iter().map(by).collect() }
-    }
-
-    fn carry(&self, z: &mut DVector<f64>, deltas: &mut [Option<DVector<f64>>]) {
-        let mut change = DVector::zeros(z.len());
-        for (delta, by) in deltas.iter_mut().zip(&self.by) {
-            if let Some(delta) = delta {
-                change.gemv(1.0, &self.flow, &*delta, 0.0);
-                change.gemv(1.0, by, &*z, 1.0);
-                *delta += &change;
+        next.resize(term.len(), 0.0);
+        let Sources(sources) = &mode.sources;
+        let by = S::as_simd_f64s(&sources.by).0;
+        for k in 1..=orders(RADIUS * time / mode.length) {
+            let factor = simd.splat_f64s(time / k as f64);
+            let sums = S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each);
+            let all = S::as_mut_simd_f64s(next).0.chunks_exact_mut(each).zip(sums);
+            for (i, (to, sums)) in all.enumerate() {
+                let own = sources.row(i);
+                let by = &by[own.start * each..own.end * each];
+                let entries = (mode.a.row(i), &sources.entries[own]);
+                for (v, (to, sum)) in to.iter_mut().zip(sums).enumerate() {
+                    *to = simd.mul_f64s(factor, row_at(simd, entries, by, term, (each, v)));
+                    *sum = simd.add_f64s(*sum, *to);
+                }
             }
+            std::mem::swap(term, next);
         }
-        change.gemv(1.0, &self.flow, &*z, 0.0);
-        *z += &change;
+    }
+}
+
+/// A rung that is made from the one below it, if there is one, compiled for each kind of vectors.
+struct Make<'a> {
+    mode: &'a VariedMode,
+    below: Option<&'a Rung>,
+    width: usize,
+}
+
+impl WithSimd for Make<'_> {
+    type Output = Rung;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Rung {
+        match self.below {
+            Some(below) => doubled(simd, below, self.width),
+            None => first(simd, self.mode, self.width),
+        }
     }
 }
 
 impl VariedMode {
     /// Carries a state and its derivatives over a time without events.
-    pub fn carry(&self, z: &mut DVector<f64>, deltas: &mut [Option<DVector<f64>>], mut time: f64) {
-        let (size, parts) = (self.a.len(), time / (PART * self.length));
-        if parts >= 1.0 && (size <= SMALL || PART * parts > (size as f64).powi(2) / DEAR) {
+    pub fn carry(&self, arch: Arch, z: &mut Columns, memory: &mut Memory, mut time: f64) {
+        if self.is_by_rungs(time) {
+            let parts = time / (PART * self.length);
             let longest = (parts.log2() as usize).min(RUNGS - 1);
             for k in (0..=longest).rev() {
                 let length = PART * self.length * 2f64.powi(k as i32);
                 while time >= length {
-                    self.rung(k).carry(z, deltas);
+                    let rung = Some(self.rung(arch, k, z.width));
+                    arch.dispatch(Flight { mode: self, z, memory, rung, time });
                     time -= length;
                 }
             }
         }
         let parts = (time / self.length).ceil();
         for _ in 0..parts as u64 {
-            self.series(z, deltas, time / parts);
+            arch.dispatch(Flight { mode: self, z, memory, rung: None, time: time / parts });
         }
+    }
+
+    /// Whether a flight is one by rungs: where that takes less work, once the work that they would
+    /// have saved so far is that of making them.
+    fn is_by_rungs(&self, time: f64) -> bool {
+        let (size, parts) = (self.a.len(), time / (PART * self.length));
+        if parts < 1.0 {
+            return false;
+        }
+        let series = |time: f64| {
+            let parts = (time / self.length).ceil().max(1.0);
+            let entries = self.a.entries() + self.sources.0.entries.len() + ORDER * size;
+            let each = orders(RADIUS * time / (parts * self.length)) * entries;
+            parts * each as f64
+        };
+        let longest = (parts.log2() as usize).min(RUNGS - 1);
+        let count = (parts as u64).count_ones() as f64 + (parts / 2f64.powi(longest as i32) - 1.0).max(0.0);
+        let work = count * (2 * size * size) as f64 + series(PART * self.length * parts.fract());
+        let saved = series(time) - work;
+        if saved <= 0.0 {
+            return false;
+        }
+        let missing = (0..=longest).filter(|&k| self.flights.at(k).get().is_none()).count();
+        let saved = self.saved.fetch_add(saved as u64, Ordering::Relaxed) as f64;
+        saved >= (missing * size.pow(3)) as f64
     }
 
     /// The flow over 2^`k` parts of a length.
-    fn rung(&self, k: usize) -> &Rung {
-        self.flights.at(k).get_or_init(|| match k.checked_sub(1) {
-            Some(below) => self.rung(below).doubled(),
-            None => Rung::first(self),
+    fn rung(&self, arch: Arch, k: usize, width: usize) -> &Rung {
+        self.flights.at(k).get_or_init(|| {
+            let below = k.checked_sub(1).map(|below| self.rung(arch, below, width));
+            arch.dispatch(Make { mode: self, below, width })
         })
     }
-
-    /// One power series of the state and its derivatives.
-    fn series(&self, z: &mut DVector<f64>, deltas: &mut [Option<DVector<f64>>], time: f64) {
-        let size = z.len();
-        let (mut term, mut next) = (z.as_slice().to_vec(), vec![0.0; size]);
-        let mut own: Vec<Vec<f64>> =
-            deltas.iter().map(|d| d.as_ref().map_or_else(Vec::new, |d| d.as_slice().to_vec())).collect();
-        for k in 1..=orders(RADIUS * time / self.length) {
-            let factor = time / k as f64;
-            for ((own, delta), InMode { a, .. }) in own.iter_mut().zip(deltas.iter_mut()).zip(&self.by) {
-                let Some(delta) = delta else { continue };
-                times(&self.a, own, factor, &mut next);
-                a.iter().for_each(|(i, row)| next[*i] += factor * row.dot(&term));
-                std::mem::swap(own, &mut next);
-                delta.iter_mut().zip(own.iter()).for_each(|(sum, x)| *sum += x);
-            }
-            times(&self.a, &term, factor, &mut next);
-            std::mem::swap(&mut term, &mut next);
-            z.iter_mut().zip(&term).for_each(|(sum, x)| *sum += x);
-        }
-    }
-}
-
-fn times(a: &SparseMatrix, from: &[f64], factor: f64, to: &mut [f64]) {
-    a.rows_times_to(0, from, factor, to);
 }

@@ -1,8 +1,9 @@
 //! The derivative of the impacts at one instant (docs/assembly-law.md (A31)).
 
+use super::columns::Columns;
 use super::tangent::Tangent;
 use crate::motion::{Event, EventKind};
-use crate::system::{Elongation, System};
+use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative singular value under which the compliance matrix of stops hit together counts as
@@ -84,30 +85,71 @@ impl Impulse {
         }
     }
 
-    /// Carries the derivative of the state over it.
-    pub fn carry(&self, system: &System, tangent: &Tangent, delta: &mut DVector<f64>) {
-        let [before, after] = &self.states;
+    /// Carries columns of the derivative of the state over it, of which each has a tangent.
+    pub fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
+        let (width, n) = (deltas.width, system.coordinates);
         let elongation = |k: usize| &system.stops[self.stops[k]].elongation;
-        // M⁻¹ w of each stop, varied, times its impulse.
+        // By stop and column: (1 + ε) e'·δ, and what the column changes in it by itself.
+        let mut demands = vec![0.0; self.stops.len() * width];
+        for (k, demand) in demands.chunks_exact_mut(width).enumerate() {
+            for &(j, x) in elongation(k).rate.terms() {
+                let factor = (1.0 + self.restitution[k]) * x;
+                let own = &deltas.numbers[j * width..][..width];
+                demand.iter_mut().zip(own).for_each(|(sum, delta)| *sum += factor * delta);
+            }
+            demand[0] = 0.0;
+        }
+        for (p, tangent) in tangents.iter().enumerate().filter(|(_, tangent)| !tangent.is_zero) {
+            let kick = self.kick(system, tangent);
+            for (k, demand) in demands.chunks_exact_mut(width).enumerate() {
+                demand[p + 1] += self.own_demand(system, tangent, k);
+                if let Some(kick) = &kick {
+                    demand[p + 1] -= elongation(k).w.dot(kick);
+                }
+            }
+            if let Some(kick) = &kick {
+                let rates = deltas.numbers[n * width + p + 1..].iter_mut().step_by(width);
+                rates.zip(kick.iter()).for_each(|(v, kick)| *v -= kick);
+            }
+        }
+        for (k, own) in (0..self.stops.len()).map(|k| (k, elongation(k))) {
+            let mut impulse = vec![0.0; width];
+            for (i, demand) in demands.chunks_exact(width).enumerate() {
+                let factor = self.inverse[(k, i)];
+                impulse.iter_mut().zip(demand).for_each(|(sum, x)| *sum += factor * x);
+            }
+            for &i in &own.reach {
+                let rates = &mut deltas.numbers[(n + i) * width..][..width];
+                rates.iter_mut().zip(&impulse).for_each(|(v, p)| *v -= own.mobility[i] * p);
+            }
+        }
+    }
+
+    /// The derivative of M⁻¹ W at the impulses P, times P; `None` where a column does not vary it.
+    fn kick(&self, system: &System, tangent: &Tangent) -> Option<DVector<f64>> {
+        let own = |k: usize| &tangent.stops[self.stops[k]].elongation.w;
+        let turns = (0..self.stops.len()).any(|k| own(k).iter().any(|x| *x != 0.0));
+        if !turns && !tangent.varies_mass {
+            return None;
+        }
         let mut kick = DVector::zeros(system.coordinates);
         for (k, p) in self.impulses.iter().enumerate() {
-            let own = &tangent.stops[self.stops[k]].elongation;
-            kick += *p * (&own.w - &tangent.mass * &elongation(k).mobility);
+            kick.axpy(*p, own(k), 1.0);
+            kick.gemv(-p, &tangent.mass, &system.stops[self.stops[k]].elongation.mobility, 1.0);
         }
-        let kick = system.inertia.solve(&kick);
-        let demand = DVector::from_fn(self.stops.len(), |k, _| {
-            let (Elongation { rate, w, .. }, by) = (elongation(k), &tangent.stops[self.stops[k]]);
-            let e = self.restitution[k];
-            let own = if self.closes[k] { 0.0 } else { by.restitution };
-            let drate = &by.elongation.rate;
-            (1.0 + e) * rate.dot(delta) + drate.dot(after) + e * drate.dot(before) + own * rate.dot(before)
-                - w.dot(&kick)
-        });
-        let impulses = &self.inverse * demand;
-        change_rates(system, delta, -1.0, &kick);
-        for (k, p) in impulses.iter().enumerate() {
-            change_rates(system, delta, -p, &elongation(k).mobility);
-        }
+        Some(system.inertia.solve(&kick))
+    }
+
+    /// ė'·(z⁺ + ε z⁻) + ε' u of a stop.
+    fn own_demand(&self, system: &System, tangent: &Tangent, k: usize) -> f64 {
+        let [before, after] = &self.states;
+        let (by, drate) = (&tangent.stops[self.stops[k]], &tangent.stops[self.stops[k]].elongation.rate);
+        let varied = if self.closes[k] || by.restitution == 0.0 {
+            0.0
+        } else {
+            by.restitution * system.stops[self.stops[k]].elongation.rate.dot(before)
+        };
+        drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
     /// The stop that was hit with restitution 0 although this parameter varies it: the derivative

@@ -2,17 +2,19 @@
 
 use super::by::By;
 use super::lost::{Cause, Lost};
-use super::mode::VariedMode;
+use super::mode::{Parts, VariedMode};
 use super::tangent::{ElongationTangent, Tangent};
 use super::values::Point;
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::law::ZERO;
-use crate::law::box_qp::triangle;
 use crate::mode::{Contact, Watch};
+use crate::motion::Motion;
 use crate::signals::Layout;
-use crate::system::{Elongation, StateRow, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::DVector;
+use std::borrow::Cow;
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// A varied value counts as zero up to this part of its terms' sizes: far above rounding, far below
@@ -23,13 +25,31 @@ pub(super) const TOUCH: f64 = 1e-12;
 /// Multiples of what counts as zero up to which a functional is at its limit beside an event.
 const BESIDE: f64 = 4.0;
 
+/// The matrices of a machine, with a coordinate for everything that may vary.
+#[derive(Clone, Debug)]
+pub(super) enum Matrices {
+    /// Those of the assembly have them.
+    Known(Arc<Assembly>),
+    /// Of another layout; by coordinate its place in the assembly's augmented state.
+    Own(Box<System>, Vec<Option<usize>>),
+}
+
+impl Deref for Matrices {
+    type Target = System;
+
+    fn deref(&self) -> &System {
+        match self {
+            Self::Known(assembly) => &assembly.system,
+            Self::Own(system, _) => system,
+        }
+    }
+}
+
 /// A machine, its matrices with a coordinate for everything that may vary, and their derivatives.
 #[derive(Clone, Debug)]
 pub(super) struct Machine {
     pub assembly: Arc<Assembly>,
-    pub system: System,
-    /// By coordinate of `system` its place in the assembly's augmented state.
-    places: Vec<Option<usize>>,
+    pub system: Matrices,
     /// What the columns of derivatives are by.
     pub columns: Vec<By>,
     /// By column.
@@ -37,8 +57,8 @@ pub(super) struct Machine {
 }
 
 /// What is known at one instant of a mode: state, its derivative by time, and sizes.
-pub(super) struct Instant<'a> {
-    pub mode: &'a VariedMode,
+pub(super) struct Instant<'m, 'a> {
+    pub mode: &'m VariedMode,
     pub z: &'a DVector<f64>,
     pub rates: &'a DVector<f64>,
     pub sizes: &'a DVector<f64>,
@@ -59,15 +79,35 @@ impl Machine {
         let d = &assembly.description;
         let any = |end: &str| columns.iter().any(|by| by.parameter().ends_with(end));
         let layout = Layout { frequencies_apart: any(".frequency"), rates: any(".motion.rate") };
-        let system = System::laid_out(d, layout)?;
-        let places = system.signals.places_in(&assembly.system.signals);
+        let system = if layout == Layout::default() {
+            Matrices::Known(assembly.clone())
+        } else {
+            let system = System::laid_out(d, layout)?;
+            let places = system.signals.places_in(&assembly.system.signals);
+            Matrices::Own(Box::new(system), places)
+        };
         let tangents = columns.iter().map(|by| Tangent::new(&system, d, by.parameter())).collect();
-        Ok(Self { assembly, system, places, columns, tangents })
+        Ok(Self { assembly, system, columns, tangents })
     }
 
     /// A vector of the assembly's augmented state in the coordinates of `system`.
-    pub fn widened(&self, z: &DVector<f64>) -> DVector<f64> {
-        DVector::from_iterator(self.places.len(), self.places.iter().map(|j| j.map_or(0.0, |j| z[j])))
+    pub fn widened<'a>(&self, z: &'a DVector<f64>) -> Cow<'a, DVector<f64>> {
+        match &self.system {
+            Matrices::Known(_) => Cow::Borrowed(z),
+            Matrices::Own(_, places) => {
+                let all = places.iter().map(|place| place.map_or(0.0, |j| z[j]));
+                Cow::Owned(DVector::from_iterator(places.len(), all))
+            }
+        }
+    }
+
+    /// The present mode of a motion with its derivatives.
+    pub fn mode_of(&self, motion: &Motion) -> VariedMode {
+        let parts = match &self.system {
+            Matrices::Known(_) => Parts::from(motion.flow_of_mode()),
+            Matrices::Own(system, _) => Parts::from(system.linear(motion.mode())),
+        };
+        VariedMode::new(&self.system, &self.tangents, motion.mode(), parts)
     }
 
     /// An element's elongation with its derivative, by a watched functional.
@@ -77,17 +117,18 @@ impl Machine {
 
     /// A contact's elongation with its derivative by parameter `p`.
     pub fn contact(&self, contact: Contact, p: usize) -> (&Elongation, &ElongationTangent) {
-        let by = match contact {
-            Contact::Stop(i) => &self.tangents[p].stops[i].elongation,
-            Contact::Friction(i) => &self.tangents[p].frictions[i].elongation,
-        };
-        (self.system.elongation_of(contact), by)
+        (self.system.elongation_of(contact), self.tangents[p].elongation_of(contact))
     }
 
     /// Writes the signals' derivatives just after a time.
     pub fn fill(&self, p: usize, time: f64, z: &DVector<f64>, delta: &mut DVector<f64>) {
         let one = self.system.signals.one;
         self.tangents[p].signals.fill(one, time, z.as_slice(), delta.as_mut_slice());
+    }
+
+    /// Whether a column varies the coordinates of signals.
+    pub fn varies_signals(&self) -> bool {
+        self.tangents.iter().any(|tangent| tangent.signals.varies())
     }
 
     pub fn name_of(&self, contact: Contact) -> String {
@@ -103,13 +144,9 @@ impl Machine {
         let basis = &mode.mode.basis;
         let mut response = e.mobility.clone();
         if !basis.is_empty() {
-            let r = &mode.triangle;
-            let mut off = DVector::from_iterator(
-                basis.len(),
-                basis.iter().map(|&contact| self.system.elongation_of(contact).w.dot(&response)),
-            );
-            r.tr_solve_upper_triangular_mut(&mut off);
-            r.solve_upper_triangular_mut(&mut off);
+            let off = basis.iter().map(|&contact| self.system.elongation_of(contact).w.dot(&response));
+            let mut off: Vec<f64> = off.collect();
+            mode.triangle.solve(&mut off);
             for (&contact, off) in basis.iter().zip(off.iter()) {
                 response.axpy(-off, &self.system.elongation_of(contact).mobility, 1.0);
             }
@@ -146,26 +183,25 @@ impl Machine {
     }
 
     /// The instant with the derivative of its state.
-    pub fn point<'a>(&'a self, column: Varied<'a>, at: &Instant<'a>) -> Point<'a> {
+    pub fn point<'a>(&'a self, column: Varied<'a>, at: &Instant<'a, 'a>) -> Point<'a> {
         let Varied { p, delta, scale } = column;
         Point { system: &self.system, tangent: &self.tangents[p], mode: at.mode, p, z: at.z, delta, scale }
     }
 
     /// Whether a row's value counts as zero at an instant.
-    pub fn is_zero(&self, row: &StateRow, at: &Instant) -> bool {
-        let size: f64 = row.iter().zip(at.sizes.iter()).map(|(r, s)| r.abs() * s).sum();
-        row.dot(at.z).abs() <= BESIDE * ZERO * size
+    pub fn is_zero(&self, row: &Functional, at: &Instant) -> bool {
+        row.at(at.z.as_slice()).abs() <= BESIDE * ZERO * row.size(at.sizes.as_slice())
     }
 
     /// The watched functionals that come to zero at this instant.
-    pub fn approaching<'a>(&self, at: &Instant<'a>) -> Vec<&'a (Watch, StateRow)> {
+    pub fn approaching<'m>(&self, at: &Instant<'m, '_>) -> Vec<&'m (Watch, Functional)> {
         let comes = |row: &StateRow| row.dot(at.rates) > TOUCH * self.speed_size(row, at);
         at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
     }
 
     /// The watched functionals that are zero throughout the mode. With `begins`, those that leave
     /// zero count as well.
-    pub fn still<'a>(&self, at: &Instant<'a>, begins: bool) -> Vec<&'a (Watch, StateRow)> {
+    pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
             true => !self.is_smooth(watch),
@@ -194,7 +230,7 @@ impl Machine {
         self.project(p, &basis[..stops], false, delta, at);
         self.project(p, basis, true, delta, at);
         for contact in at.mode.mode.contacts().filter(|contact| !basis.contains(contact)) {
-            if self.turns_away(p, basis, contact) {
+            if self.turns_away(p, at.mode, contact) {
                 return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
             }
             let places = if let Contact::Stop(_) = contact { &[false, true][..] } else { &[true][..] };
@@ -211,15 +247,13 @@ impl Machine {
 
     /// Whether a contact that depends on a basis is varied in its direction otherwise than these,
     /// so that it does not depend on them in the changed machine.
-    fn turns_away(&self, p: usize, basis: &[Contact], contact: Contact) -> bool {
-        let r = triangle(&self.system.columns(basis));
+    fn turns_away(&self, p: usize, mode: &VariedMode, contact: Contact) -> bool {
         let (own, by) = self.contact(contact, p);
-        let shares = basis.iter().map(|&c| self.contact(c, p).0.w.dot(&own.mobility));
-        let mut shares = DVector::from_iterator(basis.len(), shares);
-        r.tr_solve_upper_triangular_mut(&mut shares);
-        r.solve_upper_triangular_mut(&mut shares);
+        let shares = mode.mode.basis.iter().map(|&c| self.contact(c, p).0.w.dot(&own.mobility));
+        let mut shares: Vec<f64> = shares.collect();
+        mode.triangle.solve(&mut shares);
         let (mut left, mut size) = (by.w.clone(), by.w.amax());
-        for (&other, share) in basis.iter().zip(shares.iter()) {
+        for (&other, &share) in mode.mode.basis.iter().zip(&shares) {
             left.axpy(-share, &self.contact(other, p).1.w, 1.0);
             size += share.abs() * self.contact(other, p).1.w.amax();
         }
@@ -241,17 +275,15 @@ impl Machine {
         if contacts.is_empty() {
             return;
         }
-        // The basis is sorted: stops come first, with the leading part of the triangle.
-        let r = at.mode.triangle.view((0, 0), (contacts.len(), contacts.len()));
         let off = contacts.iter().map(|&contact| {
             let (row, by) = self.held_row(contact, rates, p);
             self.point(Varied { p, delta, scale: delta }, at).of(row, by)
         });
-        let mut off = DVector::from_iterator(contacts.len(), off);
-        r.tr_solve_upper_triangular_mut(&mut off);
-        r.solve_upper_triangular_mut(&mut off);
+        // The basis is sorted: stops come first.
+        let mut off: Vec<f64> = off.collect();
+        at.mode.triangle.solve(&mut off);
         let n = self.system.coordinates;
-        for (&contact, off) in contacts.iter().zip(off.iter()) {
+        for (&contact, &off) in contacts.iter().zip(&off) {
             let mobility = &self.system.elongation_of(contact).mobility;
             delta.rows_mut(if rates { n } else { 0 }, n).axpy(-off, mobility, 1.0);
         }
@@ -259,7 +291,7 @@ impl Machine {
 
     /// Whether one of the functionals `still`, which are zero throughout the mode, varies: then the
     /// changed motion has another mode on one side.
-    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, StateRow)]) -> Result<(), Lost> {
+    pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, Functional)]) -> Result<(), Lost> {
         for (watch, row) in still {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
             let point = self.point(column, at);

@@ -1,20 +1,16 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
 //! functionals (docs/assembly-law.md (A29)).
 
-use super::flight::Rung;
+use super::flight::{Rung, Sources};
 use super::tangent::Tangent;
-use crate::flow::{LEAST_RATE, Ladder, RADIUS, rate_bound};
+use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::law::box_qp::triangle;
-use crate::mode::{Contact, Linear, Mode, StopState, Watch};
-use crate::system::{StateRow, System};
+use crate::mode::{Contact, Linear, Mode, StopState, Triangle, Watch};
+use crate::system::{Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
-
-/// A row with its derivative by each parameter.
-pub(super) struct VariedRow {
-    pub row: StateRow,
-    pub by: Vec<StateRow>,
-}
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 
 /// What one parameter changes in a mode.
 pub(super) struct InMode {
@@ -33,44 +29,68 @@ pub(super) struct VariedMode {
     pub length: f64,
     /// Forces of the basis.
     pub lambda: Vec<StateRow>,
-    pub watched: Vec<(Watch, StateRow)>,
+    pub watched: Vec<(Watch, Functional)>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
-    pub triangle: DMatrix<f64>,
-    /// By parameter.
+    pub triangle: Triangle,
+    /// By column.
     pub by: Vec<InMode>,
+    /// What all columns add to their rates.
+    pub sources: Sources,
     /// Flights over 2^k parts of `length`, made on first use.
     pub flights: Ladder<Rung>,
+    /// Work that these would have saved so far.
+    pub saved: AtomicU64,
 }
 
-/// The contacts of a basis: directions, what unit forces do, and the triangle R with RᵀR = G.
-struct Held {
-    directions: DMatrix<f64>,
-    mobility: DMatrix<f64>,
-    triangle: DMatrix<f64>,
+/// What of the linear system of a mode derivatives need.
+pub(super) struct Parts {
+    a: SparseMatrix,
+    lambda: Vec<Sparse>,
+    watched: Vec<(Watch, Arc<Sparse>)>,
+    triangle: Triangle,
+}
+
+impl From<Linear> for Parts {
+    fn from(linear: Linear) -> Self {
+        let Linear { a, lambda, watched, triangle, .. } = linear;
+        Self { a, lambda, watched, triangle }
+    }
+}
+
+impl From<&FlowTable> for Parts {
+    fn from(table: &FlowTable) -> Self {
+        Self {
+            a: table.a.clone(),
+            lambda: table.lambda.clone(),
+            watched: table.watched.iter().map(|own| (own.watch, own.row.clone())).collect(),
+            triangle: table.triangle.clone(),
+        }
+    }
 }
 
 impl VariedMode {
-    pub fn new(system: &System, tangents: &[Tangent], mode: &Mode) -> Self {
-        let Linear { a, lambda, watched, .. } = system.linear(mode);
+    pub fn new(system: &System, tangents: &[Tangent], mode: &Mode, parts: Parts) -> Self {
+        let Parts { a, lambda, watched, triangle } = parts;
         let length = RADIUS / rate_bound(&a, system.signals.one).max(LEAST_RATE);
-        let (n, size) = (system.coordinates, system.signals.size);
+        let size = system.signals.size;
         let dense = |row: &Sparse| StateRow::from_vec(row.dense(size));
         let lambda: Vec<StateRow> = lambda.iter().map(dense).collect();
-        let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
-        let mut acceleration = DMatrix::zeros(n, size);
-        for k in 0..n {
-            a.row(n + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
+        let watched = watched.into_iter().map(|(watch, row)| (watch, Functional::of(dense(&row)))).collect();
+        let (by, sources) = (Vec::new(), Sources::default());
+        let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
+        let mut made =
+            Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, sources, flights, saved };
+        let mut acceleration = DMatrix::zeros(system.coordinates, size);
+        for k in 0..system.coordinates {
+            made.a.row(system.coordinates + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
         }
-        let mut directions = DMatrix::zeros(n, mode.basis.len());
-        for (k, &contact) in mode.basis.iter().enumerate() {
-            directions.set_column(k, &system.elongation_of(contact).w);
+        made.by = tangents.iter().map(|tangent| made.vary(system, tangent, &acceleration)).collect();
+        let mut terms = Vec::new();
+        for (p, InMode { a, .. }) in made.by.iter().enumerate() {
+            a.iter().for_each(|(i, row)| terms.extend(row.terms().iter().map(|&(j, x)| (*i, j, p, x))));
         }
-        let mobility = system.inertia.solve(&directions);
-        let held = Held { directions, mobility, triangle: triangle(&system.columns(&mode.basis)) };
-        let by = tangents.iter().map(|tangent| held.vary(system, tangent, mode, &acceleration, &lambda));
-        let by = by.collect();
-        let triangle = held.triangle;
-        Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, flights: Ladder::default() }
+        made.sources = Sources::of(size, tangents.len(), terms);
+        made
     }
 
     /// z' at a state.
@@ -85,18 +105,22 @@ impl VariedMode {
         rates
     }
 
-    /// The functionals of a watch, each with its derivatives.
-    pub fn varied(&self, system: &System, tangents: &[Tangent], watch: Watch) -> Vec<VariedRow> {
-        let own = self.watched.iter().filter(|(own, _)| *own == watch);
-        let vary = |(_, row): &(Watch, StateRow)| VariedRow {
-            row: row.clone(),
-            by: (0..tangents.len()).map(|p| self.row_by(system, &tangents[p], p, watch, row)).collect(),
-        };
-        own.map(vary).collect()
+    /// The derivative of a watched functional by parameter `p`.
+    pub fn row_by<'t>(
+        &self,
+        system: &System,
+        tangent: &'t Tangent,
+        p: usize,
+        watch: Watch,
+        row: &StateRow,
+    ) -> Cow<'t, StateRow> {
+        if let Watch::Meets(i) | Watch::Presses(i) = watch {
+            return Cow::Borrowed(&tangent.stops[i].excess);
+        }
+        Cow::Owned(self.other_row_by(system, tangent, p, watch, row))
     }
 
-    /// The derivative of a watched functional by parameter `p`.
-    pub fn row_by(
+    fn other_row_by(
         &self,
         system: &System,
         tangent: &Tangent,
@@ -133,46 +157,42 @@ impl VariedMode {
             }
         }
     }
-}
 
-impl Held {
     /// The derivatives of accelerations a and contact forces λ, by differentiating
     /// M a + W λ = F z and Wᵀ a + drift z = 0.
-    fn vary(
-        &self,
-        system: &System,
-        tangent: &Tangent,
-        mode: &Mode,
-        acceleration: &DMatrix<f64>,
-        lambda: &[StateRow],
-    ) -> InMode {
-        let mut forces = tangent.forces_in(system, mode);
-        if tangent.mass.amax() > 0.0 {
+    fn vary(&self, system: &System, tangent: &Tangent, acceleration: &DMatrix<f64>) -> InMode {
+        let (n, basis) = (system.coordinates, &self.mode.basis);
+        if tangent.is_zero {
+            return InMode { a: Vec::new(), lambda: vec![StateRow::zeros(system.signals.size); basis.len()] };
+        }
+        let mut forces = tangent.forces_in(system, &self.mode);
+        if tangent.varies_mass {
             forces -= &tangent.mass * acceleration;
         }
-        let elongation = |contact: Contact| match contact {
-            Contact::Stop(i) => &tangent.stops[i].elongation,
-            Contact::Friction(i) => &tangent.frictions[i].elongation,
-        };
-        for (&contact, force) in mode.basis.iter().zip(lambda) {
-            forces.ger(-1.0, &elongation(contact).w, force, 1.0);
+        for (&contact, force) in basis.iter().zip(&self.lambda) {
+            forces.ger(-1.0, &tangent.elongation_of(contact).w, force, 1.0);
         }
         let mut change = system.inertia.solve(&forces);
         let mut lambda = Vec::new();
-        if !mode.basis.is_empty() {
-            let mut demand = self.directions.tr_mul(&change);
-            for (k, &contact) in mode.basis.iter().enumerate() {
-                let own = elongation(contact);
-                let row = acceleration.tr_mul(&own.w) + &own.drift;
-                let mut to = demand.row_mut(k);
-                to += row.transpose();
+        if !basis.is_empty() {
+            let mut demand = DMatrix::zeros(basis.len(), system.signals.size);
+            for (k, &contact) in basis.iter().enumerate() {
+                let own = tangent.elongation_of(contact);
+                let row = change.tr_mul(&system.elongation_of(contact).w)
+                    + acceleration.tr_mul(&own.w)
+                    + &own.drift;
+                demand.row_mut(k).copy_from(&row.transpose());
             }
-            self.triangle.tr_solve_upper_triangular_mut(&mut demand);
-            self.triangle.solve_upper_triangular_mut(&mut demand);
-            change -= &self.mobility * &demand;
-            lambda.extend(demand.row_iter().map(|row| row.transpose()));
+            demand
+                .as_mut_slice()
+                .chunks_exact_mut(basis.len())
+                .for_each(|column| self.triangle.solve(column));
+            for (k, &contact) in basis.iter().enumerate() {
+                let force = demand.row(k).transpose();
+                change.ger(-1.0, &system.elongation_of(contact).mobility, &force, 1.0);
+                lambda.push(force);
+            }
         }
-        let n = system.coordinates;
         let rows = change.row_iter().enumerate();
         let rows = rows.map(|(k, row)| (n + k, Sparse::of(row.transpose().as_slice())));
         let signals = tangent.signals.rates().map(|(i, term)| (i, Sparse::from_terms(std::iter::once(term))));

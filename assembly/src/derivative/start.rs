@@ -1,6 +1,7 @@
 //! Derivatives at the start of a motion (docs/assembly-law.md (A32)).
 
 use super::by::By;
+use super::columns::Columns;
 use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
@@ -19,7 +20,7 @@ pub(super) struct Start<'a> {
     /// What the law has done.
     pub events: &'a [Event],
     /// The instant after the law.
-    pub at: Instant<'a>,
+    pub at: Instant<'a, 'a>,
 }
 
 impl Start<'_> {
@@ -35,7 +36,10 @@ impl Start<'_> {
             if let Some(stop) = impulse.at_limit(system, tangent) {
                 return Err(self.limit(machine.assembly.name_of_stop(stop)));
             }
-            impulse.carry(system, tangent, &mut delta);
+            let mut alone = Columns::zeros(delta.len(), 1);
+            alone.put(0, &delta);
+            impulse.carry(system, &machine.tangents[p..=p], &mut alone);
+            delta = alone.column(0);
         }
         machine.keep(p, &mut delta, &scale, at)?;
         let mut still = machine.still(at, true);
@@ -108,7 +112,7 @@ impl Start<'_> {
             if is_held || is_smooth || self.leaves(i) {
                 continue;
             }
-            let (row, by) = (&*stop.excess, &machine.tangents[column.p].stops[i].excess);
+            let (row, by) = (&stop.excess, &machine.tangents[column.p].stops[i].excess);
             let point = machine.point(column, at);
             if machine.is_zero(row, at) && point.of(row, by).abs() > STILL * point.size(row, by) {
                 return Err(self.limit(machine.assembly.name_of_stop(i)));

@@ -2,7 +2,7 @@
 
 use super::bodies::{BodyTangent, bodies};
 use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
-use crate::mode::{FrictionState, Mode, StopState};
+use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::signals::SignalTangent;
 use crate::slots::slots;
 use crate::system::{Elongation, StateRow, System};
@@ -38,6 +38,10 @@ pub(super) struct FrictionTangent {
 /// The derivative of a [`System`] by one parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Tangent {
+    /// Whether the column is by none of the machine's numbers.
+    pub is_zero: bool,
+    /// Whether the column varies the inertia matrix.
+    pub varies_mass: bool,
     pub signals: SignalTangent,
     pub bodies: Vec<BodyTangent>,
     /// By body: inertia.
@@ -98,6 +102,8 @@ impl Tangent {
             BodyKind::Prescribed { .. } => (0.0, 0.0),
         };
         let mut tangent = Self {
+            is_zero: name.is_empty(),
+            varies_mass: false,
             bodies: bodies(system, d, &along, &signals),
             inertias: Vec::new(),
             mass: DMatrix::zeros(system.coordinates, system.coordinates),
@@ -110,6 +116,7 @@ impl Tangent {
             signals,
         };
         tangent.put_inertia(system, d, &along);
+        tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.put_loads(system, d);
         tangent.put_springs(system, d, &along);
         tangent.put_stops(system, d, &along);
@@ -212,6 +219,14 @@ impl Tangent {
             w += arm * &own.weights + by * &rows.weights;
         }
         ElongationTangent { e, rate, w, drift }
+    }
+
+    /// The derivative of a contact's elongation.
+    pub fn elongation_of(&self, contact: Contact) -> &ElongationTangent {
+        match contact {
+            Contact::Stop(i) => &self.stops[i].elongation,
+            Contact::Friction(i) => &self.frictions[i].elongation,
+        }
     }
 
     /// The derivative of a compliant stop's force in a state in which it is not zero.

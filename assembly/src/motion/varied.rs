@@ -10,6 +10,7 @@
 use super::projection::project;
 use super::{Event, EventKind, Motion, Reached};
 use crate::error::Error;
+use crate::flow::FlowTable;
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode};
 use crate::system::System;
@@ -133,6 +134,11 @@ impl LinearImpact {
 }
 
 impl Motion {
+    /// The flow of the present mode.
+    pub(crate) fn flow_of_mode(&self) -> &FlowTable {
+        self.table()
+    }
+
     /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
     /// state (coordinates, then rates), then by value and derivatives 1 to 3 of each input, each
     /// projected onto the contacts' constraints.

@@ -136,6 +136,11 @@ impl SignalTangent {
         }
     }
 
+    /// Whether the coordinates vary.
+    pub fn varies(&self) -> bool {
+        !(self.frequencies.is_empty() && self.pieces.is_empty())
+    }
+
     /// The part of the derivative of the row of a signal's time derivative that comes from
     /// frequencies.
     pub fn turned(&self, row: &DVector<f64>) -> DVector<f64> {

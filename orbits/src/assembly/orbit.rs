@@ -11,11 +11,12 @@ use crate::obstacle::Obstacle;
 use crate::orbit::STEP_STALLED;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
+use vibro_analysis::assembly::Watcher;
 use vibro_analysis::assembly::flight::{ObservedFlight, Observer, Passage, dot};
-use vibro_analysis::assembly::{Start, Watcher};
 use vibro_analysis::{Error, Result};
 use vibro_assembly::motion::{Event, EventKind, Reached, keep};
-use vibro_assembly::{Motion, Quantity};
+use vibro_assembly::start::BodyStart;
+use vibro_assembly::{Motion, Quantity, Start};
 
 /// Largest number of Newton steps.
 const STEPS: usize = 60;
@@ -312,11 +313,12 @@ impl Orbit {
 
     /// A start on the orbit: in the middle of its longest flight.
     pub fn start(&self) -> Start {
-        let (time, z) = middle(&self.place, self.longest());
-        let system = self.place.assembly.system();
-        let bodies =
-            system.bodies.iter().map(|body| (dot(body.s.as_slice(), &z), dot(body.v.as_slice(), &z)));
-        Start { time, bodies: Some(bodies.collect()) }
+        let (time, z) = self.middle_state();
+        let (assembly, count) = (&self.place.assembly, z.len());
+        let names = assembly.system().bodies_of.iter().map(|body| &assembly.description.bodies[*body].name);
+        let body = |k: usize| BodyStart { s: Some(z[k]), v: Some(z[count / 2 + k]) };
+        let bodies = names.enumerate().map(|(k, name)| (name.clone(), body(k)));
+        Start { time, bodies: bodies.collect() }
     }
 
     /// Time and state (q, q') in the middle of its longest flight.

@@ -9,13 +9,13 @@ use super::word::{Chatter, Letter, Word};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot};
-use vibro_analysis::assembly::{Machine, Section, SectionRule, Start, carried, discard, now, settled};
+use vibro_analysis::assembly::{Machine, Section, SectionRule, carried, discard, settled};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::{Error, Result};
-use vibro_assembly::Motion;
 use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::EventKind;
 use vibro_assembly::system::System;
+use vibro_assembly::{Motion, Start};
 
 /// Relative difference of a motion's period from a multiple of the drive's that is rounding.
 const WHOLE: f64 = 1e-9;
@@ -242,33 +242,31 @@ impl Orbit {
     /// Newton's method finds none; as [`Machine::motion`] and [`Place::new`].
     pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
-        Self::settled_in(&family, machine, f64::NAN, &mut start.clone(), discard_returns)
+        let (motion, section) = machine.motion(start)?;
+        let value = family.present()?;
+        let mut motion = motion.without_energy_accounts();
+        Self::settled_in(&family, value, (&mut motion, &section), discard_returns)
     }
 
-    /// As [`settled`](Self::settled), of a family's machine at a value. `start` becomes the state
-    /// that the motion has reached, whatever it is.
+    /// As [`settled`](Self::settled), of a family's machine at a value, from a motion's present
+    /// state. The motion goes on to where it has been observed.
     pub(super) fn settled_in(
         family: &Arc<Family>,
-        machine: &Machine,
         value: f64,
-        start: &mut Start,
+        (motion, section): (&mut Motion, &Section),
         discard_returns: u32,
     ) -> Result<Self> {
-        let (motion, section) = machine.motion(start)?;
-        let mut motion = motion.without_energy_accounts();
-        discard(&mut motion, &section, discard_returns)?;
-        let found = settled(&mut motion, &section, None)?;
-        *start = now(&motion);
+        discard(motion, section, discard_returns)?;
+        let found = settled(motion, section, None)?;
         let MotionClass::Periodic(returns) = found.class else {
-            let words = section.in_words(&machine.description);
+            let words = section.in_words(&motion.assembly().description);
             let problem = format!(
                 "the motion settles on no periodic orbit: it is {} at {words}; allowed are other starts (--start) and more discarded returns",
                 found.class.name()
             );
             return Err(Error::Described { problem });
         };
-        let value = if value.is_finite() { value } else { family.present()? };
-        let seed = seed(family, value, &mut motion, &section, returns)?;
+        let seed = seed(family, value, motion, section, returns)?;
         Self::of_seed(seed).map_err(Obstructed::error)
     }
 

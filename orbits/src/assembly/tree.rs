@@ -15,7 +15,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_analysis::Result;
-use vibro_analysis::assembly::Start;
+use vibro_analysis::assembly::now;
+use vibro_assembly::Start;
 
 /// First step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
@@ -25,8 +26,10 @@ const KNOWN_STEP: f64 = 1e-2;
 const MOST: usize = 400;
 
 /// Options of a tree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TreeOptions {
+    /// Start of the first motion.
+    pub start: Start,
     /// Values of the parameter at which motions are followed until they settle.
     pub seeds: usize,
     /// Returns to the section discarded at each value; fewer where the motion has settled.
@@ -39,7 +42,7 @@ pub struct TreeOptions {
 
 impl Default for TreeOptions {
     fn default() -> Self {
-        Self { seeds: 24, discard: 400, depth: 3, path: PathOptions::default() }
+        Self { start: Start::default(), seeds: 24, discard: 400, depth: 3, path: PathOptions::default() }
     }
 }
 
@@ -153,13 +156,20 @@ impl Grower<'_> {
         // Values inside the range: at its ends symmetric choices of numbers are frequent.
         let value = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
         let chain = |upward: bool| -> Vec<Orbit> {
-            let (mut start, mut found) = (Start::default(), Vec::new());
+            let (mut end, mut found): (Option<Start>, Vec<Orbit>) = (None, Vec::new());
             for k in 0..count {
                 let value = value(if upward { k } else { count - 1 - k });
                 let Ok(machine) = self.family.at(value) else { continue };
+                let begun = match &end {
+                    Some(end) => machine.motion_on(end),
+                    None => machine.motion(&self.options.start),
+                };
+                let Ok((motion, section)) = begun else { continue };
+                let mut motion = motion.without_energy_accounts();
                 let settled =
-                    Orbit::settled_in(self.family, &machine, value, &mut start, self.options.discard);
+                    Orbit::settled_in(self.family, value, (&mut motion, &section), self.options.discard);
                 found.extend(settled.ok());
+                end = Some(now(&motion));
             }
             found
         };

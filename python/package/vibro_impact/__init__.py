@@ -15,7 +15,8 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._assembly import Assembly
-from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch
+from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition, Sketch
+from ._assembly_start import AssemblyStart
 from ._deprecated import basins, bifurcation
 from ._fmu import fmu_path
 from ._machine import Machine
@@ -39,6 +40,8 @@ __all__ = [
     "AssemblyDirection",
     "AssemblyEnds",
     "AssemblyRun",
+    "AssemblyStart",
+    "AssemblyTransition",
     "Attractor",
     "Basins",
     "Branch",

@@ -13,8 +13,18 @@ import numpy as np
 from . import _native
 from ._arguments import MOST_PERIODS, array, discarded_and_kept, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_many import Section, measures_of, positive, section_of
-from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, Sketch, run_of
+from ._assembly_many import Section, after, instants, measures_of, names_of, section_of
+from ._assembly_results import (
+    AssemblyDiagram,
+    AssemblyDirection,
+    AssemblyEnds,
+    AssemblyRun,
+    AssemblyTransition,
+    Sketch,
+    run_of,
+    transition_of,
+)
+from ._assembly_start import AssemblyStart, Start, numbers_of, time_of
 from ._fmu import kit_path
 from ._progress import Bar
 from ._result import direction
@@ -24,19 +34,6 @@ if TYPE_CHECKING:
 
 _MOST_SAMPLES = 10_000_000
 _MOST_VALUES = 20_000
-
-
-def _names_of(parameters: Iterable[str]) -> list[str]:
-    """Names of parameters, each once."""
-    if isinstance(parameters, str):
-        raise TypeError(f"derivatives = {parameters!r}: allowed is a list of names of parameters")
-    names = list(parameters)
-    for i, name in enumerate(names):
-        if not isinstance(name, str):
-            raise TypeError(f"derivatives = {name!r}: allowed are names of parameters")
-        if name in names[:i]:
-            raise ValueError(f"derivatives: {name} stands there twice; allowed is each parameter once")
-    return names
 
 
 class Assembly(AssemblyDescription):
@@ -73,6 +70,7 @@ class Assembly(AssemblyDescription):
         samples: int = 1000,
         times: Optional[ArrayLike] = None,
         derivatives: Iterable[str] = (),
+        start: Start = None,
         progress: bool = False,
     ) -> AssemblyRun:
         """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
@@ -80,12 +78,16 @@ class Assembly(AssemblyDescription):
         Parameters
         ----------
         until, samples
-            End of the motion, s, and number of equal parts; there is a sample at time 0 too.
+            End of the motion, s, and number of equal parts; there is a sample at the start too.
         times
             Instants instead, shape (n,), s, ascending.
+        start
+            Where the motion begins instead of the machine's own start at time 0: numbers by name, ``{"time": 0.02, "box.s": "5 mm", "box.v": 0.1}``, in SI or
+            as texts with units; ``run.end`` of another motion; or the path of a start's file. What is not named is the machine's own.
         derivatives
             Parameters by which the run has the exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``,
-            and of its events' times, through impacts, contacts and sticking.
+            and of its events' times, through impacts, contacts and sticking. From another start than the machine's own the state is fixed;
+            ``body.box.start.s`` is then its number.
 
         Raises
         ------
@@ -96,21 +98,56 @@ class Assembly(AssemblyDescription):
         """
         if (until is None) == (times is None):
             raise TypeError("until or times: allowed is one of them")
+        numbers = numbers_of(self, start)
+        begin = time_of(numbers)
         if times is None:
-            end = positive("until", until)
+            end = after("until", until, begin)
             count = whole("samples", samples, 1, _MOST_SAMPLES)
-            t = np.array([end if k == count else end * k / count for k in range(count + 1)])
+            t = np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
         else:
-            t = array("times", times, "an array of shape (n,) of times in s").copy()
-            if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= 0 or not np.isfinite(t).all():
-                raise ValueError("times: allowed are ascending finite times from 0 on")
-        parameters = _names_of(derivatives)
+            t = instants(times, begin)
+        parameters = names_of(derivatives)
         with Bar(progress, len(t), "samples") as bar:
-            found = _native.simulate_assembly(self._described, t, parameters, bar.report)
+            found = _native.simulate_assembly(self._described, numbers, t, parameters, bar.report)
         return run_of(self, t, found, parameters)
 
+    def start(self, numbers: Start) -> AssemblyStart:
+        """A start of the machine: from numbers by name, in SI or as texts with units, or from a start's file, such as the ``end.toml`` of ``vibro
+        run``.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For unknown names (the message gives the nearest one), bodies with a ``motion``, and coordinates that links determine.
+        """
+        return AssemblyStart({"time": 0.0, **dict(numbers_of(self, numbers))})
+
+    def transition(self, until: float, *, start: Start = None, progress: bool = False) -> AssemblyTransition:
+        """The exact derivatives of the state at a time by the state at the start, through impacts, contacts and sticking.
+
+        The product of the matrices of parts of a motion is that of the whole. Over a period its eigenvalues are the multipliers of a periodic
+        motion.
+
+        Parameters
+        ----------
+        until
+            End of the motion, s.
+        start
+            As of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        numbers = numbers_of(self, start)
+        end = after("until", until, time_of(numbers))
+        with Bar(progress, 0, "parts") as bar:
+            found = _native.assembly_transition(self._described, numbers, end, bar.report)
+        return transition_of(self, found)
+
     def measure(
-        self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None
+        self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None, start: Start = None
     ) -> dict[str, float | str | None]:
         """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
 
@@ -120,8 +157,10 @@ class Assembly(AssemblyDescription):
             Returns to the section that are measured, and those before in which the transient dies out.
         section
             A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
+        start
+            As of :meth:`simulate`.
         """
-        return measures_of([self], measures, periods, settle, section, "raise", False)[0]
+        return measures_of([self], start, measures, periods, settle, section, "raise", False)[0]
 
     def sweep(
         self,
@@ -130,6 +169,7 @@ class Assembly(AssemblyDescription):
         periods: int = 60,
         settle: int = 300,
         section: Section = None,
+        start: Start = None,
         errors: str = "raise",
         progress: bool = False,
         **parameters: ArrayLike,
@@ -141,7 +181,7 @@ class Assembly(AssemblyDescription):
 
         Parameters
         ----------
-        measures, periods, settle, section
+        measures, periods, settle, section, start
             As of :meth:`measure`.
         errors
             As of :func:`measure_many`.
@@ -151,10 +191,10 @@ class Assembly(AssemblyDescription):
         from ._many import sweep_of
 
         return sweep_of(
-            self, parameters, measures, periods=periods, settle=settle, section=section, errors=errors, progress=progress
+            self, parameters, measures, start, periods=periods, settle=settle, section=section, errors=errors, progress=progress
         )
 
-    def largest_exponent(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
+    def largest_exponent(self, *, settle: int = 300, section: Section = None, start: Start = None) -> Optional[float]:
         """The largest Lyapunov exponent, 1/s, through impacts, sticking and sliding; None where the motion has none.
 
         It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``. All exponents of a motion, the spectrum,
@@ -162,10 +202,10 @@ class Assembly(AssemblyDescription):
 
         Parameters
         ----------
-        settle, section
+        settle, section, start
             As of :meth:`measure`.
         """
-        found = self.measure(["exponent"], settle=settle, section=section)["exponent"]
+        found = self.measure(["exponent"], settle=settle, section=section, start=start)["exponent"]
         return None if found is None else float(found)
 
     def lyapunov(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
@@ -183,6 +223,7 @@ class Assembly(AssemblyDescription):
         exponents: Union[bool, int] = False,
         section: Section = None,
         anew: bool = False,
+        start: Start = None,
         progress: bool = False,
         **parameter: ArrayLike,
     ) -> AssemblyDiagram:
@@ -206,8 +247,10 @@ class Assembly(AssemblyDescription):
         section
             As of :meth:`measure`.
         anew
-            Whether each value starts as the file says, at time 0; ``down`` is then empty of motions. Machines with a step or a
-            record that goes on after the first value's transient need it.
+            Whether each value begins at the start; ``down`` is then empty of motions. Machines with a step or a record that goes on after
+            the first value's transient need it.
+        start
+            As of :meth:`simulate`: where the motion begins at the first value of either direction.
         """
         if len(parameter) != 1:
             raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, rising and equally spaced")
@@ -218,10 +261,11 @@ class Assembly(AssemblyDescription):
             raise ValueError(f"{name}: allowed are 2 to {_MOST_VALUES} values, rising and equally spaced")
         discard, keep = discarded_and_kept(periods)
         counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
+        start_numbers = numbers_of(self, start)
         with Bar(progress, 0, "parts") as bar:
             ends = (float(values[0]), float(values[-1]))
             found = _native.assembly_diagram(
-                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), bar.report
+                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), start_numbers, bar.report
             )
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))

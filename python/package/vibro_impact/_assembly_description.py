@@ -84,7 +84,7 @@ class AssemblyDescription:
         for name, value in parameters.items():
             if not isinstance(value, str):
                 number(name, value)
-            elif _is_number(value) and units.get(name, "1") != "1":
+            elif is_number(value) and units.get(name, "1") != "1":
                 raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
         changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
         return self._of(self._described.replace(changes))
@@ -114,7 +114,8 @@ class AssemblyDescription:
         return hash(self.toml)
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether a text is a number without a unit."""
     try:
         float(text)
     except ValueError:

@@ -13,6 +13,7 @@ import numpy as np
 from . import _native
 from ._arguments import Floats
 from ._assembly_description import AssemblyDescription
+from ._assembly_start import AssemblyStart
 from ._result import Result, fields_of, records
 
 if TYPE_CHECKING:
@@ -65,6 +66,8 @@ class AssemblyRun(Result):
     "All events, fields t (s), kind, element, value, stops."
     energy: NDArray[np.void]
     "Energies, shape (n,), fields kinetic, stored, balance, J."
+    end: AssemblyStart
+    "Time and state at the end, a start of a further motion."
     parameters: list[str] = dataclasses.field(default_factory=list)
     "The parameters by which there are derivatives."
     lost: dict[str, str] = dataclasses.field(default_factory=dict)
@@ -121,6 +124,24 @@ class AssemblyEnds(Result):
 
     def __getitem__(self, name: str) -> Floats:
         return _column(self.columns, self.values, name)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyTransition(Result):
+    """The derivatives of a motion's state at its end by its state at the start, through impacts, contacts and sticking."""
+
+    machine: AssemblyDescription
+    "Whose motion it is."
+    start: AssemblyStart
+    "The start, with all its numbers."
+    end: AssemblyStart
+    "The end."
+    states: list[str]
+    "Names of rows and columns: coordinates that links leave free, ``box.s``, then their rates, ``box.v``."
+    matrix: np.ma.MaskedArray[Any, np.dtype[np.float64]]
+    "Shape (k, k), SI: `matrix[i, j]` is that of number i at the end by number j at the start, masked where there is none."
+    lost: dict[str, str]
+    "By number at the start, for those by which there is no derivative at the end: time, element and reason."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -210,4 +231,12 @@ def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], param
     lost = {name: why for name, why in zip(parameters, found["lost"]) if why}
     varied = (found["derivatives"], found["event_derivatives"]) if parameters else (None, None)
     values, events = found["values"], records(EVENT, found)
-    return AssemblyRun(machine, t, machine.columns, values, events, energy, parameters, lost, *varied)
+    end = AssemblyStart(dict(found["end"]))
+    return AssemblyRun(machine, t, machine.columns, values, events, energy, end, parameters, lost, *varied)
+
+
+def transition_of(machine: AssemblyDescription, found: dict[str, Any]) -> AssemblyTransition:
+    numbers, known = found["matrix"]
+    lost = {name: why for name, why in zip(found["names"], found["lost"]) if why}
+    start, end = (AssemblyStart(dict(found[of])) for of in ("start", "end"))
+    return AssemblyTransition(machine, start, end, found["names"], np.ma.MaskedArray(numbers, ~known), lost)

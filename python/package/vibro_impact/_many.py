@@ -5,19 +5,23 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Iterable, Sequence
-from typing import Any, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Optional, Union, overload
 
 import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_many import Section, ends, measures_of
-from ._assembly_results import AssemblyEnds
+from ._assembly_many import Section, ends, measures_of, names_of, runs
+from ._assembly_results import AssemblyEnds, AssemblyRun
+from ._assembly_start import Start as AssemblyStartLike
 from ._measures import keeping, measure_names, rows
 from ._progress import Bar
 from ._result import Result
 from ._values import ParameterValues
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -48,34 +52,56 @@ def simulate_many(
 
 
 @overload
-def simulate_many(machines: Iterable[AssemblyDescription], *, until: float, progress: bool = False) -> AssemblyEnds: ...
+def simulate_many(
+    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
+    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
+    *,
+    until: float,
+    progress: bool = False,
+) -> AssemblyEnds: ...
+
+
+@overload
+def simulate_many(
+    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
+    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
+    *,
+    times: ArrayLike,
+    derivatives: Iterable[str] = (),
+    progress: bool = False,
+) -> list[AssemblyRun]: ...
 
 
 def simulate_many(
     machines: Any,
-    starts: Union[Start, Sequence[Start]] = None,
+    starts: Any = None,
     *,
     periods: Optional[int] = None,
     until: Optional[float] = None,
+    times: Optional[ArrayLike] = None,
+    derivatives: Iterable[str] = (),
     progress: bool = False,
-) -> Union[Ends, AssemblyEnds]:
-    """Many motions on all cores: of :class:`Machine` over whole drive periods from time 0, of :class:`Assembly` until a time.
+) -> Union[Ends, AssemblyEnds, list[AssemblyRun]]:
+    """Many motions on all cores: of :class:`Machine` over whole drive periods from time 0, of :class:`Assembly` until a time or at instants.
 
     Those of :class:`Machine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`Machine.simulate`, but not on
     the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Assembly`
-    are bit-identical to one :meth:`Assembly.simulate` to the end.
+    are bit-identical to one :meth:`Assembly.simulate` to the end; with `times` each is what that returns.
 
     Parameters
     ----------
     machines
-        Machines of one kind, or one :class:`Machine` for all starts. Neighbours that are equal share their tables. Assemblies have one
+        Machines of one kind, or one for all starts. Neighbours that are equal share their tables. Of assemblies with `until` all have one
         structure: :meth:`Assembly.replace` makes them.
     starts
-        Of machines: a start as of :meth:`Machine.simulate` for all, a sequence of starts, or an array of shape (n, 6). Assemblies have theirs.
+        Of machines: a start as of :meth:`Machine.simulate` for all, a sequence of starts, or an array of shape (n, 6). Of assemblies: a start
+        as of :meth:`Assembly.simulate` for all, or a sequence of starts.
     periods
         Of machines: drive periods, each machine's own; 400 unless given.
     until
         Of assemblies: end of the motions, s.
+    times, derivatives
+        Of assemblies: as of :meth:`Assembly.simulate`; a run for each.
 
     Raises
     ------
@@ -87,13 +113,19 @@ def simulate_many(
         at its end; of machines the state, shape (6,), of assemblies the values in the order of ``columns``.
     """
     machines = _listed(machines)
-    if until is not None or _are_assemblies(machines):
-        if until is None or starts is not None or periods is not None:
-            raise TypeError("of assemblies allowed is `until`, and neither `starts` nor `periods`; of machines the other way round")
-        return ends(_several(machines), until, progress)
+    if until is not None or times is not None or _are_assemblies(machines):
+        if (until is None) == (times is None) or periods is not None:
+            raise TypeError("of assemblies allowed is `until` or `times`, and no `periods`; of machines the other way round")
+        if times is not None:
+            return runs(_several(machines), starts, times, derivatives, progress)
+        if names_of(derivatives):
+            raise TypeError("derivatives: allowed with `times`")
+        return ends(_several(machines), starts, until, progress)
+    if names_of(derivatives):
+        raise TypeError("derivatives: allowed for assemblies, with `times`")
     periods = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     several, begins = _motions(machines, starts, "a motion over periods")
-    with Bar(progress, len(several), "motions") as bar, keeping(np.array):
+    with Bar(progress, len(several), "motions") as bar, keeping(lambda _, one: np.array(one)):
         s, v = _native.simulate_many([m._system for m in several], begins, periods, bar.report)
     return Ends(np.array([periods * m.period for m in several]), s, v)
 
@@ -113,8 +145,9 @@ def measure_many(
 
 @overload
 def measure_many(
-    machines: Iterable[AssemblyDescription],
+    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
     measures: Sequence[str],
+    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
     *,
     periods: int = 60,
     settle: int = 300,
@@ -127,7 +160,7 @@ def measure_many(
 def measure_many(
     machines: Any,
     measures: Sequence[str],
-    starts: Union[Start, Sequence[Start]] = None,
+    starts: Any = None,
     *,
     periods: int = 60,
     settle: Optional[int] = None,
@@ -143,11 +176,11 @@ def measure_many(
     Parameters
     ----------
     machines
-        Machines or assemblies, or one :class:`Machine` for all starts.
+        Machines or assemblies, or one for all starts.
     measures
         Names: :data:`MEASURES` has those of machines, :attr:`Assembly.measures` those of an assembly, with units.
     starts
-        Of machines, as of :func:`simulate_many`.
+        As of :func:`simulate_many`.
     periods, settle
         Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep`` and ``vibro
         assembly sweep``.
@@ -167,9 +200,8 @@ def measure_many(
     """
     machines = _listed(machines)
     if _are_assemblies(machines):
-        if starts is not None:
-            raise TypeError("starts: allowed for machines; an assembly has its own start")
-        return measures_of(_several(machines), measures, periods, 300 if settle is None else settle, section, errors, progress)
+        settle = 300 if settle is None else settle
+        return measures_of(_several(machines), starts, measures, periods, settle, section, errors, progress)
     if section is not None:
         raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
     names = measure_names(measures)
@@ -182,7 +214,7 @@ def measure_many(
 
 
 def sweep_of(
-    machine: Union[ParameterValues, AssemblyDescription], parameters: dict[str, Any], measures: Sequence[str], starts: Start = None, **options: Any
+    machine: Union[ParameterValues, AssemblyDescription], parameters: dict[str, Any], measures: Sequence[str], starts: Any = None, **options: Any
 ) -> list[dict[str, Any]]:
     """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
     for name, values in parameters.items():

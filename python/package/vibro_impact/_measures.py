@@ -43,19 +43,19 @@ def rows(
         told = measured(names, numbers if error is None else [None] * len(names), kind)
         return {**told, "error": error} if in_rows else told
 
-    with keeping(row):
+    with keeping(lambda _, one: row(one)):
         return [row(found) for found in compute(in_rows)]
 
 
 @contextlib.contextmanager
-def keeping(made: Callable[[Any], Any]) -> Iterator[None]:
-    """Adds the results so far to a KeyboardInterrupt as `partial`: an entry for each motion, None for an unfinished one."""
+def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
+    """Adds the results so far to a KeyboardInterrupt as `partial`: an entry for each motion, by its index, None for an unfinished one."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
         found = getattr(interrupt, "partial", None)
         if found is not None:
-            setattr(interrupt, "partial", [None if one is None else made(one) for one in found])  # noqa: B010 (not in its type)
+            setattr(interrupt, "partial", [None if one is None else made(i, one) for i, one in enumerate(found)])  # noqa: B010 (not in its type)
         raise
 
 

@@ -11,6 +11,8 @@ _Complex = NDArray[np.complex128]
 _Progress = Callable[[int, int], object] | None
 #: Parts of a result by the names of its fields.
 _Parts = dict[str, Any]
+#: Names and numbers of a start.
+_Numbers = list[tuple[str, float]]
 
 __all__ = [
     "Described",
@@ -19,10 +21,12 @@ __all__ = [
     "System",
     "__version__",
     "assembly_diagram",
+    "assembly_transition",
     "basins",
     "bifurcation",
     "find",
     "follow",
+    "follow_assemblies",
     "lyapunov",
     "measure",
     "measure_assemblies",
@@ -59,6 +63,8 @@ class Described:
     def columns(self) -> list[str]: ...
     def measures(self) -> list[tuple[str, str, str]]: ...
     def replace(self, changes: Sequence[tuple[str, float | str]]) -> Described: ...
+    def start(self, numbers: _Numbers, changes: Sequence[tuple[str, float | str]]) -> _Numbers: ...
+    def read_start(self, path: str) -> _Numbers: ...
     def sketch(self) -> str: ...
     def sketch_as_png(self) -> bytes: ...
     def fmu(self, version: int, kit: str, path: str) -> None: ...
@@ -103,11 +109,18 @@ def simulate_many(
     systems: Sequence[System], starts: _Floats, periods: int, progress: _Progress = None
 ) -> tuple[_Floats, _Floats]: ...
 def simulate_assembly(
-    machine: Described, t: _Floats, parameters: Sequence[str], progress: _Progress = None
+    machine: Described, start: _Numbers, t: _Floats, parameters: Sequence[str], progress: _Progress = None
 ) -> _Parts: ...
-def simulate_assemblies(machines: Sequence[Described], until: float, progress: _Progress = None) -> _Floats: ...
+def follow_assemblies(
+    machines: Sequence[Described], starts: Sequence[_Numbers], t: _Floats, parameters: Sequence[str], progress: _Progress = None
+) -> list[_Parts]: ...
+def simulate_assemblies(
+    machines: Sequence[Described], starts: Sequence[_Numbers], until: float, progress: _Progress = None
+) -> _Floats: ...
+def assembly_transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
 def measure_assemblies(
     machines: Sequence[Described],
+    starts: Sequence[_Numbers],
     names: Sequence[str],
     settle: int,
     periods: int,
@@ -126,6 +139,7 @@ def assembly_diagram(
     exponents: int | None,
     section: float | str | None,
     anew: bool,
+    start: _Numbers,
     progress: _Progress = None,
 ) -> _Parts: ...
 def poincare(

@@ -6,8 +6,8 @@ use crate::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use vibro_analysis::assembly::columns;
+use vibro_assembly::Description;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Description, Differentiated};
 
 /// The derivatives of a record's values and of its events' times.
 pub struct DerivativeRecord {
@@ -47,7 +47,7 @@ impl DerivativeRecord {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let mut events = Vec::new();
         let mut tell = |event: &Event, by: &[Option<f64>]| events.push((event.kind, by.to_vec()));
-        let motion = Differentiated::new_observed(record.assembly.clone(), &names, &mut tell)?;
+        let motion = record.start.differentiated(record.assembly.clone(), &names, &mut tell)?;
         let mut motion = motion.with_interruption(asked.clone());
         let quantities: Vec<_> = record.assembly.description.quantities().collect();
         let mut rows = Vec::new();
@@ -62,7 +62,7 @@ impl DerivativeRecord {
         events.truncate(record.events.len());
         let lost = (0..names.len()).filter_map(|p| Some(format!("by {}: {}", names[p], motion.lost(p)?)));
         let lost = lost.collect();
-        Ok(Self { parameters: motion.parameters().to_vec(), rows, events, lost })
+        Ok(Self { parameters: names.into_iter().map(String::from).collect(), rows, events, lost })
     }
 
     /// One line for each parameter for which derivatives do not exist from some time on.

@@ -236,7 +236,7 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     lines.push(format!(
         "energy: {} J at the start, {} J at the end; work of loads {} J, of prescribed motions {} J; lost in dashpots {} J, in compliant \
          stops {} J, in friction {} J, at impacts {} J; balance off by {:.1e} J",
-        short(record.start),
+        short(record.energy),
         short(end),
         sum(&energy.loads),
         short(energy.motions.value()),
@@ -244,7 +244,7 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         sum(&energy.stops),
         sum(&energy.frictions),
         short(energy.impacts.value()),
-        end - record.start - energy.balance()
+        end - record.energy - energy.balance()
     ));
     lines
 }

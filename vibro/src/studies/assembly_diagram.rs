@@ -18,6 +18,9 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 /// Lengths below this, m, are shown in mm.
 const SMALL: f64 = 0.1;
 
+/// How the values of a diagram follow one another.
+const CHAINED: &str = "rising and falling, the last state being the next start";
+
 /// The study of a diagram, with its tables.
 ///
 /// # Errors
@@ -72,10 +75,11 @@ pub fn assembly_diagram(
         request.discard,
         request.keep,
         axis.count,
-        if request.anew {
-            "each started as the file says"
-        } else {
-            "rising and falling, the last state being the next start"
+        match (request.anew, request.start.is_own()) {
+            (true, true) => "each started as the file says".into(),
+            (true, false) => format!("each started at {}", request.start),
+            (false, true) => CHAINED.into(),
+            (false, false) => format!("{CHAINED}, the first {}", request.start),
         }
     );
     let figure = Figure {
@@ -104,13 +108,18 @@ pub fn assembly_diagram(
     })
 }
 
-/// Table of the largest exponent of a machine's motion, over `periods` returns after `discard`
+/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after `discard`
 /// discarded returns.
 ///
 /// # Errors
 /// The errors of the machine and of its motion.
-pub fn assembly_exponent(machine: &Machine, discard: u32, periods: u32, name: &str) -> Result<Study> {
-    let (motion, section) = machine.motion(&Start::default())?;
+pub fn assembly_exponent(
+    machine: &Machine,
+    start: &Start,
+    (discard, periods): (u32, u32),
+    name: &str,
+) -> Result<Study> {
+    let (motion, section) = machine.motion(start)?;
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, discard)?;
     if let Some(why) = runs_on(&machine.description, motion.time()) {

@@ -207,7 +207,7 @@ fn contacts_are_counted_from_return_to_return_and_rests_are_noted() {
     // A ball that lies on its floor from the start.
     let ball = example("bouncing_ball.toml");
     let still = Machine::new(ball.description.with([("stop.floor.gap", 0.0)]).unwrap());
-    let (lying, section) = still.motion(&Start { time: 0.0, bodies: Some(vec![(0.0, 0.0)]) }).unwrap();
+    let (lying, section) = still.motion(&Start::default()).unwrap();
     assert!(ReturnRecord::new(&lying, &section).rests);
     // The size of what is included is the largest.
     assert!(record.extents[0][0] <= record.extents[0][1]);

@@ -5,6 +5,7 @@ use super::*;
 use crate::assembly::oscillations::oscillations;
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
+use vibro_assembly::start::BodyStart;
 
 #[track_caller]
 fn near(found: f64, expected: f64, part: f64) {
@@ -188,13 +189,14 @@ fn stops_are_violated_by_more_than_rounding_of_their_terms() {
 }
 
 #[test]
-fn a_motion_begins_where_it_is_told_or_else_at_the_machines_own_start() {
+fn a_motion_goes_on_where_another_ended_or_else_begins_at_the_machines_own_start() {
     let file = "name = \"J\"\n[body.table]\nmotion = { amplitude = 3e-3, frequency = 1.0 }\n[body.a]\nmass = 1.0\n[stop.wall]\n\
         between = [\"ground\", \"a\"]\ngap = 1e-3\nrestitution = 0.5\n[stop.table]\nbetween = [\"a\", \"table\"]\n\
         gap = 1e-3\nrestitution = 0.5\n";
     let at = |time: f64| {
-        let start = Start { time, bodies: Some(vec![(0.0, 0.0), (5e-4, 0.1)]) };
-        let (motion, _) = text(file).motion(&start).unwrap();
+        let given = BodyStart { s: Some(5e-4), v: Some(0.1) };
+        let end = Start { time, bodies: [("a".to_owned(), given)].into() };
+        let (motion, _) = text(file).motion_on(&end).unwrap();
         (motion.time(), motion.body(1)[0], motion.body(1)[1])
     };
     assert_eq!(at(0.5), (0.5, 5e-4, 0.1));
@@ -202,7 +204,7 @@ fn a_motion_begins_where_it_is_told_or_else_at_the_machines_own_start() {
     assert_eq!(at(0.25), (0.0, 0.0, 0.0));
     let (motion, _) = text(file).motion(&Start::default()).unwrap();
     assert_eq!(now(&motion).time, 0.0);
-    assert_eq!(now(&motion).bodies.unwrap().len(), 2);
+    assert_eq!(now(&motion).bodies.len(), 2);
 }
 
 #[test]
@@ -246,7 +248,7 @@ fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
     let x = axis("spring.k.damping", (8.0, 9.0));
     let y = axis("load.f.amplitude", (9.0, 10.0));
     let request =
-        IsoperiodicRequest::<Machine> { x, y, start: FileStart::File, discard: 200, exponents: Some(16) };
+        IsoperiodicRequest::<Machine> { x, y, start: Start::default(), discard: 200, exponents: Some(16) };
     machine.check_plane(&request).unwrap();
     let points = machine.points(&request, 0..2, &mut ());
     assert_eq!(points.len(), 4);

@@ -47,7 +47,7 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     settle(&mut motion, &section, 150).unwrap();
     assert!((10.0..15.0 + ROUNDING).contains(&motion.time()), "{}", motion.time());
     // Of a motion that begins later it is counted from there on.
-    let later = Start { time: 7.0, bodies: Some(vec![(1.0, 0.0)]) };
+    let later = Start { time: 7.0, ..Start::default() };
     let (mut motion, section) = slow_machine(100.0).motion(&later).unwrap();
     settle(&mut motion, &section, 11).unwrap();
     assert!((17.0..17.5).contains(&motion.time()), "{}", motion.time());
@@ -125,9 +125,9 @@ fn the_last_change_is_the_latest_of_all_signals() {
         // Periods of 0.2 s: so many returns last from the start to the change.
         let returns = (end / 0.2).round() as u32;
         let section = Section::Period(0.2);
-        assert_eq!(runs_on_beyond(&d, &section, returns - 1).as_deref(), Some(words));
-        assert_eq!(runs_on_beyond(&d, &section, returns + 1), None);
-        assert_eq!(runs_on_beyond(&d, &Section::Stop(0), returns + 1).as_deref(), Some(words));
+        assert_eq!(runs_on_beyond(&d, &section, 0.0, returns - 1).as_deref(), Some(words));
+        assert_eq!(runs_on_beyond(&d, &section, 0.0, returns + 1), None);
+        assert_eq!(runs_on_beyond(&d, &Section::Stop(0), 0.0, returns + 1).as_deref(), Some(words));
     }
     assert_eq!(runs_on(&with("").description, 0.0), None);
 }

@@ -132,10 +132,10 @@ fn second_method_a_variation_grows_as_the_columns_of_a_frame() {
 }
 
 /// A body of a start that is changed by a small part.
-fn changed(start: &Start, body: usize, (s, v): (f64, f64)) -> Start {
+fn changed(start: &Start, body: &str, (s, v): (f64, f64)) -> Start {
     let mut start = start.clone();
-    let own = &mut start.bodies.as_mut().unwrap()[body];
-    *own = (own.0 + s, own.1 + v);
+    let own = start.bodies.get_mut(body).unwrap();
+    (own.s, own.v) = (own.s.map(|x| x + s), own.v.map(|x| x + v));
     start
 }
 
@@ -154,17 +154,18 @@ fn second_method_columns_are_differences_of_motions() {
         let metric = Metric::by_frequency(n, 30.0);
         let start = now(&motion);
         let after = |start: &Start| {
-            let (mut motion, section) = machine.motion(start).unwrap();
+            let (mut motion, section) = machine.motion_on(start).unwrap();
             section.advance(&mut motion, &mut |_| ()).unwrap();
             motion.state().clone()
         };
-        let (mut followed, _) = machine.motion(&start).unwrap();
+        let (mut followed, _) = machine.motion_on(&start).unwrap();
         let mut frame = Frame::new(system, followed.mode(), &metric);
         section.follow(&mut followed, &mut Flows::default(), &mut [&mut frame]).unwrap();
-        for (k, body) in free.iter().enumerate() {
+        for (k, &body) in free.iter().enumerate() {
+            let body = &machine.description.bodies[body].name;
             for (j, step) in [(k, (STEP, 0.0)), (n + k, (0.0, STEP))] {
                 let back = (-step.0, -step.1);
-                let apart = after(&changed(&start, *body, step)) - after(&changed(&start, *body, back));
+                let apart = after(&changed(&start, body, step)) - after(&changed(&start, body, back));
                 let difference: Vec<f64> = apart.iter().take(2 * n).map(|x| x / (2.0 * STEP)).collect();
                 let off: Vec<f64> = difference.iter().zip(&frame.columns[j]).map(|(a, b)| a - b).collect();
                 let size = metric.length(&difference);

@@ -2,7 +2,7 @@
 
 use super::*;
 use std::f64::consts::PI;
-use vibro_analysis::assembly::Start;
+use vibro_assembly::Start;
 
 /// Rounding of a special point's parameter, located by interpolation at crossings.
 const LOCATED: f64 = 1e-10;
@@ -70,11 +70,13 @@ fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
     );
     let m = machine(&text);
     let family = Family::new(&m, "body.table.motion.amplitude", (0.018, 0.05)).unwrap();
-    let near = Start { time: 0.0, bodies: Some(vec![(0.025 * 0.95, PI * g / w), (0.0, 0.0)]) };
     let orbit = [0.05, 0.06, 0.07]
         .into_iter()
         .find_map(|time| {
-            Orbit::settled(&m, &Start { time, ..near.clone() }, 400).ok().filter(|o| o.word().len() == 1)
+            let mut start = Start { time, ..Start::default() };
+            start.set(&m.description, "ball.s", 0.025 * 0.95).unwrap();
+            start.set(&m.description, "ball.v", PI * g / w).unwrap();
+            Orbit::settled(&m, &start, 400).ok().filter(|o| o.word().len() == 1)
         })
         .unwrap();
     let found = [branch(&family, &orbit, &Default::default()).unwrap()];

@@ -1,8 +1,8 @@
 //! Orbits against the machines' own motions.
 
 use super::*;
-use vibro_analysis::assembly::Start;
 use vibro_assembly::Motion;
+use vibro_assembly::Start;
 
 /// Largest difference of an event's time, in periods: rounding of a flight.
 const TIME: f64 = 1e-11;

@@ -11,7 +11,7 @@ const ALIAS: &str = "assembly";
 
 /// Parts of help texts that describe both machines, and their replacements for a command with a
 /// FILE. A default is written `[default: A; with FILE B]`.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 14] = [
     (". Without it the paper's machine", ""),
     (", e.g. kappa=0.6, box.k=48kN/m, or of a machine's FILE ", ", e.g. "),
     (" [default without FILE: f10=0.5:5]", ""),
@@ -22,6 +22,12 @@ const WORDS: [(&str, &str); 12] = [
     (
         "Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity",
         "Quantity whose local maxima are drawn",
+    ),
+    (". With FILE also the time", ", the time"),
+    (
+        " Without FILE also x1 x2 x3 in L, v1 v2 v3 in L omega10; what is not named is zero; \"orbit\" starts on the exact orbit \
+         where it is stable",
+        "",
     ),
     (" (figure 14)", ""),
     (" (figure 14, table 2): all of them, or with FILE the largest", ": the largest"),

@@ -28,6 +28,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use vibro::{Error, Result};
+use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
@@ -286,7 +287,9 @@ impl Command {
     /// An error if an axis is not valid.
     pub fn read_axes(&mut self) -> Result<()> {
         match self {
+            Self::Run(a) => a.of_paper.start = one_start(&a.start)?,
             Self::Sweep(a) => {
+                a.of_paper.start = texts("--start", &a.start)?;
                 (a.of_paper.vary, a.of_paper.over) = (texts("--vary", &a.vary)?, texts("--over", &a.over)?);
             }
             Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
@@ -296,11 +299,28 @@ impl Command {
                     return Err(Error::Refused { what, problem });
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
+                a.of_paper.start = one_start(&a.start)?.unwrap_or_default();
             }
             _ => {}
         }
         Ok(())
     }
+}
+
+/// The start of the paper's machine, if it is given.
+fn one_start(given: &[String]) -> Result<Option<StartRule>> {
+    one_of(given)?;
+    Ok(texts("--start", given)?.pop())
+}
+
+/// Refuses several starts of one motion.
+pub fn one_of(given: &[String]) -> Result<Option<&String>> {
+    if given.len() > 1 {
+        let what = format!("--start {}", given.join(" --start "));
+        let problem = "allowed is one start, with commas between its numbers".into();
+        return Err(Error::Refused { what, problem });
+    }
+    Ok(given.first())
 }
 
 #[cfg(test)]

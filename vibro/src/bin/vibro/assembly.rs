@@ -1,6 +1,6 @@
 //! Commands with a machine's file: summary, sketch, motion.
 
-use crate::arguments::Command;
+use crate::arguments::{Command, one_of};
 use crate::assembly_studies;
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
@@ -15,6 +15,7 @@ use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
 use vibro_analysis::assembly::Machine;
+use vibro_assembly::Start;
 use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
@@ -45,6 +46,12 @@ fn read(file: &Path, common: &Common) -> Result<Machine> {
     assembly::read(file, &common.set, &mut |words| crate::note(&words))
 }
 
+/// The start that `--start` gives; the machine's own without it.
+pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
+    let read = |given: &String| assembly::read_start(machine, given, &mut |words| crate::note(&words));
+    one_of(given)?.map_or_else(|| Ok(Start::default()), read)
+}
+
 /// Writes NAME.svg and NAME.png, regardless of the folder's other content.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
     let machine = read(file, common)?.description;
@@ -58,14 +65,15 @@ fn sketch(file: &Path, common: &Common) -> Result<()> {
 
 fn follow(
     file: &Path,
-    RunArguments { samples, of_file: a, .. }: &RunArguments,
+    RunArguments { samples, start, of_file: a, .. }: &RunArguments,
     common: &Common,
 ) -> Result<bool> {
     // The machine is read first, since a file of another kind needs other options.
     let machine = read(file, common)?;
+    let start = start_of(&machine, start)?;
     let times = match (&a.times, a.until) {
-        (Some(path), _) => assembly::times_of(path)?,
-        (None, Some(until)) => assembly::even_times(until, *samples as usize)?,
+        (Some(path), _) => assembly::times_of(path, start.time)?,
+        (None, Some(until)) => assembly::even_times((start.time, until), *samples as usize)?,
         (None, None) => {
             let problem = "needs the end of the motion, --until TIME, or --times FILE".into();
             return Err(Error::Refused { what: format!("run {}", file.display()), problem });
@@ -75,6 +83,9 @@ fn follow(
     let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
     invocation.options.insert("knots".into(), a.knots.to_string());
+    if !start.is_own() {
+        invocation.options.insert("start".into(), start.to_string());
+    }
     let destination = Destination::new(common, &invocation, &machine);
     assembly::check_parameters(&machine.description, &a.derivatives)?;
     // The folder is checked before work begins.
@@ -84,8 +95,9 @@ fn follow(
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, TIME).ticking();
-    let record =
-        assembly::record(machine.description.clone(), &times, &stop, &mut |part| progress.part(part))?;
+    let record = assembly::record(machine.description.clone(), &start, &times, &stop, &mut |part| {
+        progress.part(part)
+    })?;
     let derivatives = match a.derivatives.is_empty() {
         true => None,
         false => Some(DerivativeRecord::new(&record, &a.derivatives, &stop)?),
@@ -123,6 +135,7 @@ fn write(
     write_whole(&out.join("states.csv"), &record.states()?)?;
     write_whole(&out.join("events.csv"), &record.events(knots)?)?;
     write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
+    write_whole(&out.join("end.toml"), Start::of(&record.motion).to_toml().as_bytes())?;
     let mut lines = record.account(knots);
     if let Some(derivatives) = derivatives {
         write_whole(&out.join("derivatives.csv"), &derivatives.states(record)?)?;

@@ -1,6 +1,7 @@
 //! `bifurcation`, `lyapunov` and `sweep` with a machine's file: from arguments to the library's
 //! studies.
 
+use crate::assembly::start_of;
 use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
@@ -14,7 +15,7 @@ use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::manifest::Invocation;
 use vibro::studies::assembly_exponent;
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{FileStart, Machine, Measure, QuantityName, Section, SectionRule, diagram};
+use vibro_analysis::assembly::{Machine, Measure, QuantityName, Section, SectionRule, diagram};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 
@@ -99,6 +100,7 @@ fn diagram_request(
         keep: a.keep,
         exponents,
         anew: a.of_file.anew,
+        start: start_of(machine, &a.start)?,
     };
     request.check(machine)?;
     Ok(request)
@@ -138,6 +140,7 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         ("discard", a.discard.to_string()),
         ("keep", a.keep.to_string()),
         ("anew", request.anew.to_string()),
+        ("start", request.start.to_string()),
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
     let invocation = invocation(common, &options);
@@ -153,6 +156,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
         let found = axes.iter().find(|axis| axis.name == name.trim()).cloned();
         found.ok_or_else(|| Error::form(name, "a parameter of which --vary tells the range"))
     };
+    let start = start_of(&machine, &a.start)?;
     let mut studies = Vec::new();
     for pair in &a.of_file.pair {
         let names = pair.split_once(',');
@@ -163,6 +167,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
         let options = [
             ("vary", format!("{} {}", counted(&x), counted(&y))),
             ("pair", format!("{},{}", x.name, y.name)),
+            ("start", start.to_string()),
             ("discard", a.discard.to_string()),
             ("periods", exponents.map_or(String::new(), |n| n.to_string())),
         ];
@@ -171,7 +176,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
         let request = isoperiodic::IsoperiodicRequest::<Machine> {
             x,
             y,
-            start: FileStart::File,
+            start: start.clone(),
             discard: a.discard,
             exponents,
         };
@@ -198,12 +203,14 @@ pub fn lyapunov(file: &Path, common: &Common, Lyapunov { sweep: a, periods, .. }
         return draw(file, common, a, Some(*periods));
     }
     let machine = machine(file, &a.of_file.section, common)?;
-    let options = [("discard", a.discard.to_string()), ("periods", periods.to_string())];
+    let start = start_of(&machine, &a.start)?;
+    let options =
+        [("start", start.to_string()), ("discard", a.discard.to_string()), ("periods", periods.to_string())];
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     destination.place(&[destination.result(&invocation.command)])?;
-    let study = assembly_exponent(&machine, a.discard, *periods, &invocation.command)?;
+    let study = assembly_exponent(&machine, &start, (a.discard, *periods), &invocation.command)?;
     let held = destination::hold(&common.out);
     let out = destination.write(std::slice::from_ref(&study))?;
     drop(held);
@@ -221,7 +228,11 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     let usual = || Ok(Measure::usual(&machine.description));
     let measures: Vec<Measure> = if a.output.is_empty() { usual() } else { texts("--output", &a.output) }?;
     measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
-    let request = request::<Machine>(a, &vary, &over, measures)?;
+    let mut request = request::<Machine>(a, &vary, &over, measures)?;
+    if !a.start.is_empty() {
+        let one = |given: &String| assembly::read_start(&machine, given, &mut |words| crate::note(&words));
+        request.starts = a.start.iter().map(one).collect::<Result<_>>()?;
+    }
     request.check()?;
     // Every design needs a section.
     Section::of(&machine.description, &machine.section)?;
@@ -231,6 +242,7 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
         ("resolution", a.resolution.to_string()),
         ("samples", a.sobol.map_or(String::new(), |n| n.to_string())),
         ("output", in_words(&request.measures)),
+        ("start", in_words(&request.starts)),
         ("discard", a.discard.to_string()),
         ("periods", a.periods.to_string()),
         ("again", a.again.to_string()),

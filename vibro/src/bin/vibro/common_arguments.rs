@@ -31,6 +31,24 @@ NUMBERS
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
   Names of parameters are the file's own: docs/assemblies.md.";
 
+/// Help of `--start`, for either machine, after the words that say of what it is the start.
+macro_rules! start_help {
+    ($of:literal) => {
+        concat!(
+            $of,
+            ": coordinates and rates of bodies in SI or with a unit, e.g. block.s=5mm,block.v=1. With FILE also the time \
+             (time=0.2s), or a start's file, such as the end.toml of a run, with numbers behind it that replace its own \
+             (end.toml,block.v=0); what is not named is as the machine's file says. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L \
+             omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is stable [default: v2=1; with FILE \
+             the machine's own start]"
+        )
+    };
+}
+pub(crate) use start_help;
+
+/// Form of the value of `--start`.
+pub const START_VALUE: &str = "NAME=VALUE,…";
+
 /// Whether a command takes a machine's file.
 pub fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)

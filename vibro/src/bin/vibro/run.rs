@@ -1,6 +1,6 @@
 //! `vibro run`: its arguments, and their conversion for the paper's machine to the library's study.
 
-use crate::common_arguments::{WITH_FILE, WITHOUT_FILE, time};
+use crate::common_arguments::{START_VALUE, WITH_FILE, WITHOUT_FILE, start_help, time};
 use crate::ranges::{in_option, whole};
 use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
@@ -29,6 +29,9 @@ pub struct RunArguments {
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub samples: u32,
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
     /// Options of a machine's file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub of_file: RunOfFile,
@@ -68,10 +71,8 @@ pub struct RunOfPaper {
     /// [default: 400; 0 with --start or a load from a file]
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub discard: Option<u32>,
-    /// Start: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v block.v
-    /// secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not named is
-    /// zero. "orbit" starts on the exact orbit where it is stable [default: v2=1]
-    #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
+    /// The parsed start.
+    #[arg(skip)]
     pub start: Option<StartRule>,
     /// Load on box, block or secondary: a constant force (block=-3.4N), or a CSV file of time (s)
     /// and force (N). A constant force acts from the start on; time 0 of a file is the beginning of

@@ -1,7 +1,9 @@
 //! Arguments of diagrams, and of the studies of the paper's machine that have no module of their
 //! own.
 
-use crate::common_arguments::{ConstantLoads, SectionArguments, WITH_FILE, WITHOUT_FILE};
+use crate::common_arguments::{
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
+};
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
 use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
@@ -43,6 +45,10 @@ pub struct Bifurcation {
     #[arg(long, value_name = "NAME", default_value = "x2")]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub of: Option<String>,
+    /// Start of the motion at the first value of either direction, of all with --anew and --pair.
+    #[arg(long, help = start_help!("Start of the motion at the first value of either direction, and of every motion that has its own"), value_name = START_VALUE, allow_hyphen_values = true)]
+    #[arg(default_value = "v2=1", default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
+    pub start: Vec<String>,
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
@@ -64,10 +70,10 @@ pub struct DiagramOfFile {
     #[arg(long)]
     pub at_section: bool,
     /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the
-    /// ranges: stop.upper.gap,body.block.mass. Each motion starts as the file says. May be repeated
+    /// ranges: stop.upper.gap,body.block.mass. Each motion has the same start. May be repeated
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pub pair: Vec<String>,
-    /// Start each value as the file says, at time 0, and not from the last state of the value
+    /// Start each value as the file or --start says, and not from the last state of the value
     /// before: for a machine with steps or records that go on. There is then one direction
     #[arg(long, conflicts_with = "pair")]
     pub anew: bool,
@@ -76,11 +82,8 @@ pub struct DiagramOfFile {
 /// Options of a diagram of the paper's machine.
 #[derive(Args, Debug)]
 pub struct DiagramOfPaper {
-    /// Start of the motion at the first value of either direction: x1 x2 x3 in L, v1 v2 v3 in L
-    /// omega10; box.s block.s secondary.s box.v block.v secondary.v in SI; each also with a unit
-    /// (block.s=5mm). A coordinate that is not named is zero. "orbit" starts on the exact orbit
-    /// where it is stable
-    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
+    /// The parsed start.
+    #[arg(skip)]
     pub start: StartRule,
     /// Also draw the exact branches of periodic orbits, stable and unstable, with their
     /// bifurcations, and list which rows of the diagram lie on them. `vibro orbits --tree` draws

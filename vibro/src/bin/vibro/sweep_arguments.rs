@@ -1,6 +1,8 @@
 //! Arguments of `vibro sweep`, and the axes of its designs.
 
-use crate::common_arguments::{ConstantLoads, SectionArguments, WITH_FILE, WITHOUT_FILE};
+use crate::common_arguments::{
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
+};
 use crate::ranges::{InWrittenUnit, ParameterRange, ParameterValues, Share, whole};
 use clap::Args;
 use clap::builder::ArgPredicate::IsPresent;
@@ -88,6 +90,9 @@ pub struct Sweep {
     #[arg(default_value_if("file", IsPresent, "300000"), hide_default_value = true)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
+    /// Starts: every design is run from each.
+    #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is run from each"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]
     pub list: bool,
@@ -108,11 +113,8 @@ pub struct SweepOfPaper {
     /// Designs from a CSV file: a header with names of parameters, a row for each design
     #[arg(long, value_name = "FILE", conflicts_with_all = ["vary", "sobol"])]
     pub design: Option<PathBuf>,
-    /// Start of the motions: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
-    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
-    /// named is zero. "orbit" starts on the exact orbit where it is stable. May be repeated: every
-    /// design is run from each start [default: v2=1]
-    #[arg(long, value_name = "NAME=VALUE,…", allow_hyphen_values = true)]
+    /// The parsed starts.
+    #[arg(skip)]
     pub start: Vec<StartRule>,
     /// Number of further starts, spread evenly over displacements up to 2 L and velocities up to 2
     /// L omega10

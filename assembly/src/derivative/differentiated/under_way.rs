@@ -1,0 +1,96 @@
+//! Derivatives of a motion that is under way.
+
+use super::super::by::By;
+use super::super::columns::Columns;
+use super::super::flight::Memory;
+use super::super::machine::{Instant, Machine};
+use super::super::start::Start;
+use super::{Differentiated, VariedObserver};
+use crate::error::Error;
+use crate::motion::{Motion, Reached};
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+impl Differentiated {
+    /// A motion that is under way, with its derivatives by numbers that change from now on. The
+    /// present state is moved by no parameter, but follows what contacts hold, as that of
+    /// [`from_state`](Self::from_state).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_motion(motion: Motion, columns: &[impl Into<By> + Clone]) -> Result<Self, Error> {
+        Self::of(motion, columns, false)
+    }
+
+    /// The partial derivatives of a motion's present values, with its coordinates, rates and mode
+    /// fixed: what [`derivative`](Self::derivative) tells before it is advanced.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at_fixed_state(motion: Motion, columns: &[impl Into<By> + Clone]) -> Result<Self, Error> {
+        Self::of(motion, columns, true)
+    }
+
+    fn of(motion: Motion, columns: &[impl Into<By> + Clone], is_fixed: bool) -> Result<Self, Error> {
+        let assembly = motion.assembly().clone();
+        let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
+        columns.iter().try_for_each(|by| by.check(&assembly))?;
+        let machine = Arc::new(Machine::new(assembly, columns)?);
+        let mode = Arc::new(machine.mode_of(&motion));
+        let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
+        let z = machine.widened(motion.state()).into_owned();
+        let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0).into_owned());
+        let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
+        let count = machine.columns.len();
+        let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
+        deltas.put_state(z.as_slice());
+        let start = Start { machine: &machine, is_given: true, begun: &z, events: &[], at };
+        for (p, place) in lost.iter_mut().enumerate() {
+            match if is_fixed { Ok(fixed(&start, p)) } else { start.derivative(p) } {
+                Ok(delta) => deltas.put(p, &delta),
+                Err(found) => *place = Some(found),
+            }
+        }
+        let mut scales = Columns::zeros(z.len(), count);
+        scales.include(&deltas);
+        let names = machine.columns.iter().map(By::to_string).collect();
+        let (memory, vectors, met) = (Memory::default(), pulp::Arch::new(), Vec::new());
+        Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met })
+    }
+
+    /// Advances to a time, or to an event before it, whose law is not yet applied.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_before_event`].
+    pub fn advance_before_event(&mut self, end: f64) -> Result<Reached, Error> {
+        let from = self.motion.time();
+        let outcome = self.motion.advance_before_event(end, &mut |_| ());
+        let span = self.motion.time() - from;
+        if span > 0.0 {
+            self.fly(span);
+        }
+        outcome
+    }
+
+    /// Applies the law of the event that is due.
+    ///
+    /// # Errors
+    /// As [`Motion::apply_event`].
+    pub fn apply_event(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
+        self.pass(observer)
+    }
+}
+
+/// Column `p` with the state fixed: what varies are the signals.
+fn fixed(start: &Start, p: usize) -> DVector<f64> {
+    let (machine, at) = (start.machine, &start.at);
+    let (one, mut delta) = (machine.system.signals.one, DVector::zeros(at.z.len()));
+    machine.fill(p, at.time, at.z, &mut delta);
+    match machine.columns[p] {
+        By::Start(place) => delta[place] = 1.0,
+        By::Time => delta.rows_range_mut(one..).copy_from(&at.rates.rows_range(one..)),
+        By::Parameter(_) => {}
+    }
+    delta
+}

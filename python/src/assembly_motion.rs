@@ -1,0 +1,282 @@
+//! Motions of described machines, with their derivatives.
+
+use crate::arrays::{Array1, Array2, column, numbers, plane, table};
+use crate::assembly::{Described, Numbers, clones};
+use crate::background::{Control, compute, each_of};
+use crate::failure::Failure;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use vibro_analysis::assembly::{NamedEvent, Start, named, values};
+use vibro_assembly::derivative::VariedObserver;
+use vibro_assembly::motion::Event;
+use vibro_assembly::{Differentiated, Motion};
+
+/// A sampled motion with its events, as a dictionary.
+#[derive(IntoPyObject)]
+pub struct AssemblyRun<'py> {
+    values: Array2<'py, f64>,
+    t: Array1<'py, f64>,
+    kind: Vec<&'static str>,
+    element: Vec<String>,
+    value: Array1<'py, f64>,
+    stops: Array1<'py, i32>,
+    energy: Array2<'py, f64>,
+    /// Derivatives by sample, column and parameter, and whether each exists.
+    derivatives: Varied<'py>,
+    /// Derivatives of the times of events, by event and parameter.
+    event_derivatives: Varied<'py>,
+    /// For each parameter the reason why derivatives do not exist from some time on, or an empty
+    /// text.
+    lost: Vec<String>,
+    /// The state at the end, as a start.
+    end: Numbers,
+}
+
+/// Numbers, and for each whether it exists.
+type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
+
+fn varied<'py>(py: Python<'py>, rows: &[Vec<Option<f64>>], columns: usize) -> PyResult<Varied<'py>> {
+    let all = rows.iter().flatten();
+    let numbers: Vec<f64> = all.clone().map(|x| x.unwrap_or(0.0)).collect();
+    let known: Vec<bool> = all.map(Option::is_some).collect();
+    Ok((plane(py, &numbers, rows.len(), columns)?, plane(py, &known, rows.len(), columns)?))
+}
+
+/// A motion alone, or with its derivatives.
+enum Follower {
+    Alone(Box<Motion>),
+    Varied(Box<Differentiated>),
+}
+
+impl Follower {
+    /// The motion of a machine from a start. `observer` is called with the impacts there.
+    fn new(
+        machine: &Described,
+        start: &Start,
+        parameters: &[String],
+        observer: &mut VariedObserver,
+    ) -> Result<Self, Failure> {
+        let assembly = machine.assembly()?;
+        if parameters.is_empty() {
+            let motion = start.motion_observed(assembly, &mut |event| observer(event, &[]))?;
+            return Ok(Self::Alone(Box::new(motion)));
+        }
+        let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        names.iter().try_for_each(|name| machine.description().parameter(name).map(drop))?;
+        Ok(Self::Varied(Box::new(start.differentiated(assembly, &names, observer)?)))
+    }
+
+    fn motion(&self) -> &Motion {
+        match self {
+            Self::Alone(motion) => motion,
+            Self::Varied(varied) => varied.motion(),
+        }
+    }
+
+    /// The derivatives of all columns by all of `count` parameters.
+    fn derivatives(&self, count: usize) -> Vec<Option<f64>> {
+        let Self::Varied(varied) = self else { return Vec::new() };
+        let quantities = varied.motion().assembly().description.quantities();
+        quantities.flat_map(|q| (0..count).map(move |p| varied.derivative(q, p))).collect()
+    }
+
+    fn lost(&self, count: usize) -> Vec<String> {
+        let Self::Varied(varied) = self else { return Vec::new() };
+        (0..count).map(|p| varied.lost(p).map_or(String::new(), ToString::to_string)).collect()
+    }
+
+    fn advance(&mut self, time: f64, tell: &mut VariedObserver) -> Result<(), Failure> {
+        match self {
+            Self::Alone(motion) => motion.advance_observed(time, &mut |event| tell(event, &[]))?,
+            Self::Varied(varied) => varied.advance_observed(time, tell)?,
+        }
+        Ok(())
+    }
+}
+
+/// A sampled motion.
+#[derive(Clone, Default)]
+pub struct Sampled {
+    count: usize,
+    columns: usize,
+    /// By sample.
+    values: Vec<Vec<f64>>,
+    energies: Vec<[f64; 3]>,
+    derivatives: Vec<Vec<Option<f64>>>,
+    /// By event.
+    times: Vec<f64>,
+    told: Vec<NamedEvent>,
+    event_derivatives: Vec<Vec<Option<f64>>>,
+    lost: Vec<String>,
+    end: Numbers,
+}
+
+impl Sampled {
+    /// The motion of a machine from a start, with its derivatives by parameters. `each` is called
+    /// before each sample.
+    fn new(
+        (machine, start): (&Described, &Numbers),
+        times: &[f64],
+        parameters: &[String],
+        each: &mut dyn FnMut() -> Result<(), Failure>,
+    ) -> Result<Self, Failure> {
+        let (mut events, mut found) = (Vec::<Event>::new(), Self::default());
+        let mut tell = |event: &Event, by: &[Option<f64>]| {
+            events.push(event.clone());
+            found.event_derivatives.push(by.to_vec());
+        };
+        let mut follower = Follower::new(machine, &machine.start_of(start)?, parameters, &mut tell)?;
+        (found.count, found.columns) = (parameters.len(), machine.description().quantities().count());
+        found.values.try_reserve_exact(times.len())?;
+        for &time in times {
+            each()?;
+            follower.advance(time, &mut tell)?;
+            let motion = follower.motion();
+            found.values.push(values(motion));
+            let (kinetic, stored) = motion.kinetic_and_stored();
+            found.energies.push([kinetic, stored, motion.energy().balance()]);
+            found.derivatives.push(follower.derivatives(found.count));
+        }
+        let motion = follower.motion();
+        found.end = Start::of(motion).numbers();
+        found.told = events.iter().map(|event| named(motion.assembly(), &event.kind)).collect();
+        found.times = events.iter().map(|event| event.time).collect();
+        found.lost = follower.lost(found.count);
+        Ok(found)
+    }
+
+    fn into_run(self, py: Python<'_>) -> PyResult<AssemblyRun<'_>> {
+        let told = self.told;
+        Ok(AssemblyRun {
+            values: plane(py, &self.values.concat(), self.values.len(), self.columns)?,
+            t: column(py, &self.times),
+            kind: told.iter().map(|e| e.kind).collect(),
+            value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
+            stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
+            element: told.into_iter().map(|e| e.element).collect(),
+            energy: table(py, &self.energies)?,
+            derivatives: varied(py, &self.derivatives, self.count * self.columns)?,
+            event_derivatives: varied(py, &self.event_derivatives, self.count)?,
+            lost: self.lost,
+            end: self.end,
+        })
+    }
+}
+
+impl<'py> IntoPyObject<'py> for Sampled {
+    type Target = PyDict;
+    type Output = Bound<'py, PyDict>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.into_run(py)?.into_pyobject(py)
+    }
+}
+
+/// The motion from a start at ascending times (s), with what happened up to the last, and with its
+/// derivatives by parameters.
+#[pyfunction]
+#[pyo3(signature = (machine, start, t, parameters, progress = None))]
+pub fn simulate_assembly<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    start: Numbers,
+    t: PyReadonlyArray1<'_, f64>,
+    parameters: Vec<String>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<AssemblyRun<'py>> {
+    let (own, times) = (machine.clone(), numbers(&t)?);
+    let found = compute(py, progress, move |control| {
+        let mut each = || {
+            control.add(1);
+            control.check()
+        };
+        Sampled::new((&own, &start), &times, &parameters, &mut each)
+    })?;
+    found.into_run(py)
+}
+
+/// As [`simulate_assembly`], of many machines, each from its start, on all threads.
+#[pyfunction]
+#[pyo3(signature = (machines, starts, t, parameters, progress = None))]
+pub fn follow_assemblies(
+    py: Python<'_>,
+    machines: Vec<PyRef<'_, Described>>,
+    starts: Vec<Numbers>,
+    t: PyReadonlyArray1<'_, f64>,
+    parameters: Vec<String>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Sampled>> {
+    let (count, machines, times) = (machines.len(), clones(&machines), numbers(&t)?);
+    let one = move |control: &Control, index: usize| {
+        let of = (&machines[index], &starts[index]);
+        Sampled::new(of, &times, &parameters, &mut || control.check())
+    };
+    each_of(py, count, progress, one)
+}
+
+/// The ends of many machines' motions, each from its start, at a time (s); all have the same
+/// columns.
+#[pyfunction]
+#[pyo3(signature = (machines, starts, until, progress = None))]
+pub fn simulate_assemblies<'py>(
+    py: Python<'py>,
+    machines: Vec<PyRef<'_, Described>>,
+    starts: Vec<Numbers>,
+    until: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Array2<'py, f64>> {
+    let count = machines.first().map_or(0, |m| m.description().quantities().count());
+    let machines = clones(&machines);
+    let ends = each_of(py, machines.len(), progress, move |_, index| {
+        let own = &machines[index];
+        let mut motion = own.start_of(&starts[index])?.motion(own.assembly()?)?.without_energy_accounts();
+        motion.advance_to(until)?;
+        Ok(values(&motion))
+    })?;
+    plane(py, &ends.concat(), ends.len(), count)
+}
+
+/// The derivatives of a motion's state at its end by that at its start.
+#[derive(IntoPyObject)]
+pub struct Transition<'py> {
+    /// Names of the state's numbers.
+    names: Vec<String>,
+    /// The start with all its numbers.
+    start: Numbers,
+    end: Numbers,
+    /// By number at the end and number at the start.
+    matrix: Varied<'py>,
+    /// For each number at the start the reason why there are no derivatives, or an empty text.
+    lost: Vec<String>,
+}
+
+/// The derivatives of the state at a time (s) by the state at a start.
+#[pyfunction]
+#[pyo3(signature = (machine, start, until, progress = None))]
+pub fn assembly_transition<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    start: Numbers,
+    until: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Transition<'py>> {
+    let own = machine.clone();
+    let (names, start, end, rows, lost) = compute(py, progress, move |_| {
+        let (assembly, start) = (own.assembly()?, own.start_of(&start)?);
+        let names = Start::names(&assembly);
+        let state = start.state(&assembly)?;
+        let whole = std::iter::once(("time".to_owned(), start.time));
+        let whole: Numbers = whole.chain(names.iter().cloned().zip(state)).collect();
+        let mut motion = start.transition(assembly)?;
+        motion.advance_to(until)?;
+        let columns: Vec<_> = (0..names.len()).map(|p| motion.state_derivative(p)).collect();
+        let row = |i: usize| columns.iter().map(|column| column.as_ref().map(|c| c[i])).collect::<Vec<_>>();
+        let rows: Vec<_> = (0..names.len()).map(row).collect();
+        let lost = (0..names.len()).map(|p| motion.lost(p).map_or(String::new(), ToString::to_string));
+        Ok((names, whole, Start::of(motion.motion()).numbers(), rows, lost.collect()))
+    })?;
+    let count = names.len();
+    Ok(Transition { names, start, end, matrix: varied(py, &rows, count)?, lost })
+}
