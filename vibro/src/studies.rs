@@ -1,6 +1,7 @@
 //! The studies of the command line: each makes tables and a figure from a [`ParameterSet`].
 
 mod assembly_diagram;
+mod assembly_orbits;
 mod basin;
 mod compare;
 mod design_sweep;
@@ -23,6 +24,7 @@ mod strong;
 mod sweep;
 
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
+pub use assembly_orbits::{assembly_orbit, assembly_orbits};
 pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};

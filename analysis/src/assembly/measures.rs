@@ -299,27 +299,8 @@ impl Observation for Window {
 impl Window {
     fn number(&self, measure: &Measure, assembly: &Assembly, quantities: &[&QuantityName]) -> f64 {
         let (d, system) = (&assembly.description, assembly.system());
-        let extent = |q: &QuantityName| {
-            let place = quantities.iter().position(|own| *own == q);
-            place.map(|k| &self.watcher.extents[k])
-        };
-        let of =
-            |q: &QuantityName, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
-        let contacts = |name: &String| stop(d, name).map(|i| self.watcher.contacts[i]).unwrap_or_default();
-        let count = |name: &Option<String>| match name {
-            Some(name) => f64::from(contacts(name).count),
-            None => self.watcher.contacts.iter().map(|c| f64::from(c.count)).sum(),
-        };
         let [loads, dashpots, stops, frictions] = &self.energies;
         let number = match measure {
-            Measure::Amplitude(q) => of(q, &|e| e.largest.max(-e.least)),
-            Measure::Rms(q) => of(q, &|e| (e.square / self.duration).sqrt()),
-            Measure::PeakToPeak(q) => of(q, &|e| e.largest - e.least),
-            Measure::Maximum(q) => of(q, &|e| e.largest),
-            Measure::Impacts(name) => count(name) / self.returns,
-            Measure::ImpactRate(name) => count(name) / self.duration,
-            Measure::ImpactSpeed(name) => contacts(name).speed,
-            Measure::ImpactImpulse(name) => contacts(name).impulse,
             Measure::Power(name) => {
                 let parts = d.elements().position(|element| element.name() == name).map(|i| &system.parts[i]);
                 let energy = |part: &Part| match *part {
@@ -335,11 +316,50 @@ impl Window {
                 let impacts: f64 = self.watcher.contacts.iter().map(|c| c.lost).sum();
                 (smooth + impacts) / self.duration
             }
-            // These are not measures of the window.
-            Measure::Class | Measure::Exponent => 0.0,
+            other => {
+                let times = (self.returns, self.duration);
+                self.watcher.number(other, d, quantities, times).unwrap_or(0.0)
+            }
         };
         // An empty sum is -0; adding 0 makes it +0.
         number + 0.0
+    }
+}
+
+impl Watcher {
+    /// A measure of what was observed over a number of returns and a duration, s; `quantities` are
+    /// those of its extents. `None` for powers, the class and the exponent, which it does not see.
+    pub fn number(
+        &self,
+        measure: &Measure,
+        d: &Description,
+        quantities: &[&QuantityName],
+        (returns, duration): (f64, f64),
+    ) -> Option<f64> {
+        let extent = |q: &QuantityName| {
+            let place = quantities.iter().position(|own| *own == q);
+            place.map(|k| &self.extents[k])
+        };
+        let of =
+            |q: &QuantityName, value: &dyn Fn(&super::watch::Extent) -> f64| extent(q).map_or(0.0, value);
+        let contacts = |name: &String| stop(d, name).map(|i| self.contacts[i]).unwrap_or_default();
+        let count = |name: &Option<String>| match name {
+            Some(name) => f64::from(contacts(name).count),
+            None => self.contacts.iter().map(|c| f64::from(c.count)).sum(),
+        };
+        let number = match measure {
+            Measure::Amplitude(q) => of(q, &|e| e.largest.max(-e.least)),
+            Measure::Rms(q) => of(q, &|e| (e.square / duration).sqrt()),
+            Measure::PeakToPeak(q) => of(q, &|e| e.largest - e.least),
+            Measure::Maximum(q) => of(q, &|e| e.largest),
+            Measure::Impacts(name) => count(name) / returns,
+            Measure::ImpactRate(name) => count(name) / duration,
+            Measure::ImpactSpeed(name) => contacts(name).speed,
+            Measure::ImpactImpulse(name) => contacts(name).impulse,
+            Measure::Power(_) | Measure::PowerLost | Measure::Class | Measure::Exponent => return None,
+        };
+        // An empty sum is -0; adding 0 makes it +0.
+        Some(number + 0.0)
     }
 }
 

@@ -11,11 +11,13 @@ use crate::obstacle::Obstacle;
 use crate::orbit::STEP_STALLED;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
-use vibro_analysis::assembly::Watcher;
-use vibro_analysis::assembly::flight::{ObservedFlight, Observer, Passage, dot};
+use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
+use vibro_analysis::assembly::{Measure, QuantityName, Watcher};
 use vibro_analysis::{Error, Result};
+use vibro_assembly::elements::Action;
 use vibro_assembly::motion::{Event, EventKind, Reached, keep};
 use vibro_assembly::start::BodyStart;
+use vibro_assembly::system::Part;
 use vibro_assembly::{Motion, Quantity, Start};
 
 /// Largest number of Newton steps.
@@ -30,6 +32,8 @@ const ROUNDING: f64 = 1e-12;
 const MARGIN: f64 = 1e-6;
 /// Relative singular value of the equations below which there is a family of orbits.
 const FAMILY: f64 = 1e-11;
+/// Largest multiplier with which a motion stays on its orbit for a period, but for rounding.
+const STAYS: f64 = 1e6;
 /// Largest difference of states and times, in their units, of one orbit.
 const SAME: f64 = 1e-6;
 /// Sweeps of the Schur decomposition by multiplier.
@@ -404,6 +408,15 @@ impl Orbit {
     pub fn observe(&self, observers: &mut [&mut dyn Observer]) {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         for (k, leg) in self.legs().iter().enumerate() {
+            if let Some((time, z)) = &leg.run {
+                let own = 2 * system.coordinates;
+                let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
+                // The run was followed before, from this state.
+                if let Ok(motion) = motion {
+                    let mut motion = motion.without_energy_accounts();
+                    let _ = follow(&mut motion, &mut Flows::default(), leg.time, observers, &mut |_| false);
+                }
+            }
             let flight =
                 ObservedFlight { time: leg.time, flow: &leg.flow, start: &leg.states[0], span: leg.span };
             observers.iter_mut().for_each(|o| o.flight(system, flight));
@@ -441,6 +454,61 @@ impl Orbit {
         let mut watcher = Watcher::of(quantities, stops);
         self.observe(&mut [&mut watcher]);
         watcher
+    }
+}
+
+impl Orbit {
+    /// A measure over a period; impacts count by common period of the drive, or by period of an
+    /// autonomous machine.
+    ///
+    /// # Errors
+    /// [`Error::Described`] for a name that the machine does not have, and for powers, class and
+    /// exponent, which are no measures of an orbit's curve.
+    pub fn measure(&self, measure: &Measure) -> Result<f64> {
+        let d = &self.place.assembly.description;
+        measure.check(d)?;
+        let name = measure.quantity();
+        let places = name.into_iter().map(|q| Ok(q.find(d)?.quantity)).collect::<Result<Vec<_>>>()?;
+        let names: Vec<&QuantityName> = name.into_iter().collect();
+        let times = (f64::from(self.word().periods.unwrap_or(1)), self.period());
+        self.watched(&places).number(measure, d, &names, times).ok_or_else(|| Error::Described {
+            problem: format!(
+                "{measure}: no measure of an orbit; allowed are amplitudes, extrema, mean squares and contacts"
+            ),
+        })
+    }
+
+    /// The energy that each load puts in and that each other element takes, J a period, by name:
+    /// the accounts of the machine's own motion over a period. `None` where the orbit is too
+    /// unstable for a motion to stay on it.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn energies(&self) -> Result<Option<Vec<(String, f64)>>> {
+        if self.spectral_radius() > STAYS {
+            return Ok(None);
+        }
+        let (assembly, (time, state)) = (&self.place.assembly, self.middle_state());
+        let mut motion = Motion::from_state(assembly.clone(), time, &state)?;
+        motion.advance_to(time + self.period())?;
+        let accounts = motion.energy();
+        let mut all: Vec<(String, f64)> = Vec::new();
+        for (element, parts) in assembly.description.elements().zip(&assembly.system().parts) {
+            let energy: f64 = parts
+                .iter()
+                .map(|part| match *part {
+                    Part::Spring(i) => accounts.dashpots[i].value(),
+                    Part::Stop(i) => accounts.stops[i].value(),
+                    Part::Friction(i) => accounts.frictions[i].value(),
+                    Part::Load(i) => accounts.loads[i].value(),
+                })
+                .sum();
+            if element.action() != Action::Tying {
+                all.push((element.dotted(), energy));
+            }
+        }
+        all.push(("impacts of all rigid stops".into(), accounts.impacts.value()));
+        Ok(Some(all))
     }
 }
 

@@ -14,8 +14,8 @@ use crate::path::PathOptions;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
-use vibro_analysis::Result;
 use vibro_analysis::assembly::now;
+use vibro_analysis::{Error, Result};
 use vibro_assembly::Start;
 
 /// First step from an orbit.
@@ -74,13 +74,22 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     Ok([departure(-&direction), departure(direction)])
 }
 
-/// Follows the branch of one orbit in both directions.
+/// Follows the branch of one orbit of the family's machine, with its present value of the
+/// parameter, in both directions.
 ///
 /// # Errors
-/// The orbit's own obstacle, as an error.
+/// [`Error::Described`] where the present value lies outside the range; the orbit's own obstacle,
+/// as an error.
 pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<Branch> {
     let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
-    let value = family.present()?;
+    let (value, (from, to)) = (family.present()?, family.range);
+    if !(from..=to).contains(&value) {
+        let problem = format!(
+            "{} = {value}: the branch begins here, so it must lie in the range {from} to {to}",
+            family.parameter
+        );
+        return Err(Error::Described { problem });
+    }
     let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), value);
     let place = family.place(value)?;
     let failed =
@@ -127,21 +136,23 @@ struct Grower<'a> {
 }
 
 /// The branches of a family that settled motions and special points lead to. `told` receives the
-/// number of branches after each, and ends the growth by returning false.
+/// number of branches and that with the starts still known, and ends the growth by returning false.
 ///
 /// # Errors
 /// As [`Family::place`].
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
-    told: &mut dyn FnMut(usize) -> bool,
+    told: &mut dyn FnMut(usize, usize) -> bool,
 ) -> Result<Vec<Branch>> {
     let family = Arc::new(family.clone());
     let mut grower = Grower { family: &family, options, branches: Vec::new(), queue: Vec::new() };
     grower.plant()?;
     while let Some(start) = grower.next() {
         grower.grow(start);
-        if grower.branches.len() >= MOST || !told(grower.branches.len()) {
+        if grower.branches.len() >= MOST
+            || !told(grower.branches.len(), grower.branches.len() + grower.queue.len())
+        {
             break;
         }
     }

@@ -22,7 +22,7 @@ fn example(name: &str) -> Machine {
 
 fn grown(family: &Family, seeds: usize, depth: u32) -> Vec<Branch> {
     let options = TreeOptions { seeds, depth, ..TreeOptions::default() };
-    tree(family, &options, &mut |_| true).unwrap()
+    tree(family, &options, &mut |_, _| true).unwrap()
 }
 
 /// The values of the special points of a kind on branches with a number of events.

@@ -1,6 +1,6 @@
 //! The command line: commands, options and their help.
 //!
-//! A command is a variant of [`Command`], and its options are a struct of clap's. Four commands
+//! A command is a variant of [`Command`], and its options are a struct of clap's. Six commands
 //! take either the machine of a FILE or the paper's machine:
 //!
 //! * An option of both is in the command's struct. Where the defaults differ, the second one is a
@@ -32,8 +32,8 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`check`, `draw`, `run`, `sweep`, `bifurcation` and `lyapunov` take a machine's FILE. Without it, and in all other commands, the machine
-is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `orbit` and `orbits` take a machine's FILE. Without it, and in all other
+commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
@@ -91,7 +91,7 @@ pub fn command() -> clap::Command {
         let notes: &[&str] = match command.get_name() {
             "check" | "draw" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" => &[NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" => &[NUMBERS, LIMITS],
             _ => &[LIMITS],
         };
         with_notes(with_shared(command, &shared), notes)
@@ -300,6 +300,13 @@ impl Command {
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
                 a.of_paper.start = one_start(&a.start)?.unwrap_or_default();
+            }
+            Self::Orbits(a) => {
+                if a.vary.len() > 1 {
+                    let what = format!("--vary {}", a.vary.join(" --vary "));
+                    return Err(Error::Refused { what, problem: "allowed is one parameter".into() });
+                }
+                a.range = texts("--vary", &a.vary)?.pop();
             }
             _ => {}
         }

@@ -1,12 +1,12 @@
 //! Commands with a machine's file: summary, sketch, motion.
 
 use crate::arguments::{Command, one_of};
-use crate::assembly_studies;
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
+use crate::{assembly_orbits, assembly_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,6 +35,8 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
+        Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
+        Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,
         // `vibro check`: no other command takes a file.
         _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
     }

@@ -25,7 +25,7 @@ const MOST_OF_PLANE: usize = 3_000;
 const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
 /// Reads the machine, with the changes of `--set`.
-fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
+pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
     let mut machine = assembly::read(file, &common.set, &mut |words| crate::note(&words))?;
     machine.section = match (section.period, &section.section) {
         (Some(period), _) => SectionRule::Period(period),
@@ -37,7 +37,7 @@ fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<M
 
 /// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
 /// without units are in the unit in which the parameter was written.
-fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
+pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
         Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
     };
@@ -76,7 +76,7 @@ fn axis(machine: &mut Machine, text: &str, resolution: u16, most: usize) -> Resu
 }
 
 /// The invocation with the options on which the results depend.
-fn invocation(common: &Common, options: &[(&str, String)]) -> Invocation {
+pub fn invocation(common: &Common, options: &[(&str, String)]) -> Invocation {
     let mut found = common.invocation.clone();
     found.options.extend(options.iter().map(|(name, words)| ((*name).into(), words.clone())));
     found
@@ -107,7 +107,7 @@ fn diagram_request(
 }
 
 /// The first free body's coordinate.
-fn default_quantity(machine: &Machine) -> Result<QuantityName> {
+pub fn default_quantity(machine: &Machine) -> Result<QuantityName> {
     let all = Measure::usual(&machine.description);
     let found = all.iter().find_map(|m| m.quantity().cloned());
     found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))

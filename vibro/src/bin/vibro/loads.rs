@@ -18,7 +18,7 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
         Command::Basin(a) => &a.loads,
         Command::Isoperiodic(a) => &a.loads,
         Command::Sweep(a) => &a.of_paper.loads,
-        Command::Orbits(a) => &a.which.loads,
+        Command::Orbits(a) => &a.of_paper.which.loads,
         Command::Orbit(a) => &a.which.loads,
         Command::Locus(a) => &a.loads,
         _ => return Ok(Vec::new()),

@@ -55,13 +55,13 @@ fn span(range: &ParameterRange) -> Result<Span> {
 /// The family over the parameter of the command.
 fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
     let default = || Ok::<_, Error>(shown(set, Name::from(find_group("f10")?), (0.5, 5.0)));
-    let range = a.vary.map_or_else(default, Ok)?;
+    let range = a.range.map_or_else(default, Ok)?;
     Ok(Family::new(set, span(&range)?)?)
 }
 
 /// Values at which branches get a point.
 fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
-    let texts: Vec<&str> = a.mark.iter().map(String::as_str).collect();
+    let texts: Vec<&str> = a.of_paper.mark.iter().map(String::as_str).collect();
     let (marks, _) = numbers(along.name, &texts).map_err(in_option("--mark"))?;
     marks.iter().try_for_each(|mark| along.name.check(*mark)).map_err(in_option("--mark"))?;
     match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
@@ -80,11 +80,11 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     let span = *family.span();
     let options = TreeOptions {
         seeds: a.seeds as usize,
-        starts: a.starts as usize,
+        starts: a.of_paper.starts as usize,
         depth: a.depth,
-        most_letters: a.letters as usize,
+        most_letters: a.of_paper.letters as usize,
         longest_step: a.step,
-        repetitions: a.repetitions,
+        repetitions: a.of_paper.repetitions,
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
@@ -107,7 +107,7 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
             format!("the branch begins here, so it must lie in the range {} to {}", span.from, span.to);
         return Err(Error::Refused { what, problem });
     }
-    let orbits = a.which.orbits(&family.system(&[value])?)?;
+    let orbits = a.of_paper.which.orbits(&family.system(&[value])?)?;
     let options = PathOptions { longest_step: a.step, ..PathOptions::default() };
     let marks = marks(a, &span)?;
     let mut branches: Vec<Branch> = Vec::new();

@@ -1,13 +1,18 @@
 //! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
 
-use crate::common_arguments::ConstantLoads;
+use crate::common_arguments::{
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
+};
 use crate::ranges::{ParameterRange, real, whole};
 use clap::Args;
+use clap::builder::ArgPredicate::IsPresent;
+use std::path::PathBuf;
 use vibro::special_points::Selection;
 use vibro_orbits::PathOptions;
 
 /// Which orbit.
 #[derive(Args, Debug)]
+#[group(skip)]
 pub struct Which {
     /// Impacts of the orbit in order: U (upper stop), L (lower stop)
     /// [default: the orbit of the settled motion]. A word that ends in "-" is half of a symmetric
@@ -22,33 +27,103 @@ pub struct Which {
     pub loads: ConstantLoads,
 }
 
+/// The motion from which the orbits of a machine's file are found.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct Settling {
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion that settles on the orbit"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
+    /// Periods discarded before the motion counts as settled, unless it has settled before
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole::<u32>(0..=10_000_000))]
+    pub discard: u32,
+    /// Look at the motion at each impact or first touch of a stop, or each time that a friction
+    /// begins to stick
+    /// [default of a machine without harmonics: its first stop, else its first friction]
+    #[arg(long, value_name = "ELEMENT")]
+    pub section: Option<String>,
+}
+
+impl Settling {
+    /// Where the motion is looked at.
+    pub fn section(&self) -> SectionArguments {
+        SectionArguments { period: None, section: self.section.clone() }
+    }
+}
+
 /// Arguments of `orbit`.
 #[derive(Args, Debug)]
 pub struct OneOrbit {
-    /// The orbit.
-    #[command(flatten)]
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub settling: Settling,
+    /// The orbit of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
     pub which: Which,
 }
 
 /// Arguments of `orbits`.
 #[derive(Args, Debug)]
 pub struct Orbits {
-    /// Parameter and range [default: f10=0.5:5]
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Parameter and range [default without FILE: f10=0.5:5]
     #[arg(long, visible_alias = "range", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
-    pub vary: Option<ParameterRange>,
-    /// The orbit with which a single branch begins, at the value that was set.
-    #[command(flatten)]
-    pub which: Which,
+    pub vary: Vec<String>,
+    /// The parsed range of the paper's machine.
+    #[arg(skip)]
+    pub range: Option<ParameterRange>,
     /// Look for all branches. It starts from settled motions over the whole range, rising and
     /// falling, from orbits near which other motions pass, and from every special point
     #[arg(long, conflicts_with_all = ["word", "period"])]
     pub tree: bool,
-    /// Most changes from one branch to another in a row
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<u32>(0..=40))]
+    /// Most changes from one branch to another in a row [default: 12; with FILE 3]
+    #[arg(long, value_name = "N", default_value = "12", default_value_if("file", IsPresent, "3"))]
+    #[arg(hide_default_value = true, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Number of parameter values at which settled motions are looked for, in each direction
-    #[arg(long, value_name = "N", default_value_t = 91, value_parser = whole::<u32>(1..=10_000))]
+    /// [default: 91; with FILE 24]
+    #[arg(long, value_name = "N", default_value = "91", default_value_if("file", IsPresent, "24"))]
+    #[arg(hide_default_value = true, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
+    /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
+    pub step: f64,
+    /// Of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: OrbitsOfFile,
+    /// Of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: OrbitsOfPaper,
+}
+
+/// Options of the branches of a machine's file.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct OrbitsOfFile {
+    /// What is drawn and listed of each orbit: an output of `vibro sweep`, such as
+    /// amplitude.box.s, maximum.buffer.f or impact.speed.steel, or a quantity, of which the largest
+    /// value is drawn [default: amplitude of the first free body]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<String>,
+    /// The motion.
+    #[command(flatten)]
+    pub settling: Settling,
+}
+
+/// Options of the branches of the paper's machine.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct OrbitsOfPaper {
+    /// The orbit with which a single branch begins, at the value that was set.
+    #[command(flatten)]
+    pub which: Which,
     /// Number of further motions, from starts spread over the visited states and over the range;
     /// half as many again are added where motions did not settle on a stable orbit. Stable branches
     /// near which these motions pass are followed too
@@ -57,9 +132,6 @@ pub struct Orbits {
     /// Most impacts in an orbit
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
-    /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
-    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
-    pub step: f64,
     /// At a touch, also follow the orbits that touch only once in up to so many passages; they have
     /// a longer period
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]

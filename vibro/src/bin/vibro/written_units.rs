@@ -34,7 +34,7 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
         Command::Sweep(a) => {
             vec![("vary", dynamic(&mut a.of_paper.vary)), ("over", dynamic(&mut a.of_paper.over))]
         }
-        Command::Orbits(a) => vec![("vary", dynamic(&mut a.vary))],
+        Command::Orbits(a) => vec![("vary", dynamic(&mut a.range))],
         Command::Locus(a) => vec![("vary", dynamic(&mut a.vary))],
         _ => Vec::new(),
     };
@@ -53,7 +53,7 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
     }
     let (option, range, texts) = match command {
         Command::Lyapunov(a) => ("at", a.sweep.of_paper.range, &mut a.at),
-        Command::Orbits(a) => ("mark", a.vary, &mut a.mark),
+        Command::Orbits(a) => ("mark", a.range, &mut a.of_paper.mark),
         _ => return Ok(found),
     };
     if let Some(ParameterRange { name, unit, .. }) = range {

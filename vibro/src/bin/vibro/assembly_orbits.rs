@@ -1,0 +1,104 @@
+//! `orbit` and `orbits` with a machine's file: from arguments to the library's studies.
+
+use crate::assembly::start_of;
+use crate::assembly_studies::{default_quantity, invocation, machine, read_axis};
+use crate::common_arguments::Common;
+use crate::destination::{self, Destination};
+use crate::orbits_arguments::{OneOrbit, Orbits};
+use crate::output;
+use crate::progress::Progress;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro::part_folder::write_whole;
+use vibro::studies::{self, Study};
+use vibro::{Error, Result};
+use vibro_analysis::assembly::{Machine, Measure};
+use vibro_orbits::PathOptions;
+use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, tree};
+
+/// The measure of `--of`: a measure, or the largest value of a quantity.
+fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
+    let Some(of) = of else { return Ok(Measure::Amplitude(default_quantity(machine)?)) };
+    let measure: Measure = match of.parse::<Measure>() {
+        Ok(measure) => measure,
+        Err(error) => of.parse().map(Measure::Maximum).map_err(|_| error)?,
+    };
+    measure.check(&machine.description)?;
+    Ok(measure)
+}
+
+fn written(studies: &[Study], machine: &Machine, destination: &Destination, common: &Common) -> Result<()> {
+    let held = destination::hold(&common.out);
+    let out = destination.write(studies)?;
+    drop(held);
+    output::print(studies, machine, &out, common)
+}
+
+/// The orbit on which a motion settles.
+pub fn orbit(file: &Path, common: &Common, OneOrbit { settling, .. }: &OneOrbit) -> Result<()> {
+    let machine = machine(file, &settling.section(), common)?;
+    let start = start_of(&machine, &settling.start)?;
+    let options = [("start", start.to_string()), ("discard", settling.discard.to_string())];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result("orbit")])?;
+    let orbit = Orbit::settled(&machine, &start, settling.discard)?;
+    let study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
+    written(&[study], &machine, &destination, common)?;
+    write_whole(&out.join("start.toml"), orbit.start().to_toml().as_bytes())
+}
+
+/// The branches over a parameter: that of the settled motion, or all.
+pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<()> {
+    let settling = &a.of_file.settling;
+    let mut machine = machine(file, &settling.section(), common)?;
+    let [vary] = &a.vary[..] else {
+        let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
+        return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
+    };
+    let axis = read_axis(&mut machine, vary)?;
+    let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
+    let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
+    let start = start_of(&machine, &settling.start)?;
+    let measure = measure(&machine, a.of_file.of.as_ref())?;
+    let family = Family::new(&machine, &range.name, range.ends)?;
+    let options = [
+        ("vary", format!("{}={}:{}", range.name, range.ends.0, range.ends.1)),
+        ("of", measure.to_string()),
+        ("tree", a.tree.to_string()),
+        ("start", start.to_string()),
+        ("discard", settling.discard.to_string()),
+        ("step", a.step.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    destination.place(&[destination.result("orbits")])?;
+    let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
+    let mut remarks = Vec::new();
+    let branches = if a.tree {
+        let options =
+            TreeOptions { start, seeds: a.seeds as usize, discard: settling.discard, depth: a.depth, path };
+        let stop = Arc::new(AtomicBool::new(false));
+        let asked = stop.clone();
+        // Without a handler Ctrl-C ends the program too, but nothing is written.
+        drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+        let progress = Progress::new(0, "branches").ticking();
+        let found = tree(&family, &options, &mut |done, all| {
+            progress.at(done, all);
+            !stop.load(Ordering::Relaxed)
+        })?;
+        if stop.load(Ordering::Relaxed) {
+            remarks.push("interrupted: further branches were not followed".to_owned());
+        }
+        found
+    } else {
+        let orbit = Orbit::settled(&machine, &start, settling.discard)?;
+        vec![branch(&family, &orbit, &path)?]
+    };
+    let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
+    study.remarks.extend(remarks);
+    written(&[study], &machine, &destination, common)
+}

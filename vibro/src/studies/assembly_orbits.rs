@@ -1,0 +1,385 @@
+//! Periodic orbits of described machines: one orbit, and branches over a parameter.
+
+use super::Study;
+use super::design_sweep::Labelled;
+use super::orbits::{COLOURED, MARKS, colour};
+use crate::Result;
+use crate::table::{CsvRows, exact};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use vibro_analysis::assembly::{Machine, Measure, columns, named};
+use vibro_analysis::significant;
+use vibro_assembly::Motion;
+use vibro_assembly::motion::EventKind;
+use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
+use vibro_figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
+use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability};
+
+/// Special points beyond which the picture marks only those where stability changes.
+const MARKED: usize = 150;
+/// Lengths below this, m, are shown in mm.
+const SMALL: f64 = 0.1;
+/// Samples of a period in pictures.
+const SAMPLES: u32 = 800;
+
+/// Marks of the special points that the 3-DOF machine does not have.
+const FURTHER: [(Kind, &str, Mark); 2] =
+    [(Kind::Stick, "ST stick", Mark::Ring), (Kind::Crossing, "CC events change places", Mark::Diamond)];
+
+/// The study of a machine's branches over a parameter: tables of points and special points, and a
+/// picture of a measure.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output); an error if the machine does not have the measure.
+pub fn assembly_orbits(
+    machine: &Machine,
+    family: &Family,
+    branches: &[Branch],
+    measure: &Measure,
+    name: &str,
+) -> Result<Study> {
+    measure.check(&machine.description)?;
+    let value = |branch: &Branch, point: &OrbitPoint| {
+        branch.orbit(point).and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN)
+    };
+    let tops: Vec<Vec<f64>> =
+        branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect();
+    let parameter = &family.parameter;
+    let unit = measure.unit(&machine.description);
+    let largest = tops.iter().flatten().copied().filter(|x| x.is_finite()).map(f64::abs).fold(0.0, f64::max);
+    let (factor, symbol) = match unit {
+        "m" if largest < SMALL => (1e3, "mm".to_owned()),
+        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
+    };
+    let label = if symbol == "1" { measure.to_string() } else { format!("{measure} ({symbol})") };
+    let marks = marks(branches, &tops);
+    let mut caption = vec!["Full: stable; dashed: unstable. One colour for each period.".to_owned()];
+    if marks.of_stable_only {
+        caption.push("Marks: where stability changes; special-points.csv has the others.".into());
+    }
+    caption.push(format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter))));
+    let panel = Panel {
+        title: String::new(),
+        x: Axis { range: Some(family.range), ..machine.axis(parameter) },
+        y: Axis::new(label).times(factor),
+        layers: layers(branches, &tops, marks),
+    };
+    let figure = Figure {
+        title: format!("{}: periodic orbits over {parameter}", machine.description.name),
+        caption,
+        panels: vec![panel],
+        columns: 1,
+        panel: (2900, 1700),
+        shared_legend: false,
+    };
+    let what = format!("{} branches of periodic orbits over {parameter}", branches.len());
+    Ok(Study {
+        tables: vec![
+            ("branches".into(), branch_table(family, branches, (measure, &tops))?),
+            ("special-points".into(), special_table(family, branches)?),
+        ],
+        figure: Some(figure),
+        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
+        ..Study::without_figure(name, what).with_remarks(remarks(branches))
+    })
+}
+
+fn remarks(branches: &[Branch]) -> Vec<String> {
+    let mut labels: BTreeMap<&str, usize> = BTreeMap::new();
+    let points = || branches.iter().flat_map(|b| &b.points);
+    for special in points().filter_map(|p| p.special.as_ref()) {
+        *labels.entry(special.kind.name()).or_default() += 1;
+    }
+    let counts: Vec<String> = labels.iter().map(|(label, count)| format!("{count} {label}")).collect();
+    let is_stable = |b: &&Branch| b.points.iter().any(|p| p.stability == Stability::Stable);
+    let stable = branches.iter().filter(is_stable).count();
+    vec![
+        format!("{} orbits; {stable} branches are stable somewhere", points().count()),
+        format!("{} special points: {}", labels.values().sum::<usize>(), counts.join(", ")),
+    ]
+}
+
+fn cell(value: f64) -> String {
+    if value.is_finite() { exact(value) } else { String::new() }
+}
+
+fn words(family: &Family, branch: &Branch) -> String {
+    let place = family.place(branch.points[0].value);
+    place.map_or_else(|_| String::new(), |place| branch.word().in_words(&place.assembly))
+}
+
+fn branch_table(
+    family: &Family,
+    branches: &[Branch],
+    (measure, tops): (&Measure, &[Vec<f64>]),
+) -> Result<Vec<u8>> {
+    let most = branches.iter().flat_map(|b| &b.points).map(|p| p.multipliers.len()).max().unwrap_or(0);
+    let mut header: Vec<String> =
+        ["branch", "parent", "point", "label"].into_iter().map(str::to_owned).collect();
+    header.extend([family.parameter.clone(), "period".into(), "periods".into(), "stability".into()]);
+    header.extend([measure.to_string(), "word".into()]);
+    header.extend((1..=most).flat_map(|k| [format!("mu{k}_re"), format!("mu{k}_im")]));
+    let mut table = CsvRows::new(&header)?;
+    for (branch, tops) in branches.iter().zip(tops) {
+        let parent = branch.parent.map_or(String::new(), |(id, point)| format!("{id}:{point}"));
+        let word = words(family, branch);
+        for (i, (point, top)) in branch.points.iter().zip(tops).enumerate() {
+            let label = point.special.as_ref().map_or("", |s| s.kind.name());
+            let mut row = vec![branch.id.to_string(), parent.clone(), i.to_string(), label.into()];
+            row.extend([exact(point.value), exact(point.period)]);
+            row.push(branch.word().periods.map_or(String::new(), |n| n.to_string()));
+            row.extend([point.stability.to_string(), cell(*top), word.clone()]);
+            let numbers = (0..most).map(|k| point.multipliers.get(k));
+            row.extend(
+                numbers.flat_map(|m| m.map_or([String::new(), String::new()], |m| [cell(m.re), cell(m.im)])),
+            );
+            table.push(row)?;
+        }
+    }
+    table.text()
+}
+
+fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new([
+        "label",
+        "branch",
+        "point",
+        "parameter",
+        "value",
+        "word",
+        "periods",
+        "period",
+        "stability_before",
+        "stability_after",
+        "element",
+    ])?;
+    for branch in branches {
+        let word = words(family, branch);
+        for (i, point) in branch.points.iter().enumerate() {
+            let Some(special) = &point.special else { continue };
+            let after = point.stability;
+            let before = i.checked_sub(1).map_or(after, |last| branch.points[last].stability);
+            table.push([
+                special.kind.name().into(),
+                branch.id.to_string(),
+                i.to_string(),
+                family.parameter.clone(),
+                exact(point.value),
+                word.clone(),
+                branch.word().periods.map_or(String::new(), |n| n.to_string()),
+                exact(point.period),
+                before.to_string(),
+                after.to_string(),
+                special.element.clone(),
+            ])?;
+        }
+    }
+    table.text()
+}
+
+/// Pieces of branches by period and stability.
+fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> BTreeMap<(u32, bool), Vec<Path>> {
+    let mut found: BTreeMap<(u32, bool), Vec<Path>> = BTreeMap::new();
+    for (branch, tops) in branches.iter().zip(tops) {
+        let mut state = None;
+        let period = branch.word().periods.unwrap_or(1).min(COLOURED as u32 + 1);
+        for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {
+            if tops.iter().any(|t| !t.is_finite()) {
+                state = None;
+                continue;
+            }
+            let stable = pair[0].stability == Stability::Stable;
+            let all = found.entry((period, stable)).or_default();
+            if state != Some(stable) {
+                all.push(vec![(pair[0].value, tops[0])]);
+                state = Some(stable);
+            }
+            all.last_mut().into_iter().for_each(|path| path.push((pair[1].value, tops[1])));
+        }
+    }
+    found
+}
+
+struct SpecialMarks {
+    layers: Vec<Layer>,
+    of_stable_only: bool,
+}
+
+fn marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
+    let marked = |kind: Kind, all: bool| -> Path {
+        let mut points = Path::new();
+        for (branch, tops) in branches.iter().zip(tops) {
+            for (i, (point, top)) in branch.points.iter().zip(tops).enumerate() {
+                let before = i.checked_sub(1).map_or(point.stability, |k| branch.points[k].stability);
+                let ends = i == 0 || i + 1 == branch.points.len();
+                let bounds = before != point.stability || (ends && point.stability == Stability::Stable);
+                let is_own = point.special.as_ref().is_some_and(|s| s.kind == kind);
+                if is_own && top.is_finite() && (all || bounds) {
+                    points.push((point.value, *top));
+                }
+            }
+        }
+        points
+    };
+    let kinds = MARKS.into_iter().map(|(label, name, mark)| (Kind::As(label), name, mark)).chain(FURTHER);
+    let kinds: Vec<(Kind, &str, Mark)> = kinds.collect();
+    let count: usize = kinds.iter().map(|(kind, ..)| marked(*kind, true).len()).sum();
+    let of_stable_only = count > MARKED;
+    let layers = kinds.into_iter().filter_map(|(kind, name, mark)| {
+        let points = marked(kind, !of_stable_only);
+        (!points.is_empty()).then(|| Layer::marks(name, BLACK, mark, points).stroke(9))
+    });
+    SpecialMarks { layers: layers.collect(), of_stable_only }
+}
+
+fn layers(branches: &[Branch], tops: &[Vec<f64>], marks: SpecialMarks) -> Vec<Layer> {
+    let (mut unstable, mut stable, mut periods) = (Vec::new(), Vec::new(), Vec::<u32>::new());
+    for ((period, is_stable), paths) in pieces(branches, tops).into_iter().rev() {
+        if !periods.contains(&period) {
+            periods.insert(0, period);
+        }
+        if is_stable {
+            stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
+        } else {
+            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(THIN));
+        }
+    }
+    let names = periods.into_iter().map(|period| {
+        let more = period as usize > COLOURED;
+        let name = if more { "longer".into() } else { format!("{period}T") };
+        Layer::lines(&name, colour(period), Dash::Solid, Vec::new())
+    });
+    let names: Vec<Layer> = names.collect();
+    unstable.into_iter().chain(stable).chain(names).chain(marks.layers).collect()
+}
+
+/// The study of one orbit: events, multipliers, energies, a start on it, history and portrait.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output), and the errors of the machine's motion.
+pub fn assembly_orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
+    let place = orbit.place();
+    let told = match orbit.word().periods {
+        Some(1) => "1 period of the drive".to_owned(),
+        Some(n) => format!("{n} periods of the drive"),
+        None => "its own period".to_owned(),
+    };
+    let words = orbit.word().in_words(&place.assembly);
+    let words = if words.is_empty() { "no event".into() } else { words };
+    let mut remarks = vec![
+        format!("events: {words}"),
+        format!(
+            "{}; largest multiplier {}{}",
+            orbit.stability(),
+            significant(orbit.spectral_radius()),
+            match orbit.trivial_multipliers() {
+                0 => String::new(),
+                n => format!(", beside {n} that are 1 by theory"),
+            }
+        ),
+    ];
+    match (orbit.violation(), orbit.check_by_motion()) {
+        (Some(violation), _) => remarks.push(format!("it is no motion of the machine: {violation}")),
+        (None, Ok(apart)) => {
+            remarks.push(format!("the machine's own motion meets each event within {} s", significant(apart)))
+        }
+        (None, Err(error)) => remarks.push(format!("the machine's own motion differs: {error}")),
+    }
+    if orbit.drifts().iter().any(|drift| *drift != 0.0) {
+        let drifts: Vec<String> = orbit.drifts().iter().map(|x| significant(*x)).collect();
+        remarks
+            .push(format!("it drifts by {} (SI) a period along what no force depends on", drifts.join(", ")));
+    }
+    let mut tables = vec![
+        ("orbit-events".into(), event_table(orbit)?),
+        ("orbit-multipliers".into(), multiplier_table(orbit)?),
+    ];
+    match orbit.energies()? {
+        Some(energies) => tables.push(("orbit-energies".into(), energy_table(&energies)?)),
+        None => remarks.push("energies: no motion stays on so unstable an orbit for a period".into()),
+    }
+    let what = format!("periodic orbit of {} s, {told}", significant(orbit.period()));
+    let figure = Figure {
+        title: format!("{}: periodic orbit", machine.description.name),
+        caption: vec![format!("{}; {words}", orbit.stability()), machine.caption_but(&[])],
+        panels: panels(machine, orbit)?,
+        columns: 2,
+        panel: (1450, 1150),
+        shared_legend: false,
+    };
+    Ok(Study { tables, figure: Some(figure), ..Study::without_figure(name, what).with_remarks(remarks) })
+}
+
+fn event_table(orbit: &Orbit) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["time", "kind", "element", "value"])?;
+    let assembly = &orbit.place().assembly;
+    for event in orbit.events() {
+        let named = named(assembly, &event.kind);
+        let value = match event.kind {
+            EventKind::Impact { speed, .. } | EventKind::Press { speed, .. } => exact(speed),
+            _ => String::new(),
+        };
+        table.push([exact(event.time), named.kind.into(), named.element, value])?;
+    }
+    table.text()
+}
+
+fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["real", "imaginary", "modulus"])?;
+    for m in orbit.multipliers() {
+        table.push([exact(m.re), exact(m.im), exact(m.norm())])?;
+    }
+    table.text()
+}
+
+fn energy_table(energies: &[(String, f64)]) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["element", "energy"])?;
+    energies.iter().try_for_each(|(name, energy)| table.push([name.clone(), exact(*energy)]))?;
+    table.text()
+}
+
+/// History and portrait of the first free body, from samples of the machine's own motion by flights.
+fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
+    let d = &machine.description;
+    let quantity = Measure::usual(d).into_iter().find_map(|m| m.quantity().cloned());
+    let Some(quantity) = quantity else { return Ok(Vec::new()) };
+    let names = columns(d);
+    let column = |name: &str| names.iter().position(|own| own == name);
+    let (place, rate) = (column(&format!("{}.s", quantity.of)), column(&format!("{}.v", quantity.of)));
+    let (Some(place), Some(rate)) = (place, rate) else { return Ok(Vec::new()) };
+    let rows = samples(orbit)?;
+    let history: Path = rows.iter().map(|(time, values)| (*time, values[place])).collect();
+    let portrait: Path = rows.iter().map(|(_, values)| (values[place], values[rate])).collect();
+    let (s, v) = (format!("{}.s", quantity.of), format!("{}.v", quantity.of));
+    Ok(vec![
+        Panel {
+            title: "(a) History".into(),
+            x: Axis::new("time (s)"),
+            y: Axis::new(s.clone()),
+            layers: vec![Layer::line("", FAMILY[0], Dash::Solid, history)],
+        },
+        Panel {
+            title: "(b) Portrait".into(),
+            x: Axis::new(s),
+            y: Axis::new(v),
+            layers: vec![Layer::line("", GREY, Dash::Solid, portrait)],
+        },
+    ])
+}
+
+/// The columns at instants of a period. Each flight is followed from its begin, so that instability
+/// has no time to grow.
+fn samples(orbit: &Orbit) -> Result<Vec<(f64, Vec<f64>)>> {
+    let mut rows = Vec::new();
+    let own = 2 * orbit.place().assembly.system().coordinates;
+    for leg in orbit.legs() {
+        let count = (f64::from(SAMPLES) * leg.span / orbit.period()).ceil().max(2.0);
+        let assembly = orbit.place().assembly.clone();
+        let mut motion = Motion::from_state(assembly, leg.time, &leg.states[0][..own])?;
+        for k in 0..=count as u32 {
+            motion.advance_to(leg.time + leg.span * f64::from(k) / count)?;
+            rows.push((motion.time(), vibro_analysis::assembly::values(&motion)));
+        }
+    }
+    Ok(rows)
+}
