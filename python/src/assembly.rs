@@ -149,7 +149,7 @@ impl Described {
         Ok(start)
     }
 
-    fn machine(&self, section: Option<SectionChoice>) -> Machine {
+    pub fn machine(&self, section: Option<SectionChoice>) -> Machine {
         Machine { section: rule(section), ..Machine::new((*self.description).clone()) }
     }
 }

@@ -13,6 +13,7 @@
 //! | `steady.rs` | closed forms |
 //! | `orbits.rs` | periodic orbits and branches of them |
 //! | `assembly.rs` | described machines: their motions, measures and diagrams |
+//! | `assembly_orbits.rs` | their periodic orbits and branches of them |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
 //! | `failure.rs` | errors as Python's exceptions |
 //! | `arrays.rs` | arrays from rows |
@@ -20,6 +21,7 @@
 mod arrays;
 mod assembly;
 mod assembly_motion;
+mod assembly_orbits;
 mod background;
 mod failure;
 mod motion;
@@ -39,6 +41,8 @@ mod _native {
     use super::assembly_motion::{
         assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,
     };
+    #[pymodule_export]
+    use super::assembly_orbits::{AssemblyOrbit, assembly_branches, assembly_orbit, follow_assembly_orbit};
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};
     #[pymodule_export]

@@ -15,6 +15,7 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._assembly import Assembly
+from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition, Sketch
 from ._assembly_start import AssemblyStart
 from ._deprecated import basins, bifurcation
@@ -30,15 +31,18 @@ from ._steady import SteadyState, SteadyStates
 from ._studies import Attractor, Basins, Diagram, Direction
 
 __all__ = [
+    "ASSEMBLY_LABELS",
     "GROUP_NAMES",
     "LABELS",
     "MEASURES",
     "PARAMETERS",
     "SI_NAMES",
     "Assembly",
+    "AssemblyBranch",
     "AssemblyDiagram",
     "AssemblyDirection",
     "AssemblyEnds",
+    "AssemblyOrbit",
     "AssemblyRun",
     "AssemblyStart",
     "AssemblyTransition",

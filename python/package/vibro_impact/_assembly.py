@@ -14,6 +14,7 @@ from . import _native
 from ._arguments import MOST_PERIODS, array, discarded_and_kept, whole
 from ._assembly_description import AssemblyDescription
 from ._assembly_many import Section, after, instants, measures_of, names_of, section_of
+from ._assembly_orbits import AssemblyBranch, AssemblyOrbit, find_branches, find_orbit
 from ._assembly_results import (
     AssemblyDiagram,
     AssemblyDirection,
@@ -269,6 +270,63 @@ class Assembly(AssemblyDescription):
             )
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
+
+    def orbit(self, *, start: Start = None, settle: int = 400, section: Section = None, progress: bool = False) -> AssemblyOrbit:
+        """The periodic orbit on which a motion settles: ``vibro orbit FILE``.
+
+        Parameters
+        ----------
+        start
+            As of :meth:`simulate`: where the motion begins.
+        settle
+            Returns to the section before the motion counts as settled, unless it has settled before.
+        section
+            As of :meth:`bifurcation`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            For a motion that settles on no periodic orbit, with its class, and where none is found, with how far the search came.
+        """
+        return find_orbit(self, start, settle, section, progress)
+
+    def branches(
+        self,
+        name: str,
+        low: Union[float, str],
+        high: Union[float, str],
+        *,
+        of: Optional[str] = None,
+        start: Start = None,
+        seeds: int = 24,
+        depth: int = 3,
+        settle: int = 400,
+        section: Section = None,
+        progress: bool = False,
+    ) -> list[AssemblyBranch]:
+        """Branches of periodic orbits over a parameter, stable or not: response curves and their bifurcations, ``vibro orbits FILE --tree``.
+
+        Parameters
+        ----------
+        name, low, high
+            The parameter and its range, in SI or as texts with units.
+        of
+            The output that is kept of each orbit, such as ``amplitude.box.s``; the amplitude of the first free body without one.
+        seeds
+            Values of the parameter at which motions are followed until they settle, rising and falling.
+        depth
+            Most changes from one branch to another in a row, at bifurcations and touches.
+        start, settle, section
+            As of :meth:`orbit`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        """
+        return find_branches(self, name, (low, high), of, (start, seeds, depth, settle, section), progress)
 
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""

@@ -15,12 +15,15 @@ _Parts = dict[str, Any]
 _Numbers = list[tuple[str, float]]
 
 __all__ = [
+    "AssemblyOrbit",
     "Described",
     "Load",
     "Orbit",
     "System",
     "__version__",
+    "assembly_branches",
     "assembly_diagram",
+    "assembly_orbit",
     "assembly_transition",
     "basins",
     "bifurcation",
@@ -117,6 +120,44 @@ def follow_assemblies(
 def simulate_assemblies(
     machines: Sequence[Described], starts: Sequence[_Numbers], until: float, progress: _Progress = None
 ) -> _Floats: ...
+class AssemblyOrbit:
+    @property
+    def word(self) -> str: ...
+    @property
+    def period(self) -> float: ...
+    @property
+    def periods(self) -> int | None: ...
+    @property
+    def events(self) -> list[tuple[float, str, str]]: ...
+    @property
+    def multipliers(self) -> NDArray[np.complex128]: ...
+    @property
+    def stability(self) -> str: ...
+    @property
+    def violation(self) -> str | None: ...
+    @property
+    def start(self) -> _Numbers: ...
+    def measure(self, name: str) -> float: ...
+    def energies(self) -> list[tuple[str, float]] | None: ...
+
+def assembly_orbit(
+    machine: Described, start: _Numbers, settle: int, section: float | str | None, progress: _Progress = None
+) -> AssemblyOrbit: ...
+def follow_assembly_orbit(
+    orbit: AssemblyOrbit, name: str, ends: tuple[float, float], of: str, progress: _Progress = None
+) -> _Parts: ...
+def assembly_branches(
+    machine: Described,
+    name: str,
+    ends: tuple[float, float],
+    of: str,
+    start: _Numbers,
+    seeds: int,
+    depth: int,
+    settle: int,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> list[_Parts]: ...
 def assembly_transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
 def measure_assemblies(
     machines: Sequence[Described],

@@ -1,0 +1,200 @@
+"""Periodic orbits of machines of your own, stable or not, and their branches along a parameter."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats, number, whole
+from ._assembly_many import Section, section_of
+from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._progress import Bar
+from ._result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ._assembly import Assembly
+
+#: What is special at a point of a branch of a machine of your own.
+ASSEMBLY_LABELS = {
+    "LP": "fold: the branch turns round in the parameter",
+    "BP": "branch point: two branches cross",
+    "PD": "period doubling",
+    "NS": "Neimark-Sacker: a second frequency appears",
+    "GR": "a stop is touched with speed zero",
+    "ST": "a friction begins or ceases to stick, or slips once more",
+    "CC": "two events of different elements change places",
+    "CH": "impacts cease to accumulate",
+    "EP": "end of the parameter's range",
+    "MX": "the branch could not be followed on",
+}
+
+_MOST_RETURNS = 10_000_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyOrbit(Result):
+    """A periodic orbit of a machine of your own."""
+
+    machine: Assembly
+    "Whose orbit it is."
+    word: str
+    "Its events in their order: ``impact steel, press buffer, free buffer``."
+    period: float
+    "The period, s."
+    periods: Optional[int]
+    "The period in common periods of the drive; none of a machine that nothing drives."
+    multipliers: NDArray[np.complex128]
+    "Multipliers of the period that are not 1 by theory, largest first."
+    stability: str
+    "``stable``, ``unstable``, ``neutral`` (a machine without losses) or ``undecided``."
+    violation: Optional[str]
+    "Why it is no motion of the machine; none where it is one."
+    start: AssemblyStart
+    "A start on it, in the middle of its longest flight."
+    events: list[tuple[float, str, str]]
+    "Time (s), kind and element of each event."
+    _handle: _native.AssemblyOrbit = dataclasses.field(repr=False)
+
+    @property
+    def stable(self) -> bool:
+        """Whether it attracts its neighbourhood."""
+        return self.stability == "stable"
+
+    def measure(self, name: str) -> float:
+        """An output of :func:`measure_many` over a period, such as ``amplitude.box.s``, in SI; not powers, class and exponent."""
+        if not isinstance(name, str):
+            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+        return self._handle.measure(name)
+
+    def energies(self) -> Optional[dict[str, float]]:
+        """The energy that each load puts in and each other element takes, J a period; none where no motion stays on the orbit."""
+        found = self._handle.energies()
+        return None if found is None else dict(found)
+
+    def follow(
+        self, name: str, low: Union[float, str], high: Union[float, str], *, of: Optional[str] = None, progress: bool = False
+    ) -> AssemblyBranch:
+        """The branch of the orbit along a parameter, stable or not, with its bifurcations.
+
+        Parameters
+        ----------
+        name
+            The parameter.
+        low, high
+            Its range, which holds the machine's own value; in SI, or texts with units.
+        of
+            The output that is kept of each orbit; the amplitude of the first free body without one.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            Where the orbit cannot be followed.
+        """
+        ends, of = _ends(self.machine, name, low, high), _of(self.machine, of)
+        with Bar(progress, 1, "branches") as bar:
+            found = _native.follow_assembly_orbit(self._handle, name, ends, of, bar.report)
+        return _branch(self.machine, name, of, found)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("an orbit is not pickled: keep its start, from which Assembly.orbit finds it again")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyBranch(Result):
+    """A branch of periodic orbits along a parameter."""
+
+    machine: Assembly
+    "The machine with all other parameters."
+    name: str
+    "The parameter."
+    word: str
+    "The events of all its orbits."
+    periods: Optional[int]
+    "The period in common periods of the drive."
+    closed: bool
+    "Whether it ends where it begins."
+    parent: Optional[tuple[int, int]]
+    "Branch and point from which it begins; none of one from a settled motion."
+    value: Floats
+    "The parameter along the branch, shape (n,), SI."
+    period: Floats
+    "The period of each orbit, shape (n,), s."
+    multipliers: list[NDArray[np.complex128]]
+    "Multipliers of each orbit, largest first."
+    stability: NDArray[np.str_]
+    "Stability of the piece from a point to the next, shape (n,)."
+    stable: NDArray[np.bool_]
+    "Whether that piece is stable, shape (n,)."
+    labels: NDArray[np.str_]
+    "What is special at a point, shape (n,): a key of :data:`ASSEMBLY_LABELS`, or empty."
+    elements: NDArray[np.str_]
+    "The element that is meant there, shape (n,), or empty."
+    of: str
+    "The output that is kept."
+    measure: Floats
+    "That output of each orbit, shape (n,), SI."
+
+    @property
+    def special(self) -> list[tuple[str, float, str]]:
+        """Special points as (label, value of the parameter, element), in the branch's order."""
+        return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
+
+
+def _ends(machine: Assembly, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
+    if not isinstance(name, str):
+        raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
+    ends = [float(x) if not isinstance(x, str) else float(machine._in_si(name, [x])[0]) for x in (low, high)]
+    return number("low", ends[0]), number("high", ends[1])
+
+
+def _of(machine: Assembly, of: Optional[str]) -> str:
+    if of is None:
+        return next((name for name in machine.measures if name.startswith("amplitude.")), "impacts")
+    if not isinstance(of, str):
+        raise TypeError(f"of = {of!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+    return of
+
+
+def _branch(machine: Assembly, name: str, of: str, found: dict[str, Any]) -> AssemblyBranch:
+    for key in ("stability", "labels", "elements"):
+        found[key] = np.array(found[key], dtype=np.str_)
+    return AssemblyBranch(machine=machine, name=name, of=of, **found)
+
+
+def find_orbit(machine: Assembly, start: Start, settle: int, section: Section, progress: bool) -> AssemblyOrbit:
+    """The orbit on which a motion settles."""
+    numbers = numbers_of(machine, start)
+    settle = whole("settle", settle, 0, _MOST_RETURNS)
+    with Bar(progress, 1, "orbits") as bar:
+        found = _native.assembly_orbit(machine._described, numbers, settle, section_of(section), bar.report)
+    own = AssemblyStart(dict(found.start))
+    return AssemblyOrbit(
+        machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
+    )
+
+
+def find_branches(
+    machine: Assembly,
+    name: str,
+    ends: tuple[Union[float, str], Union[float, str]],
+    of: Optional[str],
+    options: tuple[Start, int, int, int, Section],
+    progress: bool,
+) -> list[AssemblyBranch]:
+    """All branches over a range of a parameter."""
+    start, seeds, depth, settle, section = options
+    of, low_high = _of(machine, of), _ends(machine, name, *ends)
+    seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
+    settle = whole("settle", settle, 0, _MOST_RETURNS)
+    with Bar(progress, 0, "branches") as bar:
+        found = _native.assembly_branches(
+            machine._described, name, low_high, of, numbers_of(machine, start), seeds, depth, settle, section_of(section), bar.report
+        )
+    return [_branch(machine, name, of, one) for one in found]

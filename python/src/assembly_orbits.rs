@@ -1,0 +1,232 @@
+//! Periodic orbits of described machines, and their branches along a parameter.
+
+use crate::arrays::{Array1, column};
+use crate::assembly::{Described, Numbers, SectionChoice};
+use crate::background::{Control, compute};
+use crate::failure::Failure;
+use nalgebra::Complex;
+use pyo3::prelude::*;
+use vibro_analysis::assembly::{Machine, Measure, QuantityName, named};
+use vibro_assembly::Start;
+use vibro_orbits::PathOptions;
+use vibro_orbits::assembly::{Branch, Family, Orbit, Stability, TreeOptions, branch, tree};
+
+/// A periodic orbit of a described machine.
+#[pyclass(frozen, module = "vibro_impact._native")]
+#[derive(Clone, Debug)]
+pub struct AssemblyOrbit {
+    machine: Machine,
+    orbit: Orbit,
+}
+
+#[pymethods]
+impl AssemblyOrbit {
+    /// Its events in words.
+    #[getter]
+    fn word(&self) -> String {
+        self.orbit.word().in_words(&self.orbit.place().assembly)
+    }
+
+    /// The period, s.
+    #[getter]
+    fn period(&self) -> f64 {
+        self.orbit.period()
+    }
+
+    /// The period in common periods of the drive.
+    #[getter]
+    fn periods(&self) -> Option<u32> {
+        self.orbit.word().periods
+    }
+
+    /// Time, kind and element of each event.
+    #[getter]
+    fn events(&self) -> Vec<(f64, &'static str, String)> {
+        let assembly = &self.orbit.place().assembly;
+        let told = |event: &vibro_assembly::motion::Event| {
+            let own = named(assembly, &event.kind);
+            (event.time, own.kind, own.element)
+        };
+        self.orbit.events().iter().map(told).collect()
+    }
+
+    /// The multipliers that are not 1 by theory, largest first.
+    #[getter]
+    fn multipliers<'py>(&self, py: Python<'py>) -> Array1<'py, Complex<f64>> {
+        column(py, self.orbit.multipliers())
+    }
+
+    /// `stable`, `unstable`, `neutral` or `undecided`.
+    #[getter]
+    fn stability(&self) -> String {
+        self.orbit.stability().to_string()
+    }
+
+    /// The condition under which it is no motion of the machine.
+    #[getter]
+    fn violation(&self) -> Option<String> {
+        self.orbit.violation()
+    }
+
+    /// Numbers of a start on it.
+    #[getter]
+    fn start(&self) -> Numbers {
+        self.orbit.start().numbers()
+    }
+
+    /// A measure over a period.
+    fn measure(&self, name: &str) -> PyResult<f64> {
+        let measure = measure_of(name)?;
+        Ok(self.orbit.measure(&measure).map_err(Failure::from)?)
+    }
+
+    /// Energies a period by element, J; none where no motion stays on the orbit.
+    fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
+        Ok(self.orbit.energies().map_err(Failure::from)?)
+    }
+}
+
+/// A measure, or the largest value of a quantity.
+fn measure_of(name: &str) -> Result<Measure, Failure> {
+    match name.parse::<Measure>() {
+        Ok(measure) => Ok(measure),
+        Err(error) => Ok(name.parse::<QuantityName>().map(Measure::Maximum).map_err(|_| error)?),
+    }
+}
+
+/// The orbit on which a motion settles.
+#[pyfunction]
+#[pyo3(signature = (machine, start, settle, section, progress = None))]
+pub fn assembly_orbit(
+    py: Python<'_>,
+    machine: &Described,
+    start: Numbers,
+    settle: u32,
+    section: Option<SectionChoice>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<AssemblyOrbit> {
+    let (start, machine) = (machine.start_of(&start)?, machine.machine(section));
+    compute(py, progress, move |_| {
+        Ok(AssemblyOrbit { orbit: Orbit::settled(&machine, &start, settle)?, machine })
+    })
+}
+
+/// A branch of orbits along a parameter.
+#[derive(IntoPyObject)]
+pub struct AssemblyBranchArrays<'py> {
+    parent: Option<(usize, usize)>,
+    word: String,
+    periods: Option<u32>,
+    closed: bool,
+    value: Array1<'py, f64>,
+    period: Array1<'py, f64>,
+    multipliers: Vec<Array1<'py, Complex<f64>>>,
+    stability: Vec<String>,
+    stable: Array1<'py, bool>,
+    labels: Vec<&'static str>,
+    elements: Vec<String>,
+    measure: Array1<'py, f64>,
+}
+
+/// A branch with a measure of each of its orbits.
+struct Measured {
+    branch: Branch,
+    values: Vec<f64>,
+}
+
+fn measured(branch: Branch, measure: &Measure, control: &Control) -> Result<Measured, Failure> {
+    let value = |point| {
+        control.check()?;
+        let orbit = branch.orbit(point);
+        Ok(orbit.and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN))
+    };
+    let values = branch.points.iter().map(value).collect::<Result<_, Failure>>()?;
+    Ok(Measured { branch, values })
+}
+
+fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<AssemblyBranchArrays<'py>> {
+    let Measured { branch, values } = found;
+    let points = &branch.points;
+    let place = family.place(points[0].value).map_err(Failure::from)?;
+    let special = |of: fn(&vibro_orbits::assembly::Special) -> String| -> Vec<String> {
+        points.iter().map(|p| p.special.as_ref().map_or_else(String::new, of)).collect()
+    };
+    let numbers =
+        |of: fn(&vibro_orbits::assembly::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
+    let stable: Vec<bool> = points.iter().map(|p| p.stability == Stability::Stable).collect();
+    Ok(AssemblyBranchArrays {
+        parent: branch.parent,
+        word: branch.word().in_words(&place.assembly),
+        periods: branch.word().periods,
+        closed: branch.closed,
+        value: column(py, &numbers(|p| p.value)),
+        period: column(py, &numbers(|p| p.period)),
+        multipliers: points.iter().map(|p| column(py, &p.multipliers)).collect(),
+        stability: points.iter().map(|p| p.stability.to_string()).collect(),
+        stable: column(py, &stable),
+        labels: points.iter().map(|p| p.special.as_ref().map_or("", |s| s.kind.name())).collect(),
+        elements: special(|s| s.element.clone()),
+        measure: column(py, &values),
+    })
+}
+
+/// The branch of an orbit over a range of a parameter, in both directions.
+#[pyfunction]
+#[pyo3(signature = (orbit, name, ends, of, progress = None))]
+pub fn follow_assembly_orbit<'py>(
+    py: Python<'py>,
+    orbit: &AssemblyOrbit,
+    name: &str,
+    ends: (f64, f64),
+    of: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<AssemblyBranchArrays<'py>> {
+    let (measure, own) = (measure_of(of)?, orbit.orbit.clone());
+    measure.check(&orbit.machine.description).map_err(Failure::from)?;
+    let family = Family::new(&orbit.machine, name, ends).map_err(Failure::from)?;
+    let along = family.clone();
+    let found = compute(py, progress, move |control| {
+        measured(branch(&along, &own, &PathOptions::default())?, &measure, control)
+    })?;
+    arrays(py, &family, found)
+}
+
+/// All branches over a range of a parameter that settled motions and special points lead to.
+#[pyfunction]
+#[pyo3(signature = (machine, name, ends, of, start, seeds, depth, settle, section, progress = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
+pub fn assembly_branches<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    name: &str,
+    ends: (f64, f64),
+    of: &str,
+    start: Numbers,
+    seeds: usize,
+    depth: u32,
+    settle: u32,
+    section: Option<SectionChoice>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<AssemblyBranchArrays<'py>>> {
+    let start: Start = machine.start_of(&start)?;
+    let (measure, machine) = (measure_of(of)?, machine.machine(section));
+    measure.check(&machine.description).map_err(Failure::from)?;
+    let family = Family::new(&machine, name, ends).map_err(Failure::from)?;
+    let along = family.clone();
+    let options = TreeOptions { start, seeds, depth, discard: settle, path: PathOptions::default() };
+    let found = compute(py, progress, move |control| {
+        let mut count = 0;
+        let branches = tree(&along, &options, &mut |done, all| {
+            control.expect(all);
+            control.add(done - count);
+            count = done;
+            !control.is_cancelled()
+        })?;
+        control.check()?;
+        branches
+            .into_iter()
+            .map(|branch| measured(branch, &measure, control))
+            .collect::<Result<Vec<_>, Failure>>()
+    })?;
+    found.into_iter().map(|found| arrays(py, &family, found)).collect()
+}
