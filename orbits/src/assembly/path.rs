@@ -42,6 +42,8 @@ const TURN: f64 = 1e-4;
 /// parts of the arc.
 const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 const NODE_STEP: f64 = 0.02;
+/// Most steps towards such a zero.
+const MOST_SECANTS: usize = 3;
 /// Part of the arc to a touch at which its multipliers are taken, on this side of it.
 const BEFORE: f64 = 1.0 - 1e-7;
 
@@ -280,11 +282,14 @@ impl Follower<'_> {
             return Err(Obstacle::NoConvergence);
         }
         let (mut next, mut arc, mut end, mut special) = (self.look(next)?, step, None, None);
-        if let Some((condition, at)) = self.broken(last, &next, step, leaves)? {
+        if let Some((condition, at, found)) = self.broken(last, &next, step, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
-            let before = self.look(self.at(last, at * BEFORE)?);
-            let own = self.look(self.at(last, at)?)?;
+            let before = self.at(last, at * BEFORE).and_then(|before| self.look(before));
+            let own = match found {
+                Some(own) => own,
+                None => self.look(self.at(last, at)?)?,
+            };
             // A touch has multipliers on this side of it.
             next = match before {
                 Ok(before) => {
@@ -368,19 +373,20 @@ impl Follower<'_> {
         )))
     }
 
-    /// The first condition that ceases to hold in a step, with its arc.
+    /// The first condition that ceases to hold in a step, with its arc, and the position there where
+    /// it is not solved for.
     fn broken(
         &self,
         last: &Position,
         next: &Position,
         arc: f64,
         leaves: bool,
-    ) -> Result<Option<(Condition, f64)>, Obstacle> {
+    ) -> Result<Option<(Condition, f64, Option<Position>)>, Obstacle> {
         let fails = |(condition, value): &&(Condition, f64)| match condition {
             Condition::Stays { .. } => *value < -ROUNDING,
             _ => *value <= 0.0,
         };
-        let mut first: Option<(Condition, f64)> = None;
+        let mut first: Option<(Condition, f64, Option<Position>)> = None;
         for (condition, after) in next.conditions.iter().filter(fails) {
             let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
             if before <= 0.0 {
@@ -388,7 +394,7 @@ impl Follower<'_> {
                 if leaves {
                     return Err(Obstacle::NoConvergence);
                 }
-                first = Some((*condition, 0.0));
+                first = Some((*condition, 0.0, None));
                 continue;
             }
             let value = |s: f64| {
@@ -397,9 +403,17 @@ impl Follower<'_> {
                 let cycle = self.problem.cycle(&place, &at.u)?;
                 Ok(value_of(&cycle.conditions(&self.problem.word), *condition).unwrap_or(1.0))
             };
-            let at = zero(&value, arc, (before, *after), LOCATION).ok_or(Obstacle::NoConvergence)?;
-            if first.is_none_or(|(_, s)| at < s) {
-                first = Some((*condition, at));
+            let (at, own) = match zero(&value, arc, (before, *after), LOCATION) {
+                Some(at) => (at, None),
+                // Two events that vanish together leave singular equations.
+                None => {
+                    let of = |at: &Position| value_of(&at.conditions, *condition).unwrap_or(1.0);
+                    let (at, own) = self.between_points(last, arc, (before, *after), &of)?;
+                    (at, Some(own))
+                }
+            };
+            if first.as_ref().is_none_or(|(_, s, _)| at < *s) {
+                first = Some((*condition, at, own));
             }
         }
         Ok(first)
@@ -420,7 +434,8 @@ impl Follower<'_> {
                 continue;
             }
             if test == Test::Crossing {
-                let (at, position) = self.crossing(last, arc, ends)?;
+                let crossing = |at: &Position| Test::Crossing.of(at, last);
+                let (at, position) = self.between_points(last, arc, ends, &crossing)?;
                 found.push((at, self.point(&position, Some(Special::of(test.label())))));
                 continue;
             }
@@ -449,14 +464,20 @@ impl Follower<'_> {
         Ok(points)
     }
 
-    /// A crossing of branches in a step. The equations are singular there, so that no point next to
-    /// it is solved for: the test and the unknowns are interpolated from points on both sides.
-    fn crossing(&self, last: &Position, arc: f64, ends: (f64, f64)) -> Result<(f64, Position), Obstacle> {
-        let test = |at: &Position| Test::Crossing.of(at, last);
+    /// A zero of a test in a step at which the equations are singular, as at a crossing of branches,
+    /// so that no point next to it is solved for: the test and the unknowns are interpolated from
+    /// points on both sides.
+    fn between_points(
+        &self,
+        last: &Position,
+        arc: f64,
+        ends: (f64, f64),
+        test: &dyn Fn(&Position) -> f64,
+    ) -> Result<(f64, Position), Obstacle> {
         // Secant steps that keep away from the ends.
         let mut near = arc * (ends.0 / (ends.0 - ends.1)).clamp(0.1, 0.9);
         let mut nodes: Vec<(f64, Position)> = Vec::new();
-        for _ in 0..3 {
+        for _ in 0..MOST_SECANTS {
             nodes.clear();
             for k in NODES {
                 let s = near + k * NODE_STEP * arc;
@@ -480,8 +501,7 @@ impl Follower<'_> {
         let size = last.u.len();
         let u = DVector::from_fn(size, |i, _| of(&|at| at.u[i]));
         let tangent = DVector::from_fn(size, |i, _| of(&|at| at.tangent[i])).normalize();
-        let position = self.look(CurvePoint { u, tangent, steps: 3 })?;
-        Ok((near, position))
+        Ok((near, self.look(CurvePoint { u, tangent, steps: 3 })?))
     }
 
     /// Whether a step passes the first point of the path again.
