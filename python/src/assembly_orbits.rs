@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use vibro_analysis::assembly::{Machine, Measure, QuantityName, named};
 use vibro_assembly::Start;
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Branch, Family, Orbit, Stability, TreeOptions, branch, tree};
+use vibro_orbits::assembly::{Branch, Family, Orbit, Stability, TreeOptions, branch, check_measure, tree};
 
 /// A periodic orbit of a described machine.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -182,7 +182,7 @@ pub fn follow_assembly_orbit<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyBranchArrays<'py>> {
     let (measure, own) = (measure_of(of)?, orbit.orbit.clone());
-    measure.check(&orbit.machine.description).map_err(Failure::from)?;
+    check_measure(&measure, &orbit.machine.description).map_err(Failure::from)?;
     let family = Family::new(&orbit.machine, name, ends).map_err(Failure::from)?;
     let along = family.clone();
     let found = compute(py, progress, move |control| {
@@ -210,7 +210,7 @@ pub fn assembly_branches<'py>(
 ) -> PyResult<Vec<AssemblyBranchArrays<'py>>> {
     let start: Start = machine.start_of(&start)?;
     let (measure, machine) = (measure_of(of)?, machine.machine(section));
-    measure.check(&machine.description).map_err(Failure::from)?;
+    check_measure(&measure, &machine.description).map_err(Failure::from)?;
     let family = Family::new(&machine, name, ends).map_err(Failure::from)?;
     let along = family.clone();
     let options = TreeOptions { start, seeds, depth, discard: settle, path: PathOptions::default() };

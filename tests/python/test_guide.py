@@ -22,7 +22,7 @@ SAME_PICTURE = 0.02
 
 
 def blocks(page):
-    return re.findall(r"```(\w*)\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
+    return re.findall(r"```(\w*)[^\n]*\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
 
 
 def run(page, folder):

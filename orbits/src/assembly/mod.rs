@@ -10,6 +10,8 @@
 
 mod branch;
 mod cycle;
+mod examined;
+mod location;
 mod orbit;
 mod path;
 mod place;
@@ -24,6 +26,7 @@ mod tests;
 
 pub use branch::{Branch, Kind, OrbitPoint, Special};
 pub use cycle::{Condition, Leg};
+pub use examined::check_measure;
 pub use orbit::{Orbit, Stability};
 pub use place::{Family, Place};
 pub use tree::{TreeOptions, branch, tree};

@@ -5,20 +5,16 @@ use super::cycle::{Condition, Cycle, Leg, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::seed::Seed;
-use super::word::{Letter, Word};
+use super::word::Word;
 use crate::curve::Equations;
 use crate::obstacle::Obstacle;
 use crate::orbit::STEP_STALLED;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
-use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
-use vibro_analysis::assembly::{Measure, QuantityName, Watcher};
-use vibro_analysis::{Error, Result};
-use vibro_assembly::elements::Action;
-use vibro_assembly::motion::{Event, EventKind, Reached, keep};
+use vibro_analysis::Error;
+use vibro_assembly::Start;
+use vibro_assembly::motion::keep;
 use vibro_assembly::start::BodyStart;
-use vibro_assembly::system::Part;
-use vibro_assembly::{Motion, Quantity, Start};
 
 /// Largest number of Newton steps.
 const STEPS: usize = 60;
@@ -32,8 +28,6 @@ const ROUNDING: f64 = 1e-12;
 const MARGIN: f64 = 1e-6;
 /// Relative singular value of the equations below which there is a family of orbits.
 const FAMILY: f64 = 1e-11;
-/// Largest multiplier with which a motion stays on its orbit for a period, but for rounding.
-const STAYS: f64 = 1e6;
 /// Largest difference of states and times, in their units, of one orbit.
 const SAME: f64 = 1e-6;
 /// Sweeps of the Schur decomposition by multiplier.
@@ -68,9 +62,9 @@ impl std::fmt::Display for Stability {
 pub struct Orbit {
     pub(super) problem: Problem,
     pub(super) u: DVector<f64>,
-    place: Arc<Place>,
-    cycle: Cycle,
-    numbers: Numbers,
+    pub(super) place: Arc<Place>,
+    pub(super) cycle: Cycle,
+    pub(super) numbers: Numbers,
     /// Largest first; those that are 1 by theory come last.
     multipliers: Vec<Complex<f64>>,
     /// Number of multipliers that are 1 by theory.
@@ -363,153 +357,6 @@ impl Orbit {
         };
         m == 0 || (0..m).any(|k| self.word().rotated(k) == *other.word() && is_near(k))
     }
-
-    /// Follows each flight by the machine's own motion from its middle to its event: the largest
-    /// difference of an event's time, s.
-    ///
-    /// # Errors
-    /// [`Error::Described`] where the machine has another event or goes on in another mode.
-    pub fn check_by_motion(&self) -> Result<f64> {
-        let own = 2 * self.place.assembly.system().coordinates;
-        let mut largest: f64 = 0.0;
-        for (k, leg) in self.legs().iter().enumerate() {
-            let (time, z) = middle(&self.place, leg);
-            let mut motion =
-                Motion::from_state(self.place.assembly.clone(), time, &z[..own])?.without_energy_accounts();
-            let end = leg.time + leg.span;
-            let Some(letter) = self.word().letters.get((k + 1) % self.legs().len()) else {
-                let mut events = 0;
-                motion.advance_observed(time + self.period(), &mut |_| events += 1)?;
-                return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an event")) };
-            };
-            if motion.mode() != &letter.modes[0] {
-                return Err(self.differs(time, "is in another mode"));
-            }
-            let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
-            if reached != Reached::Event || motion.due() != Some(letter.watch) {
-                return Err(self.differs(end, "has another event"));
-            }
-            largest = largest.max((motion.time() - end).abs());
-            let mut events: Vec<Event> = Vec::new();
-            motion.apply_event(&mut |event| events.push(event.clone()))?;
-            if motion.mode() != &letter.modes[1] || (Letter { events, ..letter.clone() }) != *letter {
-                return Err(self.differs(end, "goes on otherwise"));
-            }
-        }
-        Ok(largest)
-    }
-
-    fn differs(&self, time: f64, how: &str) -> Error {
-        let words = self.word().in_words(&self.place.assembly);
-        Error::Described { problem: format!("at t = {time} s the machine {how} than the orbit [{words}]") }
-    }
-
-    /// Passes a period of the orbit to observers.
-    pub fn observe(&self, observers: &mut [&mut dyn Observer]) {
-        let (system, count) = (self.place.assembly.system(), self.legs().len());
-        for (k, leg) in self.legs().iter().enumerate() {
-            if let Some((time, z)) = &leg.run {
-                let own = 2 * system.coordinates;
-                let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
-                // The run was followed before, from this state.
-                if let Ok(motion) = motion {
-                    let mut motion = motion.without_energy_accounts();
-                    let _ = follow(&mut motion, &mut Flows::default(), leg.time, observers, &mut |_| false);
-                }
-            }
-            let flight =
-                ObservedFlight { time: leg.time, flow: &leg.flow, start: &leg.states[0], span: leg.span };
-            observers.iter_mut().for_each(|o| o.flight(system, flight));
-            let Some(letter) = self.word().letters.get((k + 1) % count) else { continue };
-            let next = self.legs().get(k + 1);
-            let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);
-            let flow = &self.legs()[(k + 1) % count].flow;
-            let time = leg.time + leg.span;
-            let events = present(letter, system, &leg.states[1], time);
-            let passage = Passage {
-                time,
-                watch: Some(letter.watch),
-                flows: [&leg.flow, flow],
-                states: [&leg.states[1], after],
-                events: &events,
-                lost: 0.0,
-            };
-            observers.iter_mut().for_each(|o| o.passage(system, passage));
-        }
-    }
-
-    /// The events of a period, with their present times and speeds.
-    pub fn events(&self) -> Vec<Event> {
-        let (system, count) = (self.place.assembly.system(), self.legs().len());
-        let at = |(k, letter): (usize, &Letter)| {
-            let before = &self.legs()[(k + count - 1) % count];
-            present(letter, system, &before.states[1], self.numbers.times[k])
-        };
-        self.word().letters.iter().enumerate().flat_map(at).collect()
-    }
-
-    /// Extrema and mean squares of quantities over a period, and the contacts of stops.
-    pub fn watched(&self, quantities: &[Quantity]) -> Watcher {
-        let stops = self.place.assembly.system().stops.len();
-        let mut watcher = Watcher::of(quantities, stops);
-        self.observe(&mut [&mut watcher]);
-        watcher
-    }
-}
-
-impl Orbit {
-    /// A measure over a period; impacts count by common period of the drive, or by period of an
-    /// autonomous machine.
-    ///
-    /// # Errors
-    /// [`Error::Described`] for a name that the machine does not have, and for powers, class and
-    /// exponent, which are no measures of an orbit's curve.
-    pub fn measure(&self, measure: &Measure) -> Result<f64> {
-        let d = &self.place.assembly.description;
-        measure.check(d)?;
-        let name = measure.quantity();
-        let places = name.into_iter().map(|q| Ok(q.find(d)?.quantity)).collect::<Result<Vec<_>>>()?;
-        let names: Vec<&QuantityName> = name.into_iter().collect();
-        let times = (f64::from(self.word().periods.unwrap_or(1)), self.period());
-        self.watched(&places).number(measure, d, &names, times).ok_or_else(|| Error::Described {
-            problem: format!(
-                "{measure}: no measure of an orbit; allowed are amplitudes, extrema, mean squares and contacts"
-            ),
-        })
-    }
-
-    /// The energy that each load puts in and that each other element takes, J a period, by name:
-    /// the accounts of the machine's own motion over a period. `None` where the orbit is too
-    /// unstable for a motion to stay on it.
-    ///
-    /// # Errors
-    /// As [`Motion::advance_to`].
-    pub fn energies(&self) -> Result<Option<Vec<(String, f64)>>> {
-        if self.spectral_radius() > STAYS {
-            return Ok(None);
-        }
-        let (assembly, (time, state)) = (&self.place.assembly, self.middle_state());
-        let mut motion = Motion::from_state(assembly.clone(), time, &state)?;
-        motion.advance_to(time + self.period())?;
-        let accounts = motion.energy();
-        let mut all: Vec<(String, f64)> = Vec::new();
-        for (element, parts) in assembly.description.elements().zip(&assembly.system().parts) {
-            let energy: f64 = parts
-                .iter()
-                .map(|part| match *part {
-                    Part::Spring(i) => accounts.dashpots[i].value(),
-                    Part::Stop(i) => accounts.stops[i].value(),
-                    Part::Friction(i) => accounts.frictions[i].value(),
-                    Part::Load(i) => accounts.loads[i].value(),
-                })
-                .sum();
-            if element.action() != Action::Tying {
-                all.push((element.dotted(), energy));
-            }
-        }
-        all.push(("impacts of all rigid stops".into(), accounts.impacts.value()));
-        Ok(Some(all))
-    }
 }
 
 /// Whether two words have the same events, from some event on.
@@ -518,7 +365,7 @@ pub(super) fn same_word(a: &Word, b: &Word) -> bool {
 }
 
 /// Time and augmented state in the middle of a flight, on the contacts that are held.
-fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
+pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
     let half = leg.flow.propagator(0.5 * leg.span) * DVector::from_column_slice(&leg.states[0]);
     let (time, mut z) = (leg.time + 0.5 * leg.span, half.as_slice().to_vec());
     let system = place.assembly.system();
@@ -536,44 +383,6 @@ fn has_losses(place: &Place) -> bool {
             Some(restitution) => restitution < 1.0,
             None => stop.force != stop.spring,
         })
-}
-
-/// The reports of a letter with the speeds and impulses of a state before it.
-fn present(
-    letter: &Letter,
-    system: &vibro_assembly::system::System,
-    before: &[f64],
-    time: f64,
-) -> Vec<Event> {
-    let mut z = before.to_vec();
-    let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
-    let mut events = Vec::new();
-    for (i, event) in letter.events.iter().enumerate() {
-        let rate = |z: &[f64], stop: usize| dot(system.stops[stop].elongation.rate.as_slice(), z);
-        let kind = match event.kind {
-            EventKind::Impact { stop, stops, .. } => {
-                let speed = rate(&z, stop);
-                let compliance = system.stops[stop].elongation.w.dot(&system.stops[stop].elongation.mobility);
-                let restitution = system.stops[stop].restitution().filter(|_| !closes(stop)).unwrap_or(0.0);
-                let impulse = if compliance > 0.0 { (1.0 + restitution) * speed / compliance } else { 0.0 };
-                // The stops of one impact are hit together; the state moves on after the last.
-                let last = letter
-                    .events
-                    .get(i + 1)
-                    .is_none_or(|next| !matches!(next.kind, EventKind::Impact { .. }));
-                if last {
-                    let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };
-                    z = before.to_vec();
-                    own.apply(system, [&mut z[..]]);
-                }
-                EventKind::Impact { stop, speed, impulse, stops }
-            }
-            EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
-            kind => kind,
-        };
-        events.push(Event { time, kind });
-    }
-    events
 }
 
 impl Condition {

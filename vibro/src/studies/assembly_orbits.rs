@@ -13,7 +13,7 @@ use vibro_assembly::Motion;
 use vibro_assembly::motion::EventKind;
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
-use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability};
+use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability, check_measure};
 
 /// Special points beyond which the picture marks only those where stability changes.
 const MARKED: usize = 150;
@@ -38,7 +38,7 @@ pub fn assembly_orbits(
     measure: &Measure,
     name: &str,
 ) -> Result<Study> {
-    measure.check(&machine.description)?;
+    check_measure(measure, &machine.description)?;
     let value = |branch: &Branch, point: &OrbitPoint| {
         branch.orbit(point).and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN)
     };

@@ -14,6 +14,7 @@ fn home(name: &str) -> PathBuf {
 }
 
 /// The numbers of a table that a command has written; NaN for a cell that is no number.
+#[allow(dead_code)] // Each test program uses its share of these.
 pub fn rows(name: &str, table: &str) -> Vec<Vec<f64>> {
     let mut reader = csv::Reader::from_path(home(name).join(table)).expect("a table");
     let number = |cell: &str| cell.parse().unwrap_or(f64::NAN);

@@ -15,7 +15,7 @@ use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::assembly::{Machine, Measure};
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, tree};
+use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, check_measure, tree};
 
 /// The measure of `--of`: a measure, or the largest value of a quantity.
 fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
@@ -24,7 +24,7 @@ fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
         Ok(measure) => measure,
         Err(error) => of.parse().map(Measure::Maximum).map_err(|_| error)?,
     };
-    measure.check(&machine.description)?;
+    check_measure(&measure, &machine.description)?;
     Ok(measure)
 }
 

@@ -1,0 +1,210 @@
+//! An orbit examined: against the machine's own motion, by its events, measures and energies.
+
+use super::orbit::{Orbit, middle};
+use super::word::Letter;
+use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
+use vibro_analysis::assembly::{Measure, QuantityName, Watcher};
+use vibro_analysis::{Error, Result};
+use vibro_assembly::description::Description;
+use vibro_assembly::elements::Action;
+use vibro_assembly::motion::{Event, EventKind, Reached};
+use vibro_assembly::system::{Part, System};
+use vibro_assembly::{Motion, Quantity};
+
+/// Largest multiplier with which a motion stays on its orbit for a period, but for rounding.
+const STAYS: f64 = 1e6;
+
+impl Orbit {
+    /// Follows each flight by the machine's own motion from its middle to its event: the largest
+    /// difference of an event's time, s.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where the machine has another event or goes on in another mode.
+    pub fn check_by_motion(&self) -> Result<f64> {
+        let own = 2 * self.place.assembly.system().coordinates;
+        let mut largest: f64 = 0.0;
+        for (k, leg) in self.legs().iter().enumerate() {
+            let (time, z) = middle(&self.place, leg);
+            let mut motion =
+                Motion::from_state(self.place.assembly.clone(), time, &z[..own])?.without_energy_accounts();
+            let end = leg.time + leg.span;
+            let Some(letter) = self.word().letters.get((k + 1) % self.legs().len()) else {
+                let mut events = 0;
+                motion.advance_observed(time + self.period(), &mut |_| events += 1)?;
+                return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an event")) };
+            };
+            if motion.mode() != &letter.modes[0] {
+                return Err(self.differs(time, "is in another mode"));
+            }
+            let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
+            if reached != Reached::Event || motion.due() != Some(letter.watch) {
+                return Err(self.differs(end, "has another event"));
+            }
+            largest = largest.max((motion.time() - end).abs());
+            let mut events: Vec<Event> = Vec::new();
+            motion.apply_event(&mut |event| events.push(event.clone()))?;
+            if motion.mode() != &letter.modes[1] || (Letter { events, ..letter.clone() }) != *letter {
+                return Err(self.differs(end, "goes on otherwise"));
+            }
+        }
+        Ok(largest)
+    }
+
+    fn differs(&self, time: f64, how: &str) -> Error {
+        let words = self.word().in_words(&self.place.assembly);
+        Error::Described { problem: format!("at t = {time} s the machine {how} than the orbit [{words}]") }
+    }
+
+    /// Passes a period of the orbit to observers.
+    pub fn observe(&self, observers: &mut [&mut dyn Observer]) {
+        let (system, count) = (self.place.assembly.system(), self.legs().len());
+        for (k, leg) in self.legs().iter().enumerate() {
+            if let Some((time, z)) = &leg.run {
+                let own = 2 * system.coordinates;
+                let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
+                // The run was followed before, from this state.
+                if let Ok(motion) = motion {
+                    let mut motion = motion.without_energy_accounts();
+                    let _ = follow(&mut motion, &mut Flows::default(), leg.time, observers, &mut |_| false);
+                }
+            }
+            let flight =
+                ObservedFlight { time: leg.time, flow: &leg.flow, start: &leg.states[0], span: leg.span };
+            observers.iter_mut().for_each(|o| o.flight(system, flight));
+            let Some(letter) = self.word().letters.get((k + 1) % count) else { continue };
+            let next = self.legs().get(k + 1);
+            let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);
+            let flow = &self.legs()[(k + 1) % count].flow;
+            let time = leg.time + leg.span;
+            let events = present(letter, system, &leg.states[1], time);
+            let passage = Passage {
+                time,
+                watch: Some(letter.watch),
+                flows: [&leg.flow, flow],
+                states: [&leg.states[1], after],
+                events: &events,
+                lost: 0.0,
+            };
+            observers.iter_mut().for_each(|o| o.passage(system, passage));
+        }
+    }
+
+    /// The events of a period, with their present times and speeds.
+    pub fn events(&self) -> Vec<Event> {
+        let (system, count) = (self.place.assembly.system(), self.legs().len());
+        let at = |(k, letter): (usize, &Letter)| {
+            let before = &self.legs()[(k + count - 1) % count];
+            present(letter, system, &before.states[1], self.numbers.times[k])
+        };
+        self.word().letters.iter().enumerate().flat_map(at).collect()
+    }
+
+    /// Extrema and mean squares of quantities over a period, and the contacts of stops.
+    pub fn watched(&self, quantities: &[Quantity]) -> Watcher {
+        let stops = self.place.assembly.system().stops.len();
+        let mut watcher = Watcher::of(quantities, stops);
+        self.observe(&mut [&mut watcher]);
+        watcher
+    }
+}
+
+impl Orbit {
+    /// A measure over a period; impacts count by common period of the drive, or by period of an
+    /// autonomous machine.
+    ///
+    /// # Errors
+    /// [`Error::Described`] for a name that the machine does not have, and for powers, class and
+    /// exponent, which are no measures of an orbit's curve.
+    pub fn measure(&self, measure: &Measure) -> Result<f64> {
+        let d = &self.place.assembly.description;
+        check_measure(measure, d)?;
+        let name = measure.quantity();
+        let places = name.into_iter().map(|q| Ok(q.find(d)?.quantity)).collect::<Result<Vec<_>>>()?;
+        let names: Vec<&QuantityName> = name.into_iter().collect();
+        let times = (f64::from(self.word().periods.unwrap_or(1)), self.period());
+        Ok(self.watched(&places).number(measure, d, &names, times).unwrap_or(0.0))
+    }
+
+    /// The energy that each load puts in and that each other element takes, J a period, by name:
+    /// the accounts of the machine's own motion over a period. `None` where the orbit is too
+    /// unstable for a motion to stay on it.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn energies(&self) -> Result<Option<Vec<(String, f64)>>> {
+        if self.spectral_radius() > STAYS {
+            return Ok(None);
+        }
+        let (assembly, (time, state)) = (&self.place.assembly, self.middle_state());
+        let mut motion = Motion::from_state(assembly.clone(), time, &state)?;
+        motion.advance_to(time + self.period())?;
+        let accounts = motion.energy();
+        let mut all: Vec<(String, f64)> = Vec::new();
+        for (element, parts) in assembly.description.elements().zip(&assembly.system().parts) {
+            let energy: f64 = parts
+                .iter()
+                .map(|part| match *part {
+                    Part::Spring(i) => accounts.dashpots[i].value(),
+                    Part::Stop(i) => accounts.stops[i].value(),
+                    Part::Friction(i) => accounts.frictions[i].value(),
+                    Part::Load(i) => accounts.loads[i].value(),
+                })
+                .sum();
+            if element.action() != Action::Tying {
+                all.push((element.dotted(), energy));
+            }
+        }
+        all.push(("impacts of all rigid stops".into(), accounts.impacts.value()));
+        Ok(Some(all))
+    }
+}
+
+/// Checks that a measure is one of an orbit's curve, of bodies and elements that a machine has.
+///
+/// # Errors
+/// [`Error::Described`] for a name that the machine does not have, and for powers, class and
+/// exponent.
+pub fn check_measure(measure: &Measure, d: &Description) -> Result<()> {
+    let is_other =
+        matches!(measure, Measure::Power(_) | Measure::PowerLost | Measure::Class | Measure::Exponent);
+    if is_other {
+        let problem = format!(
+            "{measure}: no measure of an orbit; allowed are amplitudes, extrema, mean squares and contacts"
+        );
+        return Err(Error::Described { problem });
+    }
+    measure.check(d)
+}
+
+/// The reports of a letter with the speeds and impulses of a state before it.
+fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<Event> {
+    let mut z = before.to_vec();
+    let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
+    let mut events = Vec::new();
+    for (i, event) in letter.events.iter().enumerate() {
+        let rate = |z: &[f64], stop: usize| dot(system.stops[stop].elongation.rate.as_slice(), z);
+        let kind = match event.kind {
+            EventKind::Impact { stop, stops, .. } => {
+                let speed = rate(&z, stop);
+                let compliance = system.stops[stop].elongation.w.dot(&system.stops[stop].elongation.mobility);
+                let restitution = system.stops[stop].restitution().filter(|_| !closes(stop)).unwrap_or(0.0);
+                let impulse = if compliance > 0.0 { (1.0 + restitution) * speed / compliance } else { 0.0 };
+                // The stops of one impact are hit together; the state moves on after the last.
+                let last = letter
+                    .events
+                    .get(i + 1)
+                    .is_none_or(|next| !matches!(next.kind, EventKind::Impact { .. }));
+                if last {
+                    let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };
+                    z = before.to_vec();
+                    own.apply(system, [&mut z[..]]);
+                }
+                EventKind::Impact { stop, speed, impulse, stops }
+            }
+            EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
+            kind => kind,
+        };
+        events.push(Event { time, kind });
+    }
+    events
+}
