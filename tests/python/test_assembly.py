@@ -57,8 +57,11 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
         machine.simulate(1.5, derivatives=["gravity", "gravity"])
     with pytest.raises(TypeError, match="allowed"):
         machine.simulate(1.5, derivatives="gravity")
-    with pytest.raises(KeyError, match="floor.impacts: has no derivative"):
-        run.derivative("floor.impacts", "stop.floor.gap")
+    for output in ("floor.impacts", "class"):
+        with pytest.raises(KeyError, match=f"{output}: has no derivative; allowed are ball.s"):
+            run.derivative(output, "stop.floor.gap")
+    with pytest.raises(ValueError, match="ball.s: no parameter has this name; valid are gravity, body.ball.mass"):
+        machine.simulate(1.5, derivatives=["ball.s"])
     with pytest.raises(KeyError, match="stop.floor.gap"):
         run.derivative("ball.s", "gravity")
     with pytest.raises(KeyError, match="none were asked for"):
