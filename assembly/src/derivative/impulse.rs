@@ -2,6 +2,7 @@
 
 use super::columns::Columns;
 use super::tangent::Tangent;
+use super::weights::Weights;
 use crate::motion::{Event, EventKind};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
@@ -150,6 +151,41 @@ impl Impulse {
             by.restitution * system.stops[self.stops[k]].elongation.rate.dot(before)
         };
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
+    }
+
+    /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes
+    /// that by the state before.
+    pub fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
+        let (n, [before, after]) = (system.coordinates, &self.states);
+        let rows = |k: usize| &system.stops[self.stops[k]].elongation;
+        let mut kick = state.rows(n, n).into_owned();
+        let moved = DVector::from_iterator(
+            self.stops.len(),
+            (0..self.stops.len()).map(|k| rows(k).mobility.dot(&kick)),
+        );
+        let by_demands = self.inverse.tr_mul(&moved);
+        for (k, &demand) in by_demands.iter().enumerate() {
+            let e = self.restitution[k];
+            kick.axpy(-demand, &rows(k).w, 1.0);
+            state.axpy(-demand * (1.0 + e), &rows(k).rate, 1.0);
+            let own = &mut weights.stops[self.stops[k]];
+            own.elongation.rate.axpy(-demand, after, 1.0);
+            own.elongation.rate.axpy(-demand * e, before, 1.0);
+            if !self.closes[k] {
+                own.restitution -= demand * rows(k).rate.dot(before);
+            }
+        }
+        let (kick, mut moved) = (system.inertia.solve(&kick), DVector::zeros(n));
+        for (k, &p) in self.impulses.iter().enumerate() {
+            weights.add_direction(self.stops[k], p, &kick);
+            moved.axpy(p, &rows(k).mobility, 1.0);
+        }
+        weights.add_mass(&kick, &moved);
+    }
+
+    /// Whether a stop was hit with restitution 0.
+    pub fn is_plastic(&self, system: &System) -> bool {
+        self.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0))
     }
 
     /// The stop that was hit with restitution 0 although this parameter varies it: the derivative
