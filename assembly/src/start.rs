@@ -253,26 +253,48 @@ impl Start {
 
 /// Derivatives of motions from a start.
 impl Start {
-    /// The motion from this start with its derivatives by parameters, and with the events at the
-    /// start reported to `observer`. From another start than the machine's own the state is fixed:
-    /// no parameter moves it but `body.NAME.start.s` and `body.NAME.start.v`, by which the
-    /// derivatives are those by this start.
+    /// What names of parameters and of the start's own numbers, `start.box.s` and `start.time`, are
+    /// in a motion from this start. From another start than the machine's own the state is fixed:
+    /// no parameter moves it, and `body.box.start.s` is `start.box.s`.
     ///
     /// # Errors
-    /// As [`motion`](Self::motion); [`Error::Refused`] for an unknown parameter, with the nearest
-    /// name.
+    /// A [`Refusal`] for an unknown name, with the nearest one.
+    pub fn columns(&self, assembly: &Assembly, names: &[&str]) -> Result<Vec<By>, Refusal> {
+        names.iter().map(|name| self.column(assembly, name)).collect()
+    }
+
+    fn column(&self, assembly: &Assembly, name: &str) -> Result<By, Refusal> {
+        let all = Self::names(assembly);
+        let place = |own: &str| all.iter().position(|name| name == own);
+        if let Some(own) = name.strip_prefix("start.") {
+            let refused = || {
+                let near = advice(own, all.iter().map(String::as_str).chain(["time"]));
+                Refusal::one(Problem::new(name, None, format!("no number of a start has this name; {near}")))
+            };
+            return if own == "time" { Ok(By::Time) } else { place(own).map(By::Start).ok_or_else(refused) };
+        }
+        let name = assembly.description.parameter(name)?.name;
+        let of_body = name.strip_prefix("body.").map(|name| name.replace(".start.", "."));
+        let own = of_body.filter(|_| !self.is_own() && name.contains(".start."));
+        Ok(own.and_then(|own| place(&own)).map_or(By::Parameter(name), By::Start))
+    }
+
+    /// The motion from this start with its derivatives by [`columns`](Self::columns), and with the
+    /// events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion) and [`columns`](Self::columns).
     pub fn differentiated(
         &self,
         assembly: Arc<Assembly>,
-        parameters: &[&str],
+        names: &[&str],
         observer: &mut VariedObserver,
     ) -> Result<Differentiated, Error> {
+        let columns = self.columns(&assembly, names)?;
         if self.is_own() {
-            return Differentiated::new_observed(assembly, parameters, observer);
+            return Differentiated::new_observed(assembly, &columns, observer);
         }
         let state = self.state(&assembly)?;
-        let columns = parameters.iter().map(|name| column(&assembly, name));
-        let columns = columns.collect::<Result<Vec<By>, Refusal>>()?;
         let begun =
             Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
         begun.map_err(|error| in_words(&assembly, self.time, error))
@@ -292,18 +314,6 @@ impl Start {
         let begun = Differentiated::from_state(assembly.clone(), self.time, &state, &columns);
         begun.map_err(|error| in_words(&assembly, self.time, error))
     }
-}
-
-/// What a parameter is the name of in a motion from a state.
-fn column(assembly: &Assembly, name: &str) -> Result<By, Refusal> {
-    let name = assembly.description.parameter(name)?.name;
-    let of = &assembly.system.bodies_of;
-    let number = |(k, &body): (usize, &usize)| {
-        let own = format!("body.{}.start", assembly.description.bodies[body].name);
-        let key = name.strip_prefix(&own)?;
-        [".s", ".v"].iter().position(|own| *own == key).map(|order| By::Start(order * of.len() + k))
-    };
-    Ok(of.iter().enumerate().find_map(number).unwrap_or(By::Parameter(name)))
 }
 
 /// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.

@@ -1,6 +1,7 @@
 //! Starts from a state: a motion continues from its own state, and bad states are refused.
 
 use std::sync::Arc;
+use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Event;
 use vibro_assembly::{Assembly, Error, Motion, Start, file};
 
@@ -209,6 +210,17 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
             assert!(one.is_some() && one == other, "{quantity:?} by {}: {one:?} {other:?}", names[p]);
         }
     }
-    let unknown = start.differentiated(machine(), &["stop.wal.gap"], &mut |_, _| ()).err().unwrap();
-    assert!(unknown.to_string().contains("the nearest is `stop.wall.gap`"), "{unknown}");
+    // The start's own names.
+    let own = ["start.block.s", "start.block.v", "start.time"];
+    let columns = start.columns(&machine(), &own).unwrap();
+    assert_eq!(columns, [By::Start(0), By::Start(1), By::Time]);
+    assert_eq!(Start::default().columns(&of_file, &own).unwrap(), columns);
+    assert_eq!(start.columns(&of_file, &names[..2]).unwrap(), columns[..2]);
+    for (name, words) in [
+        ("stop.wal.gap", "the nearest is `stop.wall.gap`"),
+        ("start.blck.v", "start.blck.v: no number of a start has this name; the nearest is `block.v`"),
+    ] {
+        let unknown = start.differentiated(machine(), &[name], &mut |_, _| ()).err().unwrap().to_string();
+        assert!(unknown.contains(words), "{unknown}");
+    }
 }
