@@ -30,4 +30,5 @@ mod weights;
 pub use by::By;
 pub use differentiated::{Differentiated, VariedObserver};
 pub use gradient::Gradient;
+pub(crate) use impulse::Impulse;
 pub use lost::{Cause, Lost};
