@@ -55,10 +55,10 @@ fn second_method_derivatives_from_now_on_are_those_from_the_state() {
         }
         assert!(events > 1, "{events}");
         for quantity in machine().description.quantities() {
-            for p in 0..columns.len() {
+            for (p, name) in columns.iter().enumerate() {
                 let (a, b) = (own.derivative(quantity, p), other.derivative(quantity, p));
                 let near = a.zip(b).is_some_and(|(a, b)| (a - b).abs() <= ROUNDING * (1.0 + a.abs()));
-                assert!(near, "{quantity:?} by {}: {a:?} {b:?} {:?}", columns[p], own.lost(p));
+                assert!(near, "{quantity:?} by {name}: {a:?} {b:?} {:?}", own.lost(p));
             }
         }
     }

@@ -134,7 +134,7 @@ fn what_a_start_does_not_name_is_the_machines_own() {
     );
     // A machine that starts at rest keeps its equilibrium elsewhere.
     let at_rest = described(
-        &"name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
+        "name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
          [body.b]\nmass = 1.0\n[spring.a]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
          [spring.b]\nbetween = [\"ground\", \"b\"]\nstiffness = 800.0\n",
     );
@@ -205,9 +205,9 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
     given.advance_observed(0.5, &mut tell).unwrap();
     assert!(times.len() > 2 && times == again, "{times:?} {again:?}");
     for quantity in of_file.description.quantities() {
-        for p in 0..names.len() {
+        for (p, name) in names.iter().enumerate() {
             let (one, other) = (own.derivative(quantity, p), given.derivative(quantity, p));
-            assert!(one.is_some() && one == other, "{quantity:?} by {}: {one:?} {other:?}", names[p]);
+            assert!(one.is_some() && one == other, "{quantity:?} by {name}: {one:?} {other:?}");
         }
     }
     // The start's own names.
