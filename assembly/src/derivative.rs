@@ -7,22 +7,28 @@
 //! `rest` begin them. A [`Differentiated`] motion puts these together. It drives an ordinary
 //! [`Motion`](crate::Motion), which has the bits that it has alone.
 
+mod adjoint;
 mod bodies;
 mod by;
 mod columns;
 mod crossing;
 mod differentiated;
 mod flight;
+mod gradient;
 mod impulse;
 mod jump;
 mod lost;
 mod machine;
 mod mode;
+mod passed;
 mod rest;
 mod start;
 mod tangent;
 mod values;
+mod weights;
 
 pub use by::By;
 pub use differentiated::{Differentiated, VariedObserver};
+pub use gradient::Gradient;
+pub(crate) use impulse::Impulse;
 pub use lost::{Cause, Lost};

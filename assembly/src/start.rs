@@ -1,8 +1,9 @@
 //! Starts: a time, and coordinates and rates of bodies by name, from which a motion begins instead
 //! of the machine's own start.
 
+mod derivatives;
+
 use crate::assembly::Assembly;
-use crate::derivative::{By, Differentiated, VariedObserver};
 use crate::description::{Body, BodyKind, Description, Dimension};
 use crate::elements::Element;
 use crate::error::Error;
@@ -249,61 +250,6 @@ impl Start {
         let begun = Motion::from_state_observed(assembly.clone(), self.time, &state, observer);
         begun.map_err(|error| in_words(&assembly, self.time, error))
     }
-}
-
-/// Derivatives of motions from a start.
-impl Start {
-    /// The motion from this start with its derivatives by parameters, and with the events at the
-    /// start reported to `observer`. From another start than the machine's own the state is fixed:
-    /// no parameter moves it but `body.NAME.start.s` and `body.NAME.start.v`, by which the
-    /// derivatives are those by this start.
-    ///
-    /// # Errors
-    /// As [`motion`](Self::motion); [`Error::Refused`] for an unknown parameter, with the nearest
-    /// name.
-    pub fn differentiated(
-        &self,
-        assembly: Arc<Assembly>,
-        parameters: &[&str],
-        observer: &mut VariedObserver,
-    ) -> Result<Differentiated, Error> {
-        if self.is_own() {
-            return Differentiated::new_observed(assembly, parameters, observer);
-        }
-        let state = self.state(&assembly)?;
-        let columns = parameters.iter().map(|name| column(&assembly, name));
-        let columns = columns.collect::<Result<Vec<By>, Refusal>>()?;
-        let begun =
-            Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
-        begun.map_err(|error| in_words(&assembly, self.time, error))
-    }
-}
-
-impl Start {
-    /// The motion from this start with its derivatives by the state there: a column for each
-    /// coordinate of the machine, then for each rate. Their
-    /// [`state_derivative`](Differentiated::state_derivative)s are the transition matrix.
-    ///
-    /// # Errors
-    /// As [`motion`](Self::motion).
-    pub fn transition(&self, assembly: Arc<Assembly>) -> Result<Differentiated, Error> {
-        let state = self.state(&assembly)?;
-        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
-        let begun = Differentiated::from_state(assembly.clone(), self.time, &state, &columns);
-        begun.map_err(|error| in_words(&assembly, self.time, error))
-    }
-}
-
-/// What a parameter is the name of in a motion from a state.
-fn column(assembly: &Assembly, name: &str) -> Result<By, Refusal> {
-    let name = assembly.description.parameter(name)?.name;
-    let of = &assembly.system.bodies_of;
-    let number = |(k, &body): (usize, &usize)| {
-        let own = format!("body.{}.start", assembly.description.bodies[body].name);
-        let key = name.strip_prefix(&own)?;
-        [".s", ".v"].iter().position(|own| *own == key).map(|order| By::Start(order * of.len() + k))
-    };
-    Ok(of.iter().enumerate().find_map(number).unwrap_or(By::Parameter(name)))
 }
 
 /// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.

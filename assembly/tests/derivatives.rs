@@ -304,3 +304,57 @@ fn unknown_parameters_are_refused_with_the_nearest() {
     );
     assert!(differentiated(BALL, &[]).derivative(Quantity::of_body(0, What::S), 0).is_none());
 }
+
+#[test]
+fn invariant_energy_that_is_kept_has_the_derivative_of_its_start() {
+    // Elastic impacts, springs with preload and compliant stops without dashpots. The energy of a
+    // state is a function of it and of the number: its derivative by differences of a few digits
+    // less than rounding.
+    const STEP: f64 = 1e-5;
+    const DIFFERENCE: f64 = 1e-9;
+    let text = "name = \"E\"\n[body.a]\nmass = 1.0\nstart = { s = 0.3, v = 1.0 }\n[body.b]\nmass = 2.5\nstart = { v = -0.5 }\n\
+        [spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 30.0\npreload = 2.0\n[spring.c]\narms = { a = 1.0, b = -1.4 }\nstiffness = 12.0\n\
+        [stop.r]\nbetween = [\"a\", \"b\"]\ngap = 0.2\nrestitution = 1.0\n\
+        [stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.1\nstiffness = 200.0\n";
+    let machine = file::parse(text, "machine.toml", &file::no_records).unwrap();
+    let names: Vec<String> = machine.parameters().into_iter().map(|p| p.name).collect();
+    let names: Vec<&str> =
+        names.iter().map(String::as_str).filter(|name| !name.contains("damping")).collect();
+    let mut motion = Differentiated::new(assembly(text), &names).unwrap();
+    // The derivative along the motion's own, by differences of the energy as a function.
+    let varied = |motion: &Differentiated, p: usize| {
+        let (state, delta) =
+            (motion.motion().state().as_slice()[..4].to_vec(), motion.state_derivative(p).unwrap());
+        let at = |step: f64| {
+            let value = machine.get(names[p]).unwrap();
+            let changed = machine.with([(names[p], value + step)]).ok()?;
+            let changed = Arc::new(Assembly::new(changed).unwrap());
+            let moved: Vec<f64> = state.iter().zip(&delta).map(|(x, by)| x + step * by).collect();
+            let (kinetic, stored) =
+                Motion::from_state(changed, motion.motion().time(), &moved).unwrap().kinetic_and_stored();
+            Some(kinetic + stored)
+        };
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(k * STEP));
+        Some((8.0 * (c? - b?) - (d? - a?)) / (12.0 * STEP))
+    };
+    let begun: Vec<Option<f64>> = (0..names.len()).map(|p| varied(&motion, p)).collect();
+    let (mut impacts, mut compared) = (0, 0);
+    for time in [0.35, 0.9, 1.7, 2.6] {
+        let mut count = |event: &vibro_assembly::motion::Event, _: &[Option<f64>]| {
+            impacts += usize::from(event.contact().is_some());
+        };
+        motion.advance_observed(time, &mut count).unwrap();
+        for (p, begun) in begun.iter().enumerate() {
+            if let Some((now, begun)) = varied(&motion, p).zip(*begun) {
+                let size = motion
+                    .state_derivative(p)
+                    .unwrap()
+                    .iter()
+                    .fold(1.0f64, |most, x| most.max(30.0 * x.abs()));
+                assert!((now - begun).abs() < DIFFERENCE * size, "{} at {time}: {now} {begun}", names[p]);
+                compared += 1;
+            }
+        }
+    }
+    assert!(impacts > 3 && compared > 40, "{impacts} {compared}");
+}

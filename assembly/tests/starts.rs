@@ -1,6 +1,7 @@
 //! Starts from a state: a motion continues from its own state, and bad states are refused.
 
 use std::sync::Arc;
+use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Event;
 use vibro_assembly::{Assembly, Error, Motion, Start, file};
 
@@ -133,7 +134,7 @@ fn what_a_start_does_not_name_is_the_machines_own() {
     );
     // A machine that starts at rest keeps its equilibrium elsewhere.
     let at_rest = described(
-        &"name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
+        "name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
          [body.b]\nmass = 1.0\n[spring.a]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
          [spring.b]\nbetween = [\"ground\", \"b\"]\nstiffness = 800.0\n",
     );
@@ -219,11 +220,22 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
     given.advance_observed(0.5, &mut tell).unwrap();
     assert!(times.len() > 2 && times == again, "{times:?} {again:?}");
     for quantity in of_file.description.quantities() {
-        for p in 0..names.len() {
+        for (p, name) in names.iter().enumerate() {
             let (one, other) = (own.derivative(quantity, p), given.derivative(quantity, p));
-            assert!(one.is_some() && one == other, "{quantity:?} by {}: {one:?} {other:?}", names[p]);
+            assert!(one.is_some() && one == other, "{quantity:?} by {name}: {one:?} {other:?}");
         }
     }
-    let unknown = start.differentiated(machine(), &["stop.wal.gap"], &mut |_, _| ()).err().unwrap();
-    assert!(unknown.to_string().contains("the nearest is `stop.wall.gap`"), "{unknown}");
+    // The start's own names.
+    let own = ["start.block.s", "start.block.v", "start.time"];
+    let columns = start.columns(&machine(), &own).unwrap();
+    assert_eq!(columns, [By::Start(0), By::Start(1), By::Time]);
+    assert_eq!(Start::default().columns(&of_file, &own).unwrap(), columns);
+    assert_eq!(start.columns(&of_file, &names[..2]).unwrap(), columns[..2]);
+    for (name, words) in [
+        ("stop.wal.gap", "the nearest is `stop.wall.gap`"),
+        ("start.blck.v", "start.blck.v: no number of a start has this name; the nearest is `block.v`"),
+    ] {
+        let unknown = start.differentiated(machine(), &[name], &mut |_, _| ()).err().unwrap().to_string();
+        assert!(unknown.contains(words), "{unknown}");
+    }
 }

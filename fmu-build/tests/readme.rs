@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
 /// and that test.
-const RUN_ELSEWHERE: [(&str, &str); 4] = [
+const RUN_ELSEWHERE: [(&str, &str); 5] = [
     ("recipes.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
+    ("derivatives.md", "tests/python/test_guide.py"),
     ("assemblies.md", "assembly/tests/file/examples.rs"),
 ];
 

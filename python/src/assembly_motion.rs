@@ -63,7 +63,6 @@ impl Follower {
             return Ok(Self::Alone(Box::new(motion)));
         }
         let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
-        names.iter().try_for_each(|name| machine.description().parameter(name).map(drop))?;
         Ok(Self::Varied(Box::new(start.differentiated(assembly, &names, observer)?)))
     }
 

@@ -57,8 +57,11 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
         machine.simulate(1.5, derivatives=["gravity", "gravity"])
     with pytest.raises(TypeError, match="allowed"):
         machine.simulate(1.5, derivatives="gravity")
-    with pytest.raises(KeyError, match="floor.impacts: has no derivative"):
-        run.derivative("floor.impacts", "stop.floor.gap")
+    for output in ("floor.impacts", "class"):
+        with pytest.raises(KeyError, match=f"{output}: has no derivative; allowed are ball.s"):
+            run.derivative(output, "stop.floor.gap")
+    with pytest.raises(ValueError, match="ball.s: no parameter has this name; valid are gravity, body.ball.mass"):
+        machine.simulate(1.5, derivatives=["ball.s"])
     with pytest.raises(KeyError, match="stop.floor.gap"):
         run.derivative("ball.s", "gravity")
     with pytest.raises(KeyError, match="none were asked for"):
@@ -123,6 +126,9 @@ def test_closed_form_transition_of_an_oscillator_and_products_of_parts():
     assert found.states == ["mass.s", "mass.v"] and found.lost == {} and not found.matrix.mask.any()
     assert np.abs(found.matrix - expected).max() < 20 * ROUNDING
     assert dict(found.start) == {"time": 0.1, "mass.s": 0.2, "mass.v": 0.0} and found.end.time == 0.4
+    run = oscillator.simulate(times=[0.4], start={"time": 0.1, "mass.s": 0.2}, derivatives=["start.mass.v", "start.time"])
+    assert abs(run.derivative("mass.s", "start.mass.v")[0] - expected[0][1]) < ROUNDING
+    assert abs(run.derivative("mass.s", "start.time")[0] - 0.2 * 20.0 * np.sin(angle)) < 100 * ROUNDING
     # Through impacts of the damper.
     machine = damper()
     whole = machine.transition(0.5, start=machine.simulate(0.2, samples=1).end)
@@ -239,6 +245,7 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().simulate(times=[0.5], start={"time": 2.0}), ValueError, "ascending finite times from 2 on"),
         (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: cannot be read"),
         (lambda: damper().transition(0.0), ValueError, "until = 0.0"),
+        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no number of a start has this name; the nearest is `box.v`"),
         (lambda: vi.simulate_many([damper()], until=1.0, derivatives=["gravity"]), TypeError, "allowed with `times`"),
         (lambda: vi.simulate_many([damper()], times=[1.0], derivatives=["grvity"]), ValueError, "the nearest is `gravity`"),
         (lambda: vi.simulate_many([damper()] * 2, [None] * 3, until=1.0), ValueError, "starts has 3 starts: allowed is one, or one for each of 2"),

@@ -1,4 +1,4 @@
-"""The Python blocks of docs/python.md and python/package/README.md run, print what is told, and draw the pictures shown.
+"""The Python blocks of docs/python.md, docs/derivatives.md and python/package/README.md run, print what is told, and draw the pictures shown.
 
 `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+import pytest
 from conftest import ROOT
 
 matplotlib.use("agg")
@@ -22,14 +23,17 @@ SAME_PICTURE = 0.02
 
 
 def blocks(page):
-    return re.findall(r"```(\w*)[^\n]*\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
+    """Language, file name if there is one, and text of each block."""
+    return re.findall(r"```(\w*)(?: (\S+))?\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
 
 
 def run(page, folder):
     names, printed, count = {}, None, 0
     with contextlib.chdir(folder) if hasattr(contextlib, "chdir") else _folder(folder):
-        for language, text in blocks(page):
-            if language == "python":
+        for language, file, text in blocks(page):
+            if file:
+                Path(file).write_text(text, encoding="utf-8")
+            elif language == "python":
                 out = io.StringIO()
                 with contextlib.redirect_stdout(out):
                     exec(compile(text, f"block {count} of {page}", "exec"), names)
@@ -49,24 +53,25 @@ def _folder(path):
         os.chdir(before)
 
 
-def test_the_tutorial_prints_and_draws_what_it_shows(tmp_path):
-    (tmp_path / "python").mkdir()
-    assert run("docs/python.md", tmp_path) >= 8
-    made = {path.name for path in (tmp_path / "python").iterdir()}
-    shown = set(re.findall(r"\]\(python/(\w+\.png)\)", (ROOT / "docs/python.md").read_text(encoding="utf-8")))
+@pytest.mark.parametrize(("page", "least"), [("python", 8), ("derivatives", 6)])
+def test_a_page_prints_and_draws_what_it_shows(page, least, tmp_path):
+    (tmp_path / page).mkdir()
+    assert run(f"docs/{page}.md", tmp_path) >= least
+    made = {path.name for path in (tmp_path / page).iterdir()}
+    shown = set(re.findall(rf"\]\({page}/(\w+\.png)\)", (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")))
     assert made == shown
     kept = os.environ.get("VIBRO_IMPACT_PICTURES")
     for name in made:
         if kept:
             Path(kept).mkdir(exist_ok=True)
-            shutil.copy(tmp_path / "python" / name, kept)
-        committed = ROOT / "docs" / "python" / name
+            shutil.copy(tmp_path / page / name, kept)
+        committed = ROOT / "docs" / page / name
         if os.environ.get("VIBRO_IMPACT_UPDATE") == "1":
             committed.parent.mkdir(exist_ok=True)
-            shutil.copy(tmp_path / "python" / name, committed)
-        before, now = (matplotlib.image.imread(path) for path in (committed, tmp_path / "python" / name))
-        assert before.shape == now.shape, f"docs/python/{name} is another picture; VIBRO_IMPACT_UPDATE=1 writes it anew"
-        assert np.abs(before - now).mean() < SAME_PICTURE, f"docs/python/{name} is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
+            shutil.copy(tmp_path / page / name, committed)
+        before, now = (matplotlib.image.imread(path) for path in (committed, tmp_path / page / name))
+        assert before.shape == now.shape, f"docs/{page}/{name} is another picture; VIBRO_IMPACT_UPDATE=1 writes it anew"
+        assert np.abs(before - now).mean() < SAME_PICTURE, f"docs/{page}/{name} is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
 
 
 def test_the_readme_of_the_package_runs(tmp_path):

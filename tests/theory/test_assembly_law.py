@@ -586,3 +586,85 @@ def test_law_32_starts_at_rest() -> None:
         forces = f_by * signals(0) - k_by * q + f(0) * signals_by - w_by * force
         moved = -(w_by.T * q + held_by * signals(0) + held(0) * signals_by)
         assert close(solved(k(0), w(0), forces, moved), by_parameter(rest))
+
+
+def test_law_33_backwards_over_flights_and_an_event() -> None:
+    """A sum of a value at the end and of an event's time, of the motion of (A30)."""
+    mp.dps = 60
+    r = random.Random(33)
+    for _ in range(2):
+        (a, a_by), (b, b_by), (jump, _) = moving(r, 3, 3), moving(r, 3, 3), moving(r, 3, 3)
+        (h, h_by), z, delta, meets, end = moving(r, 1, 3), vector(r, 3), vector(r, 3), mpf("0.2"), mpf("0.5")
+        value, c = vector(r, 3), number(r)
+        flow = lambda of, t: mp.expm(of * t, method="taylor")  # noqa: E731
+        met = flow(a(0), meets) * z
+        level = (h(0) * met)[0]
+
+        def summed(p: mpf) -> matrix:
+            t = meets  # noqa: B023
+            for _ in range(8):
+                state = flow(a(p), t) * (z + p * delta)  # noqa: B023
+                t -= ((h(p) * state)[0] - level) / (h(p) * a(p) * state)[0]  # noqa: B023
+            last = flow(b(p), end - t) * jump(0) * flow(a(p), t) * (z + p * delta)  # noqa: B023
+            return matrix([dot(value, last) + c * t])  # noqa: B023
+
+        def integral(of: matrix, by: matrix, span: mpf, mu: matrix, begun: matrix) -> mpf:
+            """The derivative by a matrix, along one."""
+            return mp.quad(lambda t: dot(flow(of.T, span - t) * mu, by * flow(of, t) * begun), [0, span])
+
+        after = flow(b(0).T, end - meets) * value
+        through = jump(0).T * after
+        incoming, outgoing = a(0) * met, b(0) * jump(0) * met
+        speed = (h(0) * incoming)[0]
+        tau = c + dot(incoming, through) - dot(outgoing, after)
+        before = through - tau / speed * h(0).T
+        total = dot(flow(a(0).T, meets) * before, delta) - tau / speed * (h_by * met)[0]
+        total += integral(a(0), a_by, meets, before, z) + integral(b(0), b_by, end - meets, value, jump(0) * met)
+        step = mpf(10) ** -15
+        assert abs(total - (summed(step) - summed(-step))[0] / (2 * step)) < mpf(10) ** -26 * (1 + abs(total))
+
+
+def test_law_34_backwards_through_contacts() -> None:
+    mp.dps = 80
+    r = random.Random(34)
+    for _ in range(6):
+        (m, m_by), (w, w_by) = moving_masses(r, 4), moving(r, 4, 2)
+        (f, f_by), (drift, drift_by) = moving(r, 4, 1), moving(r, 2, 1)
+        y, by_force = vector(r, 4), vector(r, 2)
+
+        def both(p: mpf) -> matrix:
+            whole = mp.zeros(6, 6)
+            whole[:4, :4], whole[:4, 4:], whole[4:, :4] = m(p), w(p), w(p).T  # noqa: B023
+            return mp.lu_solve(whole, matrix(list(f(p)) + list(-drift(p))))  # noqa: B023
+
+        a, force = both(mpf(0))[:4, :], both(mpf(0))[4:, :]
+        inverse = m(0) ** -1
+        d = (w(0).T * inverse * w(0)) ** -1 * (by_force - w(0).T * inverse * y)
+        z = inverse * (y + w(0) * d)
+        found = dot(z, f_by - m_by * a - w_by * force) + dot(d, drift_by + w_by.T * a)
+        exact = by_parameter(lambda p: matrix([dot(matrix(list(y) + list(by_force)), both(p))]))  # noqa: B023
+        assert close(matrix([found]), exact)
+
+
+def test_law_35_backwards_over_an_impact() -> None:
+    mp.dps = 80
+    r = random.Random(35)
+    for _ in range(6):
+        (m, m_by), (w, w_by), (v, v_by), (eps, eps_by) = moving_masses(r, 4), moving(r, 4, 2), moving(r, 4, 1), moving(r, 2, 1)
+        mu = vector(r, 4)
+
+        def of(p: mpf) -> Tuple[matrix, matrix]:
+            share, closing = m(p) ** -1 * w(p), w(p).T * v(p)  # noqa: B023
+            impulse = (w(p).T * share) ** -1 * matrix([(1 + eps(p)[j]) * closing[j] for j in range(2)])  # noqa: B023
+            return impulse, v(p) - share * impulse  # noqa: B023
+
+        impulse, after = of(mpf(0))
+        inverse = m(0) ** -1
+        pi = (w(0).T * inverse * w(0)) ** -1 * w(0).T * inverse * mu
+        kappa = inverse * (mu - w(0) * pi)
+        closing = w(0).T * v(0)
+        own = matrix([(w_by.T * (after + eps(0)[j] * v(0)))[j] + eps_by[j] * closing[j] for j in range(2)])
+        found = -dot(pi, own) - dot(kappa, (w_by - m_by * inverse * w(0)) * impulse)
+        before = mu - w(0) * matrix([pi[j] * (1 + eps(0)[j]) for j in range(2)])
+        exact = by_parameter(lambda p: matrix([dot(mu, of(p)[1])]))  # noqa: B023
+        assert close(matrix([found + dot(before, v_by)]), exact)

@@ -92,3 +92,21 @@ fn closed_form_of_the_recipes() {
     let last = rows.last().unwrap();
     assert!(last[0] == 2.0 && differences(last, &simulator).iter().all(|d| *d < ROUNDING), "{last:?}");
 }
+
+/// The commands of docs/derivatives.md; its Python blocks are run by tests/python/test_guide.py.
+#[test]
+fn closed_form_of_the_page_of_derivatives() {
+    Guide::read("derivatives.md").perform("derivatives", &[]);
+    // The last impact before 2 s of the ball is the third: 2 (1 + 2e) t₁ by e.
+    let (events, by) = (
+        guide::rows("derivatives", "ball/events.csv"),
+        guide::rows("derivatives", "ball/event-derivatives.csv"),
+    );
+    assert_eq!(events.len(), by.len());
+    let t = (2.0 / 9.81f64).sqrt();
+    assert!((by[2][1] - 2.0 * (1.0 + 2.0 * 0.9) * t).abs() < LINEAR, "{by:?}");
+    // The start's own number moves the start alone.
+    let first = &guide::rows("derivatives", "second/derivatives.csv")[0];
+    // time; s, v, a of the box; s, v of the block.
+    assert_eq!(first[..6], [0.5, 0.0, 0.0, 0.0, 0.0, 1.0]);
+}

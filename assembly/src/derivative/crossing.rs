@@ -29,13 +29,13 @@ pub(super) struct Crossing<'a> {
     pub after: Instant<'a, 'a>,
     /// The functional that has passed zero; `None` at a knot.
     pub due: Option<(Watch, &'a Functional)>,
-    pub impulses: Vec<Impulse>,
+    pub impulses: &'a [Impulse],
     pub events: &'a [Event],
     /// Earlier events of the same instant.
     pub earlier: &'a [Met],
     /// Functionals that come to zero at this instant.
     pub together: Vec<&'a (Watch, Functional)>,
-    /// Functionals that are zero throughout the mode that follows.
+    /// Functionals that are zero throughout the mode that follows, and may vary.
     pub still: Vec<&'a (Watch, Functional)>,
 }
 
@@ -101,7 +101,8 @@ impl Crossing<'_> {
     ) -> Vec<Option<Later>> {
         let mut all: Vec<Option<Later>> = vec![None; lost.len()];
         let alive: Vec<usize> = (0..lost.len()).filter(|&p| lost[p].is_none()).collect();
-        let is_alone = self.is_alone();
+        let is_alone =
+            self.is_alone() && !self.impulses.iter().any(|impulse| impulse.is_plastic(&self.machine.system));
         let mut times = vec![0.0; deltas.width];
         let mut apart = Vec::new();
         for &p in &alive {
@@ -163,16 +164,19 @@ impl Crossing<'_> {
     }
 
     /// Whether a functional passes zero with speed and nothing else comes to a limit.
-    fn is_alone(&self) -> bool {
+    pub fn is_alone(&self) -> bool {
         let Some((watch, row)) = self.due else { return false };
         let terms: f64 = row.iter().zip(self.before.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
         let is_touch = row.dot(self.before.rates).abs() <= TOUCH * terms;
         let others = self.together.iter().any(|(other, _)| other.contact() != watch.contact());
-        let system = &self.machine.system;
-        let plastic =
-            |impulse: &Impulse| impulse.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0));
-        let plastic = self.impulses.iter().any(plastic);
-        !is_touch && !others && !plastic && self.earlier.is_empty() && self.hit().next().is_none()
+        !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
+    }
+
+    /// Whether a functional that is zero throughout the mode after the event does not vary, whatever
+    /// the column: its contact was held before, or is the one that has come to its limit.
+    pub(super) fn stays_still(&self, watch: Watch) -> bool {
+        let is_due = self.due.is_some_and(|due| due.0.contact() == watch.contact());
+        is_due || self.before.mode.mode.basis.contains(&watch.contact())
     }
 
     /// The δt of an event that nothing accompanies.
@@ -294,7 +298,7 @@ impl Crossing<'_> {
         let system = &self.machine.system;
         let mut alone = Columns::zeros(delta.len(), 1);
         alone.put(0, delta);
-        for impulse in &Impulse::one_by_one(system, self.events, &self.impulses) {
+        for impulse in &Impulse::one_by_one(system, self.events, self.impulses) {
             let own = |time: &&(Contact, f64)| impulse.stops.iter().any(|&i| time.0 == Contact::Stop(i));
             let mut later = vec![0.0; alone.width];
             later[1] = times.iter().find(own).map_or(0.0, |time| time.1);

@@ -4,27 +4,20 @@ mod under_way;
 
 use super::by::By;
 use super::columns::Columns;
-use super::crossing::{Crossing, Later, Met};
+use super::crossing::{Later, Met};
 use super::flight::Memory;
-use super::impulse::Impulse;
-use super::jump::jumped;
 use super::lost::Lost;
 use super::machine::{Instant, Machine};
 use super::mode::VariedMode;
+use super::passed::{Modes, Passed};
 use super::start::Start;
 use crate::assembly::Assembly;
 use crate::error::Error;
-use crate::mode::Mode;
 use crate::motion::{Event, EventKind, Motion, Reached, start_of};
 use crate::quantity::Quantity;
 use nalgebra::DVector;
-use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-/// Events count as being at one instant within this part of the time, and of the time in which the
-/// mode's fastest motion changes.
-const INSTANT: f64 = 1e-13;
 
 /// A motion with the derivatives of its values and of its events' times by numbers of its machine
 /// and of its start, exact through impacts, contacts and sticking.
@@ -69,7 +62,7 @@ pub struct Differentiated {
     machine: Arc<Machine>,
     motion: Motion,
     names: Vec<String>,
-    modes: HashMap<Mode, Arc<VariedMode>>,
+    modes: Modes,
     mode: Arc<VariedMode>,
     /// The state and its derivatives.
     deltas: Columns,
@@ -81,6 +74,15 @@ pub struct Differentiated {
     vectors: pulp::Arch,
     /// Events of the present instant.
     met: Vec<Met>,
+}
+
+/// Where a motion begins.
+#[derive(Clone, Debug)]
+pub(super) enum Origin {
+    /// At the machine's start, at time 0.
+    Machine,
+    /// At a time in a state.
+    State(f64, Vec<f64>),
 }
 
 /// Callback for events, each with the derivatives of its time by column.
@@ -106,8 +108,7 @@ impl Differentiated {
         columns: &[impl Into<By> + Clone],
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
-        let start = start_of(&assembly);
-        Self::begin(assembly, columns, (0.0, &start, false), observer)
+        Self::begin(assembly, columns, &Origin::Machine, observer)
     }
 
     /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
@@ -164,24 +165,28 @@ impl Differentiated {
         columns: &[impl Into<By> + Clone],
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
-        Self::begin(assembly, columns, (time, state, true), observer)
+        Self::begin(assembly, columns, &Origin::State(time, state.to_vec()), observer)
     }
 
-    /// Begins at a time with a state, which may be given, or be that of the machine.
-    fn begin(
+    /// Begins at an origin.
+    pub(super) fn begin(
         assembly: Arc<Assembly>,
         columns: &[impl Into<By> + Clone],
-        (time, state, is_given): (f64, &[f64], bool),
+        origin: &Origin,
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
+        let (time, state, is_given) = match origin {
+            Origin::Machine => (0.0, &start_of(&assembly), false),
+            Origin::State(time, state) => (*time, state, true),
+        };
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
         let motion = Motion::from_state_observed(assembly.clone(), time, state, &mut note)?;
         let machine = Arc::new(Machine::new(assembly, columns)?);
-        let mode = Arc::new(machine.mode_of(&motion));
-        let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
+        let mut modes = Modes::default();
+        let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state());
         let mut begun = z.clone().into_owned();
         begun.as_mut_slice()[..state.len()].copy_from_slice(state);
@@ -217,6 +222,16 @@ impl Differentiated {
     /// The motion itself.
     pub fn motion(&self) -> &Motion {
         &self.motion
+    }
+
+    /// A column of the derivative of the augmented state, at the start.
+    pub(super) fn start_of(&self, p: usize) -> Result<DVector<f64>, Lost> {
+        self.lost[p].clone().map_or_else(|| Ok(self.deltas.column(p)), Err)
+    }
+
+    /// The machine and the motion.
+    pub(super) fn into_parts(self) -> (Arc<Machine>, Motion) {
+        (self.machine, self.motion)
     }
 
     /// What the columns are by.
@@ -289,7 +304,7 @@ impl Differentiated {
     fn fly(&mut self, span: f64) {
         let Self { machine, motion, mode, deltas, scales, lost, memory, met, vectors, .. } = self;
         let time = motion.time();
-        if span > INSTANT * (time.abs() + mode.length) {
+        if mode.parts_instants(time, span) {
             met.clear();
         }
         if !lost.is_empty() {
@@ -319,48 +334,16 @@ impl Differentiated {
         scales.include(deltas);
     }
 
-    /// The present mode with its derivatives.
-    fn enter(&mut self) {
-        if *self.motion.mode() == self.mode.mode {
-            return;
-        }
-        let Self { machine, motion, modes, .. } = self;
-        let made = || Arc::new(machine.mode_of(motion));
-        self.mode = modes.entry(motion.mode().clone()).or_insert_with(made).clone();
-    }
-
     /// Applies the law of the pending event, and carries the derivatives over it.
     fn pass(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
-        let (machine, mode) = (self.machine.clone(), self.mode.clone());
-        let z = machine.widened(self.motion.state()).into_owned();
-        let (time, rates) = (self.motion.time(), mode.rates(&z));
-        let sizes = machine.widened(&self.motion.sizes().0);
-        let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
-        let together = machine.approaching(&before);
-        // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
-        let due = self.motion.due().and_then(|watch| {
-            let rows = mode.watched.iter().filter(|own| own.0 == watch).map(|own| &own.1);
-            let row = rows.min_by(|a, b| a.dot(&z).abs().total_cmp(&b.dot(&z).abs()));
-            row.map(|row| (watch, row))
-        });
-        let mut events = Vec::new();
-        self.motion.apply_event(&mut |event| events.push(event.clone()))?;
-        self.enter();
-        let Self { deltas, scales, lost, motion, .. } = self;
-        let (after, sizes) = (machine.widened(motion.state()), machine.widened(&motion.sizes().0));
-        let outgoing = self.mode.rates(&after);
-        let jumped_from = due.is_none().then(|| jumped(&machine.system, &z, &after));
-        let impulses = Impulse::all(&machine.system, &events, jumped_from.as_ref().unwrap_or(&z));
-        let before = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time };
-        let after = Instant { mode: &self.mode, z: &after, rates: &outgoing, sizes: &sizes, time };
-        let still = machine.still(&after, false);
-        let (earlier, events) = (&self.met, &events[..]);
-        let crossing =
-            Crossing { machine: &machine, together, still, before, after, due, impulses, events, earlier };
-        let closes = events.iter().any(|event| matches!(event.kind, EventKind::Close { .. }));
+        let Self { machine, motion, modes, mode, deltas, scales, lost, met, .. } = self;
+        let passed = Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, true))?;
+        *mode = passed.modes[1].clone();
+        let crossing = passed.crossing(machine, met);
+        let closes = passed.events.iter().any(|event| matches!(event.kind, EventKind::Close { .. }));
         let was = closes.then(|| deltas.clone());
         let later = crossing.carry(deltas, scales, lost);
-        for event in events {
+        for event in &passed.events {
             let time_of = |(p, later): (usize, &Option<Later>)| {
                 let delta = was.as_ref().map(|was| was.column(p));
                 Some(crossing.time_of(p, event, later.as_ref()?, delta.as_ref())? + 0.0)
@@ -368,7 +351,8 @@ impl Differentiated {
             observer(event, &later.iter().enumerate().map(time_of).collect::<Vec<_>>());
         }
         let later = later.iter().map(|later| later.as_ref().map(|later| later.event)).collect();
-        self.met.extend(crossing.met(later));
+        let next = crossing.met(later);
+        met.extend(next);
         Ok(())
     }
 }

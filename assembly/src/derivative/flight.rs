@@ -3,6 +3,7 @@
 use super::columns::{Columns, width_of};
 use super::mode::VariedMode;
 use crate::flow::{RADIUS, RUNGS};
+use crate::kernel::Entries;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::atomic::Ordering;
 
@@ -108,7 +109,7 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
 #[inline(always)]
 fn row_at<S: Simd>(
     simd: S,
-    (entries, varied): (&[(usize, f64)], &[(usize, f64)]),
+    [entries, varied]: [Entries; 2],
     by: &[S::f64s],
     from: &[f64],
     (each, v): (usize, usize),
@@ -212,7 +213,7 @@ impl WithSimd for Flight<'_> {
                 let entries = &rung.entries[own];
                 let by = &by[places.start * each..places.end * each];
                 for (v, to) in to.iter_mut().enumerate() {
-                    *to = simd.add_f64s(*to, row_at(simd, (entries, entries), by, term, (each, v)));
+                    *to = simd.add_f64s(*to, row_at(simd, [entries, entries], by, term, (each, v)));
                 }
             }
             return;
@@ -227,7 +228,7 @@ impl WithSimd for Flight<'_> {
             for (i, (to, sums)) in all.enumerate() {
                 let own = sources.row(i);
                 let by = &by[own.start * each..own.end * each];
-                let entries = (mode.a.row(i), &sources.entries[own]);
+                let entries = [mode.a.row(i), &sources.entries[own]];
                 for (v, (to, sum)) in to.iter_mut().zip(sums).enumerate() {
                     *to = simd.mul_f64s(factor, row_at(simd, entries, by, term, (each, v)));
                     *sum = simd.add_f64s(*sum, *to);

@@ -2,16 +2,17 @@
 
 use super::columns::Columns;
 use super::tangent::Tangent;
+use super::weights::Weights;
 use crate::motion::{Event, EventKind};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative singular value under which the compliance matrix of stops hit together counts as
-/// singular.
+/// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
 const SINGULAR: f64 = 1e-12;
 
 /// One impact: the stops with an impulse P, for which G P = (1 + ε) u.
-pub(super) struct Impulse {
+pub(crate) struct Impulse {
     pub stops: Vec<usize>,
     /// By stop: restitution; 0 where the stop closes.
     restitution: Vec<f64>,
@@ -43,7 +44,7 @@ impl Impulse {
     }
 
     /// These impacts stop by stop, where their stops do not concern one another.
-    pub fn one_by_one(system: &System, events: &[Event], all: &[Self]) -> Vec<Self> {
+    pub(super) fn one_by_one(system: &System, events: &[Event], all: &[Self]) -> Vec<Self> {
         let mut singles: Vec<Self> = Vec::new();
         for impulse in all {
             for (&stop, &p) in impulse.stops.iter().zip(impulse.impulses.iter()) {
@@ -86,7 +87,7 @@ impl Impulse {
     }
 
     /// Carries columns of the derivative of the state over it, of which each has a tangent.
-    pub fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
+    pub(super) fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
         let (width, n) = (deltas.width, system.coordinates);
         let elongation = |k: usize| &system.stops[self.stops[k]].elongation;
         // By stop and column: (1 + ε) e'·δ, and what the column changes in it by itself.
@@ -125,6 +126,17 @@ impl Impulse {
         }
     }
 
+    /// Carries a variation of the state alone over it.
+    pub fn carry_state(&self, system: &System, variation: &mut [f64]) {
+        let rows = |k: usize| &system.stops[self.stops[k]].elongation;
+        let demand = |k: usize, _| (1.0 + self.restitution[k]) * rows(k).rate.at(variation);
+        let impulses = &self.inverse * DVector::from_fn(self.stops.len(), demand);
+        for (k, p) in impulses.iter().enumerate() {
+            let rates = variation[system.coordinates..].iter_mut();
+            rates.zip(rows(k).mobility.iter()).for_each(|(v, m)| *v -= p * m);
+        }
+    }
+
     /// The derivative of M⁻¹ W at the impulses P, times P; `None` where a column does not vary it.
     fn kick(&self, system: &System, tangent: &Tangent) -> Option<DVector<f64>> {
         let own = |k: usize| &tangent.stops[self.stops[k]].elongation.w;
@@ -152,9 +164,44 @@ impl Impulse {
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
+    /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes
+    /// that by the state before.
+    pub(super) fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
+        let (n, [before, after]) = (system.coordinates, &self.states);
+        let rows = |k: usize| &system.stops[self.stops[k]].elongation;
+        let mut kick = state.rows(n, n).into_owned();
+        let moved = DVector::from_iterator(
+            self.stops.len(),
+            (0..self.stops.len()).map(|k| rows(k).mobility.dot(&kick)),
+        );
+        let by_demands = self.inverse.tr_mul(&moved);
+        for (k, &demand) in by_demands.iter().enumerate() {
+            let e = self.restitution[k];
+            kick.axpy(-demand, &rows(k).w, 1.0);
+            state.axpy(-demand * (1.0 + e), &rows(k).rate, 1.0);
+            let own = &mut weights.stops[self.stops[k]];
+            own.elongation.rate.axpy(-demand, after, 1.0);
+            own.elongation.rate.axpy(-demand * e, before, 1.0);
+            if !self.closes[k] {
+                own.restitution -= demand * rows(k).rate.dot(before);
+            }
+        }
+        let (kick, mut moved) = (system.inertia.solve(&kick), DVector::zeros(n));
+        for (k, &p) in self.impulses.iter().enumerate() {
+            weights.add_direction(self.stops[k], p, &kick);
+            moved.axpy(p, &rows(k).mobility, 1.0);
+        }
+        weights.add_mass(&kick, &moved);
+    }
+
+    /// Whether a stop was hit with restitution 0.
+    pub(super) fn is_plastic(&self, system: &System) -> bool {
+        self.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0))
+    }
+
     /// The stop that was hit with restitution 0 although this parameter varies it: the derivative
     /// is one-sided there.
-    pub fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
+    pub(super) fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
         let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
         self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)
     }

@@ -13,6 +13,13 @@ pub struct Lost {
     pub cause: Cause,
 }
 
+impl Lost {
+    /// Of a value that is not finite.
+    pub(super) fn unknown(time: f64) -> Self {
+        Self { time, element: "a value".into(), cause: Cause::Limit }
+    }
+}
+
 /// The reason why a derivative does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {

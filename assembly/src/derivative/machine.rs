@@ -101,13 +101,14 @@ impl Machine {
         }
     }
 
-    /// The present mode of a motion with its derivatives.
-    pub fn mode_of(&self, motion: &Motion) -> VariedMode {
+    /// The present mode of a motion, with its derivatives by all columns or by none.
+    pub fn mode_of(&self, motion: &Motion, varied: bool) -> VariedMode {
         let parts = match &self.system {
             Matrices::Known(_) => Parts::from(motion.flow_of_mode()),
             Matrices::Own(system, _) => Parts::from(system.linear(motion.mode())),
         };
-        VariedMode::new(&self.system, &self.tangents, motion.mode(), parts)
+        let tangents = if varied { &self.tangents[..] } else { &[] };
+        VariedMode::new(&self.system, tangents, motion.mode(), parts)
     }
 
     /// An element's elongation with its derivative, by a watched functional.

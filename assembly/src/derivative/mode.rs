@@ -12,6 +12,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+/// Events count as being at one instant within this part of the time, and of the time in which the
+/// mode's fastest motion changes.
+const INSTANT: f64 = 1e-13;
+
 /// What one parameter changes in a mode.
 pub(super) struct InMode {
     /// Rows of the derivative of A that are not zero, by place.
@@ -91,6 +95,11 @@ impl VariedMode {
         }
         made.sources = Sources::of(size, tangents.len(), terms);
         made
+    }
+
+    /// Whether a flight over a time parts the events at its ends into two instants.
+    pub fn parts_instants(&self, time: f64, span: f64) -> bool {
+        span > INSTANT * (time.abs() + self.length)
     }
 
     /// z' at a state.

@@ -8,18 +8,16 @@
 //! variation stays in the space that closed stops and sticking friction leave free.
 
 use super::projection::project;
-use super::{Event, EventKind, Motion, Reached};
+use super::{Event, Motion, Reached};
+use crate::derivative::Impulse;
 use crate::error::Error;
 use crate::flow::FlowTable;
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode};
 use crate::system::System;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use std::sync::Arc;
 
-/// Relative singular value under which the compliance matrix of stops hit together counts as
-/// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
-const SINGULAR: f64 = 1e-12;
 /// Relative rate of a passage, by the sizes of its terms, under which it is a touch: there is no
 /// derivative there.
 const TOUCH: f64 = 1e-12;
@@ -56,19 +54,13 @@ pub struct Crossing<'a> {
     pub events: &'a [Event],
 }
 
-/// Derivative of one impact: the stops with an impulse, and the matrix of the impulses P as linear
-/// functions of their closing speeds u, G P = (1 + ε) u (A7).
-struct LinearImpact {
-    stops: Vec<usize>,
-    impulses: DMatrix<f64>,
-}
-
 impl Crossing<'_> {
     /// Carries variations over the event by the derivative of the impacts that the motion has had.
     /// Where several stops are hit at one instant the motion may have no derivative; this is then
     /// that of the impacts in the order in which they happened.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
-        let (impacts, own) = (self.impacts(system), 2 * system.coordinates);
+        let before = DVector::from_column_slice(self.states[0]);
+        let (impacts, own) = (Impulse::all(system, self.events, &before), 2 * system.coordinates);
         let [incoming, outgoing] = self.rates;
         let passage = self.row.map(|row| {
             let terms: f64 = row.iter().zip(incoming).map(|(a, b)| (a * b).abs()).sum();
@@ -80,55 +72,11 @@ impl Crossing<'_> {
                 _ => 0.0,
             };
             let mut met: Vec<f64> = variation.iter().zip(incoming).map(|(v, f)| v + f * later).collect();
-            impacts.iter().for_each(|impact| impact.apply(system, &mut met));
+            impacts.iter().for_each(|impact| impact.carry_state(system, &mut met));
             // Signals are functions of time, and no event changes them.
             let (changed, _) = variation.split_at_mut(own);
             changed.iter_mut().zip(met.iter().zip(outgoing)).for_each(|(v, (m, f))| *v = m - f * later);
             keep(system, &self.modes[1].basis, variation);
-        }
-    }
-
-    /// Derivatives of the reported impacts, in their order.
-    fn impacts(&self, system: &System) -> Vec<LinearImpact> {
-        let closes = |stop: usize| self.events.iter().any(|e| e.kind == EventKind::Close { stop });
-        // A stop that closes has no further bounce: its restitution is 0 here.
-        let factor = |stop: usize| {
-            let restitution = system.stops[stop].restitution().filter(|_| !closes(stop));
-            1.0 + restitution.unwrap_or(0.0)
-        };
-        let hit = self.events.iter().filter_map(|event| match event.kind {
-            EventKind::Impact { stop, stops, .. } => Some((stop, stops)),
-            _ => None,
-        });
-        let (mut hit, mut impacts) = (hit.peekable(), Vec::new());
-        while let Some(&(_, count)) = hit.peek() {
-            let stops: Vec<usize> = hit.by_ref().take(count.max(1)).map(|(stop, _)| stop).collect();
-            let factors = DMatrix::from_diagonal(&DVector::from_iterator(
-                stops.len(),
-                stops.iter().map(|&stop| factor(stop)),
-            ));
-            let rows = |i: usize| &system.stops[stops[i]].elongation;
-            let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
-            let limit = SINGULAR * g.amax();
-            // Stops between prescribed bodies move nothing.
-            let inverse = g.pseudo_inverse(limit.max(f64::MIN_POSITIVE)).unwrap_or_default();
-            if inverse.ncols() == stops.len() {
-                impacts.push(LinearImpact { impulses: inverse * factors, stops });
-            }
-        }
-        impacts
-    }
-}
-
-impl LinearImpact {
-    /// Changes the velocities of a variation by the impulses at its closing speeds.
-    fn apply(&self, system: &System, change: &mut [f64]) {
-        let rows = |i: &usize| &system.stops[*i].elongation;
-        let speeds = self.stops.iter().map(|i| dot(rows(i).rate.as_slice(), change));
-        let impulses = &self.impulses * DVector::from_iterator(self.stops.len(), speeds);
-        let rates = &mut change[system.coordinates..];
-        for (i, impulse) in self.stops.iter().zip(impulses.iter()) {
-            rates.iter_mut().zip(rows(i).mobility.iter()).for_each(|(v, m)| *v -= impulse * m);
         }
     }
 }

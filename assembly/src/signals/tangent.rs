@@ -141,6 +141,11 @@ impl SignalTangent {
         !(self.frequencies.is_empty() && self.pieces.is_empty())
     }
 
+    /// Whether steps or rates vary.
+    pub fn varies_pieces(&self) -> bool {
+        !self.pieces.is_empty()
+    }
+
     /// The part of the derivative of the row of a signal's time derivative that comes from
     /// frequencies.
     pub fn turned(&self, row: &DVector<f64>) -> DVector<f64> {

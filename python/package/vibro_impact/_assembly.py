@@ -87,8 +87,8 @@ class Assembly(AssemblyDescription):
             as texts with units; ``run.end`` of another motion; or the path of a start's file. What is not named is the machine's own.
         derivatives
             Parameters by which the run has the exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``,
-            and of its events' times, through impacts, contacts and sticking. From another start than the machine's own the state is fixed;
-            ``body.box.start.s`` is then its number.
+            and of its events' times, through impacts, contacts and sticking; or numbers of the start: ``start.box.s``, ``start.box.v``,
+            ``start.time``. From another start than the machine's own no parameter moves the state there.
 
         Raises
         ------

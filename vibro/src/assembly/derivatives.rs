@@ -6,8 +6,8 @@ use crate::{Error, Result};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use vibro_analysis::assembly::columns;
-use vibro_assembly::Description;
 use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::{Assembly, Description, Start};
 
 /// The derivatives of a record's values and of its events' times.
 pub struct DerivativeRecord {
@@ -20,14 +20,18 @@ pub struct DerivativeRecord {
     lost: Vec<String>,
 }
 
-/// Refuses names that are not parameters of a machine, and names that occur twice.
+/// Refuses names that are neither parameters of a machine nor numbers of its start, and names that
+/// occur twice.
 ///
 /// # Errors
 /// [`Error::Refusal`] with the nearest name if a name is unknown; [`Error::Refused`] if a name
 /// occurs twice.
-pub fn check_parameters(machine: &Description, names: &[String]) -> Result<()> {
+pub fn check_parameters(machine: &Description, start: &Start, names: &[String]) -> Result<()> {
+    if !names.is_empty() {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        start.columns(&Assembly::new(machine.clone())?, &names)?;
+    }
     for (i, name) in names.iter().enumerate() {
-        machine.parameter(name)?;
         if names[..i].contains(name) {
             let problem = "stands there twice; allowed is each parameter once".into();
             return Err(Error::Refused { what: format!("--derivatives {name}"), problem });
@@ -43,7 +47,7 @@ impl DerivativeRecord {
     /// # Errors
     /// As [`check_parameters`].
     pub fn new(record: &MotionRecord, names: &[String], asked: &Arc<AtomicBool>) -> Result<Self> {
-        check_parameters(&record.assembly.description, names)?;
+        check_parameters(&record.assembly.description, &record.start, names)?;
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let mut events = Vec::new();
         let mut tell = |event: &Event, by: &[Option<f64>]| events.push((event.kind, by.to_vec()));

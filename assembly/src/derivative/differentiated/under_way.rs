@@ -4,12 +4,12 @@ use super::super::by::By;
 use super::super::columns::Columns;
 use super::super::flight::Memory;
 use super::super::machine::{Instant, Machine};
+use super::super::passed::Modes;
 use super::super::start::Start;
 use super::{Differentiated, VariedObserver};
 use crate::error::Error;
 use crate::motion::{Motion, Reached};
 use nalgebra::DVector;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 impl Differentiated {
@@ -37,8 +37,8 @@ impl Differentiated {
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let machine = Arc::new(Machine::new(assembly, columns)?);
-        let mode = Arc::new(machine.mode_of(&motion));
-        let modes = HashMap::from([(motion.mode().clone(), mode.clone())]);
+        let mut modes = Modes::default();
+        let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state()).into_owned();
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0).into_owned());
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };

@@ -89,7 +89,7 @@ fn follow(
         invocation.options.insert("start".into(), start.to_string());
     }
     let destination = Destination::new(common, &invocation, &machine);
-    assembly::check_parameters(&machine.description, &a.derivatives)?;
+    assembly::check_parameters(&machine.description, &start, &a.derivatives)?;
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));

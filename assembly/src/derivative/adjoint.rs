@@ -1,0 +1,342 @@
+//! The derivative of a sum by everything before it, backwards over a kept motion
+//! (docs/assembly-law.md (A33), (A34)).
+
+use super::machine::Machine;
+use super::mode::VariedMode;
+use super::passed::Passed;
+use super::weights::{InMode, Weights};
+use crate::flow::RADIUS;
+use crate::kernel::nodes_for;
+use crate::mode::{Contact, FrictionState, StopState};
+use crate::quantity::{Owner, Quantity, What};
+use crate::system::{Part, StateRow};
+use nalgebra::DVector;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Parts of a flight whose power series are kept at one time.
+const KEPT: usize = 32;
+/// Bound of the terms that a power series leaves out, relative to its largest.
+const REMAINDER: f64 = 1e-18;
+
+/// What a motion has done, in order.
+pub(super) enum Step {
+    /// A flight in a mode from a state over a time.
+    Flight(Arc<VariedMode>, DVector<f64>, f64),
+    /// An event, with the sum's derivative by its time.
+    Event(Box<Passed>, f64),
+    /// A value of the sum in a mode at a state, with its factor.
+    Value(Arc<VariedMode>, DVector<f64>, Quantity, f64),
+}
+
+/// The derivative of a sum: by the state at present, and by all rows of the machine.
+pub(super) struct Adjoint<'a> {
+    machine: &'a Machine,
+    pub state: DVector<f64>,
+    weights: Weights,
+    modes: HashMap<*const VariedMode, (Arc<VariedMode>, InMode)>,
+    /// By column: what varied signals add at knots.
+    pub signals: Vec<f64>,
+    series: Series,
+}
+
+/// Memory of a flight's power series.
+#[derive(Default)]
+struct Series {
+    states: Vec<f64>,
+    own: Vec<f64>,
+    next: Vec<f64>,
+}
+
+fn orders(radius: f64) -> usize {
+    let (mut k, mut term) = (0, 1.0);
+    while term > REMAINDER || (k as f64) < 2.0 * radius {
+        k += 1;
+        term *= radius / k as f64;
+    }
+    k
+}
+
+impl<'a> Adjoint<'a> {
+    /// Of a sum without terms.
+    pub fn new(machine: &'a Machine) -> Self {
+        let state = DVector::zeros(machine.system.signals.size);
+        let (weights, signals) = (Weights::zeros(&machine.system), vec![0.0; machine.columns.len()]);
+        Self { machine, state, weights, modes: HashMap::new(), signals, series: Series::default() }
+    }
+
+    fn in_mode(&mut self, mode: &Arc<VariedMode>) -> &mut InMode {
+        let made = || (mode.clone(), InMode::zeros(&self.machine.system, mode));
+        &mut self.modes.entry(Arc::as_ptr(mode)).or_insert_with(made).1
+    }
+
+    /// Goes back over a step.
+    pub fn undo(&mut self, step: &Step) {
+        match step {
+            Step::Flight(mode, z, time) => self.fly(mode, z, *time),
+            Step::Event(passed, factor) => self.cross(passed, *factor),
+            Step::Value(mode, z, quantity, factor) => self.add(mode, z, *quantity, *factor),
+        }
+    }
+
+    /// The sum's derivative by what is left in the machine's rows, along a column.
+    pub fn finish(self) -> Finished<'a> {
+        let Self { machine, state, mut weights, modes, signals, .. } = self;
+        modes.values().for_each(|(mode, own)| weights.add_mode(&machine.system, mode, own));
+        Finished { machine, state, weights, signals }
+    }
+
+    /// A flight: μ⁻ = exp(Aᵀ t) μ, and ∫ μ zᵀ dt by A.
+    fn fly(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, time: f64) {
+        let parts = (time / mode.length).ceil().max(1.0) as usize;
+        let step = time / parts as f64;
+        let count = orders(RADIUS * step / mode.length);
+        let mut series = std::mem::take(&mut self.series);
+        let mut begins = vec![z.as_slice().to_vec()];
+        // Where not all parts are kept, the first pass finds where each block of them begins.
+        for block in 0..(parts - 1) / KEPT {
+            let last = series.expand(mode, &begins[block], (KEPT, step, count));
+            begins.push(last);
+        }
+        let mut state = std::mem::replace(&mut self.state, DVector::zeros(0));
+        let own = self.in_mode(mode);
+        for (block, begin) in begins.iter().enumerate().rev() {
+            let kept = (parts - block * KEPT).min(KEPT);
+            series.expand(mode, begin, (kept, step, count));
+            for part in (0..kept).rev() {
+                series.back(mode, part, (step, count), state.as_mut_slice(), own);
+            }
+        }
+        self.state = state;
+        self.series = series;
+    }
+
+    /// An event that nothing accompanies, or a knot without a jump of velocities.
+    fn cross(&mut self, passed: &Passed, factor: f64) {
+        let [_, after] = &passed.modes;
+        self.project(after, &passed.states[1]);
+        if passed.due.is_none() {
+            self.knot(passed, factor);
+            return;
+        }
+        let mut later = factor - self.state.dot(&passed.rates[1]);
+        for impulse in passed.impulses.iter().rev() {
+            impulse.undo(&self.machine.system, &mut self.state, &mut self.weights);
+        }
+        later += self.state.dot(&passed.rates[0]);
+        let Some(place) = passed.due else { return };
+        let (mode, z) = (&passed.modes[0], &passed.states[0]);
+        let (watch, row) = &mode.watched[place];
+        let varied = -later / row.dot(&passed.rates[0]);
+        self.state.axpy(varied, row, 1.0);
+        let Self { machine, weights, modes, .. } = self;
+        let made = || (mode.clone(), InMode::zeros(&machine.system, mode));
+        let own = &mut modes.entry(Arc::as_ptr(mode)).or_insert_with(made).1;
+        weights.add_watched(&machine.system, (mode, own), (*watch, row), (varied, z));
+    }
+
+    /// A knot: the derivatives of signals are known after it.
+    fn knot(&mut self, passed: &Passed, factor: f64) {
+        let Self { machine, state, signals, .. } = self;
+        let one = machine.system.signals.one;
+        for (p, tangent) in machine.tangents.iter().enumerate().filter(|(_, t)| t.signals.varies()) {
+            let mut known = DVector::zeros(state.len());
+            machine.fill(p, passed.time, &passed.states[1], &mut known);
+            signals[p] += known.rows_range(one..).dot(&state.rows_range(one..));
+            if let Some(knot) = tangent.signals.later(passed.time) {
+                let change = &passed.rates[0] - &passed.rates[1];
+                signals[p] += knot.later * (factor + change.rows_range(..one).dot(&state.rows_range(..one)));
+            }
+        }
+        state.rows_range_mut(one..).fill(0.0);
+    }
+
+    /// The projection onto what the contacts of a mode hold.
+    fn project(&mut self, mode: &VariedMode, z: &DVector<f64>) {
+        let (basis, system) = (&mode.mode.basis, &self.machine.system);
+        let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
+        for (contacts, rates) in [(&basis[..], true), (&basis[..stops], false)] {
+            if contacts.is_empty() {
+                continue;
+            }
+            let n = system.coordinates;
+            let places = self.state.rows(if rates { n } else { 0 }, n);
+            let mut taken: Vec<f64> =
+                contacts.iter().map(|&c| system.elongation_of(c).mobility.dot(&places)).collect();
+            mode.triangle.solve(&mut taken);
+            for (&contact, &taken) in contacts.iter().zip(&taken) {
+                let row: &StateRow = match contact {
+                    Contact::Stop(i) if !rates => &system.stops[i].excess,
+                    _ => &system.elongation_of(contact).rate,
+                };
+                self.state.axpy(-taken, row, 1.0);
+                self.weights.add_held(contact, rates, -taken, z);
+            }
+        }
+    }
+
+    /// A value of the sum, y = ℓ z.
+    fn add(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, quantity: Quantity, factor: f64) {
+        let machine = self.machine;
+        match quantity.owner {
+            Owner::Body(i) => self.add_body(mode, z, (i, quantity.what), factor),
+            Owner::Element(i) if quantity.what == What::F => {
+                machine.system.parts[i].iter().for_each(|&part| self.add_force(mode, z, part, factor));
+            }
+            Owner::Element(i) => {
+                let Some(&part) = machine.system.parts[i].first() else { return };
+                let Some(rows) = machine.system.elongation_of_part(part) else { return };
+                let own = match part {
+                    Part::Spring(i) => &mut self.weights.springs[i].0,
+                    Part::Stop(i) => &mut self.weights.stops[i].elongation,
+                    Part::Friction(i) => &mut self.weights.frictions[i].elongation,
+                    Part::Load(_) => return,
+                };
+                let is_place = quantity.what == What::E;
+                self.state.axpy(factor, if is_place { &rows.e } else { &rows.rate }, 1.0);
+                if is_place { &mut own.e } else { &mut own.rate }.axpy(factor, z, 1.0);
+            }
+        }
+    }
+
+    fn add_body(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, (i, what): (usize, What), factor: f64) {
+        let system = &self.machine.system;
+        let (rows, own) = (&system.bodies[i], &mut self.weights.bodies[i]);
+        match what {
+            What::S => {
+                self.state.axpy(factor, &rows.s, 1.0);
+                own.s.axpy(factor, z, 1.0);
+            }
+            What::V => {
+                self.state.axpy(factor, &rows.v, 1.0);
+                own.v.axpy(factor, z, 1.0);
+            }
+            _ => {
+                let n = system.coordinates;
+                own.weights.axpy(factor, &mode.rates(z).rows(n, n), 1.0);
+                own.drift.axpy(factor, z, 1.0);
+                self.state.axpy(factor, &rows.drift, 1.0);
+                let by_mode = self.in_mode(mode);
+                by_mode.a.rows_mut(0, n).ger(factor, &rows.weights, z, 1.0);
+                for (k, weight) in rows.weights.iter().enumerate() {
+                    let row = mode.a.row(n + k).iter();
+                    row.for_each(|&(j, x)| self.state[j] += factor * weight * x);
+                }
+            }
+        }
+    }
+
+    fn add_force(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, part: Part, factor: f64) {
+        let system = &self.machine.system;
+        let held = |contact: Contact| {
+            let place = mode.mode.basis.iter().position(|&c| c == contact);
+            place.map(|k| mode.lambda[k].clone())
+        };
+        let (contact, row) = match part {
+            Part::Spring(i) => {
+                self.state.axpy(factor, &system.springs[i].force, 1.0);
+                return self.weights.springs[i].1.axpy(factor, z, 1.0);
+            }
+            Part::Load(i) => {
+                self.state.axpy(factor, &system.loads[i], 1.0);
+                return self.weights.loads[i].axpy(factor, z, 1.0);
+            }
+            Part::Stop(i) => match mode.mode.stops[i] {
+                StopState::Closed => (Contact::Stop(i), held(Contact::Stop(i))),
+                state => (Contact::Stop(i), system.stop_force(i, state)),
+            },
+            Part::Friction(i) => match mode.mode.frictions[i] {
+                FrictionState::Stuck => (Contact::Friction(i), held(Contact::Friction(i))),
+                state => (Contact::Friction(i), system.friction_force(i, state)),
+            },
+        };
+        let Some(row) = row else { return };
+        self.state.axpy(factor, &row, 1.0);
+        let Self { machine, weights, modes, .. } = self;
+        let made = || (mode.clone(), InMode::zeros(&machine.system, mode));
+        let own = &mut modes.entry(Arc::as_ptr(mode)).or_insert_with(made).1;
+        weights.add_force((mode, own), contact, (factor, z));
+    }
+}
+
+/// The derivative of a sum by the state at the start and by all rows of the machine.
+pub(super) struct Finished<'a> {
+    machine: &'a Machine,
+    state: DVector<f64>,
+    weights: Weights,
+    signals: Vec<f64>,
+}
+
+impl Finished<'_> {
+    /// The derivative by column `p`, from that of the state at the start.
+    pub fn along(&self, p: usize, start: &DVector<f64>) -> f64 {
+        let tangent = &self.machine.tangents[p];
+        self.state.dot(start) + self.signals[p] + self.weights.along(&self.machine.system, tangent)
+    }
+}
+
+impl Series {
+    /// The coefficients of the power series of `count` orders of each of `parts` parts of a flight
+    /// of length `step`, from the state `z`; returns the state at the end.
+    fn expand(
+        &mut self,
+        mode: &VariedMode,
+        z: &[f64],
+        (parts, step, count): (usize, f64, usize),
+    ) -> Vec<f64> {
+        let size = z.len();
+        self.states.resize(parts * (count + 1) * size, 0.0);
+        let mut z = z.to_vec();
+        for own in self.states.chunks_exact_mut((count + 1) * size).take(parts) {
+            own[..size].copy_from_slice(&z);
+            for k in 1..=count {
+                let (before, after) = own.split_at_mut(k * size);
+                mode.a.rows_times_to(0, &before[(k - 1) * size..], step / k as f64, &mut after[..size]);
+                z.iter_mut().zip(&after[..size]).for_each(|(sum, x)| *sum += x);
+            }
+        }
+        z
+    }
+
+    /// Goes back over a part: the series of μ in the time before its end, and ∫ μ zᵀ dt by Gauss's
+    /// rule.
+    fn back(
+        &mut self,
+        mode: &VariedMode,
+        part: usize,
+        (step, count): (f64, usize),
+        state: &mut [f64],
+        to: &mut InMode,
+    ) {
+        let Self { states, own, next } = self;
+        let size = state.len();
+        own.resize((count + 1) * size, 0.0);
+        own[..size].copy_from_slice(state);
+        for k in 1..=count {
+            let (before, after) = own.split_at_mut(k * size);
+            mode.a.after_row(&before[(k - 1) * size..], step / k as f64, &mut after[..size]);
+            state.iter_mut().zip(&after[..size]).for_each(|(sum, x)| *sum += x);
+        }
+        let states = &states[part * (count + 1) * size..][..(count + 1) * size];
+        next.resize(2 * size, 0.0);
+        let first = size - to.a.nrows();
+        for &(node, weight) in nodes_for(RADIUS * step / mode.length) {
+            let (z, mu) = next.split_at_mut(size);
+            value_at(states, node, z);
+            value_at(own, 1.0 - node, mu);
+            let (rows, factor) = (to.a.nrows(), weight * step);
+            for (column, z) in to.a.as_mut_slice().chunks_exact_mut(rows).zip(z.iter()) {
+                let factor = factor * z;
+                column.iter_mut().zip(&mu[first..]).for_each(|(sum, mu)| *sum += factor * mu);
+            }
+        }
+    }
+}
+
+/// The value of a power series at `x`, by Horner's rule.
+fn value_at(series: &[f64], x: f64, to: &mut [f64]) {
+    to.fill(0.0);
+    for term in series.chunks_exact(to.len()).rev() {
+        to.iter_mut().zip(term).for_each(|(to, term)| *to = *to * x + term);
+    }
+}

@@ -1,0 +1,249 @@
+//! The derivative of a number by all rows and matrices of a machine, from which that by any column
+//! follows (docs/assembly-law.md (A34)).
+
+use super::bodies::BodyTangent;
+use super::mode::VariedMode;
+use super::tangent::{ElongationTangent, FrictionTangent, StopTangent, Tangent};
+use crate::mode::{Contact, FrictionState, StopState, Watch};
+use crate::system::{StateRow, System};
+use nalgebra::{DMatrix, DVector};
+
+/// By each number of a machine's rows and matrices, in the places of a [`Tangent`].
+pub(super) struct Weights {
+    mass: DMatrix<f64>,
+    forces: DMatrix<f64>,
+    pub bodies: Vec<BodyTangent>,
+    pub springs: Vec<(ElongationTangent, StateRow)>,
+    pub stops: Vec<StopTangent>,
+    pub frictions: Vec<FrictionTangent>,
+    pub loads: Vec<StateRow>,
+    /// Of the signals' rows of A, from the first one on.
+    signals: DMatrix<f64>,
+}
+
+/// By the rows of one mode: those of A from the accelerations on, and of the basis's forces.
+pub(super) struct InMode {
+    pub a: DMatrix<f64>,
+    pub lambda: Vec<StateRow>,
+}
+
+impl InMode {
+    pub fn zeros(system: &System, mode: &VariedMode) -> Self {
+        let size = system.signals.size;
+        Self {
+            a: DMatrix::zeros(size - system.coordinates, size),
+            lambda: vec![StateRow::zeros(size); mode.mode.basis.len()],
+        }
+    }
+
+    /// Adds `factor` × `row` by the force of a contact.
+    fn add_force(&mut self, mode: &VariedMode, contact: Contact, factor: f64, row: &StateRow) {
+        if let Some(k) = mode.mode.basis.iter().position(|&c| c == contact) {
+            self.lambda[k].axpy(factor, row, 1.0);
+        }
+    }
+}
+
+impl Weights {
+    pub fn zeros(system: &System) -> Self {
+        let (n, size) = (system.coordinates, system.signals.size);
+        let (row, w) = (StateRow::zeros(size), DVector::zeros(n));
+        let e = ElongationTangent { e: row.clone(), rate: row.clone(), w: w.clone(), drift: row.clone() };
+        let stop = StopTangent {
+            elongation: e.clone(),
+            excess: row.clone(),
+            force: row.clone(),
+            spring: row.clone(),
+            restitution: 0.0,
+        };
+        let friction =
+            FrictionTangent { elongation: e.clone(), level: row.clone(), static_level: row.clone() };
+        let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
+        Self {
+            mass: DMatrix::zeros(n, n),
+            forces: DMatrix::zeros(n, size),
+            bodies: vec![body; system.bodies.len()],
+            springs: vec![(e, row.clone()); system.springs.len()],
+            stops: vec![stop; system.stops.len()],
+            frictions: vec![friction; system.frictions.len()],
+            loads: vec![row; system.loads.len()],
+            signals: DMatrix::zeros(size - system.signals.one, size),
+        }
+    }
+
+    fn elongation(&mut self, contact: Contact) -> &mut ElongationTangent {
+        match contact {
+            Contact::Stop(i) => &mut self.stops[i].elongation,
+            Contact::Friction(i) => &mut self.frictions[i].elongation,
+        }
+    }
+
+    /// Adds `factor` × `row` by the row that a held contact keeps at zero: its rate, or its place.
+    pub fn add_held(&mut self, contact: Contact, rates: bool, factor: f64, row: &StateRow) {
+        match contact {
+            Contact::Stop(i) if !rates => self.stops[i].excess.axpy(factor, row, 1.0),
+            _ => self.elongation(contact).rate.axpy(factor, row, 1.0),
+        }
+    }
+
+    /// Adds those of an impulse: -κ P by a stop's direction, with κ = `kick`.
+    pub fn add_direction(&mut self, stop: usize, impulse: f64, kick: &DVector<f64>) {
+        self.stops[stop].elongation.w.axpy(-impulse, kick, 1.0);
+    }
+
+    /// Adds κ (M⁻¹ W P)ᵀ by the inertia matrix.
+    pub fn add_mass(&mut self, kick: &DVector<f64>, moved: &DVector<f64>) {
+        self.mass.ger(1.0, kick, moved, 1.0);
+    }
+
+    /// Adds `factor` × `row` by the force of a compliant stop in a state, or by a friction's.
+    pub fn add_stop_force(&mut self, i: usize, state: StopState, factor: f64, row: &StateRow) {
+        match state {
+            StopState::Pressed => self.stops[i].force.axpy(factor, row, 1.0),
+            StopState::Capped => self.stops[i].spring.axpy(2.0 * factor, row, 1.0),
+            _ => {}
+        }
+    }
+
+    pub fn add_friction_force(&mut self, i: usize, state: FrictionState, factor: f64, row: &StateRow) {
+        let own = &mut self.frictions[i];
+        match state {
+            FrictionState::Up => own.level.axpy(factor, row, 1.0),
+            FrictionState::Down => own.level.axpy(-factor, row, 1.0),
+            FrictionState::HeldUp => own.static_level.axpy(factor, row, 1.0),
+            FrictionState::HeldDown => own.static_level.axpy(-factor, row, 1.0),
+            FrictionState::Off | FrictionState::Stuck => {}
+        }
+    }
+
+    /// Adds `factor` × `z` by a watched functional of a mode.
+    pub fn add_watched(
+        &mut self,
+        system: &System,
+        (mode, own): (&VariedMode, &mut InMode),
+        (watch, row): (Watch, &StateRow),
+        (factor, z): (f64, &StateRow),
+    ) {
+        match watch {
+            Watch::Meets(i) | Watch::Presses(i) => self.stops[i].excess.axpy(factor, z, 1.0),
+            Watch::Leaves(i) => self.stops[i].excess.axpy(-factor, z, 1.0),
+            Watch::Opens(i) => own.add_force(mode, Contact::Stop(i), -factor, z),
+            Watch::Changes(i) => {
+                let (force, spring) = match mode.mode.stops[i] {
+                    StopState::Free => (factor, 0.0),
+                    StopState::Capped => (-factor, 2.0 * factor),
+                    _ if *row == -&*system.stops[i].force => (-factor, 0.0),
+                    _ => (factor, -2.0 * factor),
+                };
+                self.stops[i].force.axpy(force, z, 1.0);
+                self.stops[i].spring.axpy(spring, z, 1.0);
+            }
+            Watch::Stops(i) => {
+                let factor = -mode.mode.frictions[i].direction() * factor;
+                self.frictions[i].elongation.rate.axpy(factor, z, 1.0);
+            }
+            Watch::Slips(i, up) => {
+                own.add_force(mode, Contact::Friction(i), if up { factor } else { -factor }, z);
+                self.frictions[i].static_level.axpy(-factor, z, 1.0);
+            }
+            Watch::Level(i) => {
+                let off = mode.mode.frictions[i] == FrictionState::Off;
+                self.frictions[i].level.axpy(if off { factor } else { -factor }, z, 1.0);
+            }
+        }
+    }
+
+    /// Adds `factor` × `z` by the force of a contact in a mode.
+    pub fn add_force(
+        &mut self,
+        (mode, own): (&VariedMode, &mut InMode),
+        contact: Contact,
+        (factor, z): (f64, &StateRow),
+    ) {
+        match contact {
+            Contact::Stop(i) if mode.mode.stops[i] != StopState::Closed => {
+                self.add_stop_force(i, mode.mode.stops[i], factor, z);
+            }
+            Contact::Friction(i) if mode.mode.frictions[i] != FrictionState::Stuck => {
+                self.add_friction_force(i, mode.mode.frictions[i], factor, z);
+            }
+            _ => own.add_force(mode, contact, factor, z),
+        }
+    }
+
+    /// Adds what the rows of a mode depend on: the adjoint of (A29).
+    pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
+        let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
+        self.signals += own.a.rows(n, size - 2 * n);
+        let own_a = own.a.rows(0, n);
+        let mut acceleration = DMatrix::zeros(n, size);
+        for k in 0..n {
+            mode.a.row(n + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
+        }
+        // D = G⁻¹ (Λ - Wᵀ M⁻¹ Y) by what the contacts hold against, Z = M⁻¹ (Y + W D) by forces.
+        let mut held = DMatrix::zeros(basis.len(), size);
+        for (k, (&contact, lambda)) in basis.iter().zip(&own.lambda).enumerate() {
+            let moved = own_a.tr_mul(&system.elongation_of(contact).mobility);
+            held.row_mut(k).copy_from(&(lambda - moved).transpose());
+        }
+        if !basis.is_empty() {
+            held.as_mut_slice().chunks_exact_mut(basis.len()).for_each(|column| mode.triangle.solve(column));
+        }
+        let mut by_forces = own_a.into_owned();
+        for (k, &contact) in basis.iter().enumerate() {
+            by_forces.ger(1.0, &system.elongation_of(contact).w, &held.row(k).transpose(), 1.0);
+        }
+        system.inertia.solve_mut(&mut by_forces);
+        for (k, &contact) in basis.iter().enumerate() {
+            let row = held.row(k).transpose();
+            let elongation = self.elongation(contact);
+            elongation.w += &acceleration * &row - &by_forces * &mode.lambda[k];
+            elongation.drift += row;
+        }
+        self.mass -= &by_forces * acceleration.transpose();
+        for (i, &state) in mode.mode.stops.iter().enumerate() {
+            if let Some(force) = system.stop_force(i, state) {
+                self.stops[i].elongation.w -= &by_forces * force;
+                let row = by_forces.tr_mul(&system.stops[i].elongation.w);
+                self.add_stop_force(i, state, -1.0, &row);
+            }
+        }
+        for (i, &state) in mode.mode.frictions.iter().enumerate() {
+            if let Some(force) = system.friction_force(i, state) {
+                self.frictions[i].elongation.w -= &by_forces * force;
+                let row = by_forces.tr_mul(&system.frictions[i].elongation.w);
+                self.add_friction_force(i, state, -1.0, &row);
+            }
+        }
+        self.forces += by_forces;
+    }
+
+    /// The derivative along a column: the sum of all products with its tangent.
+    pub fn along(&self, system: &System, tangent: &Tangent) -> f64 {
+        if tangent.is_zero {
+            return 0.0;
+        }
+        let e = |own: &ElongationTangent, by: &ElongationTangent| {
+            own.e.dot(&by.e) + own.rate.dot(&by.rate) + own.w.dot(&by.w) + own.drift.dot(&by.drift)
+        };
+        let bodies = self.bodies.iter().zip(&tangent.bodies);
+        let bodies = bodies.map(|(own, by)| {
+            own.s.dot(&by.s) + own.v.dot(&by.v) + own.weights.dot(&by.weights) + own.drift.dot(&by.drift)
+        });
+        let springs = self.springs.iter().zip(&tangent.springs);
+        let springs = springs.map(|(own, by)| e(&own.0, &by.0) + own.1.dot(&by.1));
+        let stops = self.stops.iter().zip(&tangent.stops).map(|(own, by)| {
+            let rows = own.excess.dot(&by.excess) + own.force.dot(&by.force) + own.spring.dot(&by.spring);
+            e(&own.elongation, &by.elongation) + rows + own.restitution * by.restitution
+        });
+        let frictions = self.frictions.iter().zip(&tangent.frictions).map(|(own, by)| {
+            let levels = own.level.dot(&by.level) + own.static_level.dot(&by.static_level);
+            e(&own.elongation, &by.elongation) + levels
+        });
+        let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
+        let one = system.signals.one;
+        let signals = tangent.signals.rates().map(|(i, (j, x))| self.signals[(i - one, j)] * x);
+        let elements = bodies.chain(springs).chain(stops).chain(frictions).chain(loads).chain(signals);
+        self.mass.dot(&tangent.mass) + self.forces.dot(&tangent.forces) + elements.sum::<f64>()
+    }
+}

@@ -1,0 +1,70 @@
+//! Derivatives of motions from a start.
+
+use super::{Start, in_words};
+use crate::assembly::Assembly;
+use crate::derivative::{By, Differentiated, VariedObserver};
+use crate::error::Error;
+use crate::refusal::{Problem, Refusal, advice};
+use std::sync::Arc;
+
+impl Start {
+    /// What names of parameters and of the start's own numbers, `start.box.s` and `start.time`, are
+    /// in a motion from this start. From another start than the machine's own the state is fixed:
+    /// no parameter moves it, and `body.box.start.s` is `start.box.s`.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for an unknown name, with the nearest one.
+    pub fn columns(&self, assembly: &Assembly, names: &[&str]) -> Result<Vec<By>, Refusal> {
+        names.iter().map(|name| self.column(assembly, name)).collect()
+    }
+
+    fn column(&self, assembly: &Assembly, name: &str) -> Result<By, Refusal> {
+        let all = Self::names(assembly);
+        let place = |own: &str| all.iter().position(|name| name == own);
+        if let Some(own) = name.strip_prefix("start.") {
+            let refused = || {
+                let near = advice(own, all.iter().map(String::as_str).chain(["time"]));
+                Refusal::one(Problem::new(name, None, format!("no number of a start has this name; {near}")))
+            };
+            return if own == "time" { Ok(By::Time) } else { place(own).map(By::Start).ok_or_else(refused) };
+        }
+        let name = assembly.description.parameter(name)?.name;
+        let of_body = name.strip_prefix("body.").map(|name| name.replace(".start.", "."));
+        let own = of_body.filter(|_| !self.is_own() && name.contains(".start."));
+        Ok(own.and_then(|own| place(&own)).map_or(By::Parameter(name), By::Start))
+    }
+
+    /// The motion from this start with its derivatives by [`columns`](Self::columns), and with the
+    /// events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion) and [`columns`](Self::columns).
+    pub fn differentiated(
+        &self,
+        assembly: Arc<Assembly>,
+        names: &[&str],
+        observer: &mut VariedObserver,
+    ) -> Result<Differentiated, Error> {
+        let columns = self.columns(&assembly, names)?;
+        if self.is_own() {
+            return Differentiated::new_observed(assembly, &columns, observer);
+        }
+        let state = self.state(&assembly)?;
+        let begun =
+            Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+
+    /// The motion from this start with its derivatives by the state there: a column for each
+    /// coordinate of the machine, then for each rate. Their
+    /// [`state_derivative`](Differentiated::state_derivative)s are the transition matrix.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion).
+    pub fn transition(&self, assembly: Arc<Assembly>) -> Result<Differentiated, Error> {
+        let state = self.state(&assembly)?;
+        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+        let begun = Differentiated::from_state(assembly.clone(), self.time, &state, &columns);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
