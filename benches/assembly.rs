@@ -217,6 +217,16 @@ fn main() {
             let own = [follow(&machine, end, true).0, follow_varied(&machine, end).0];
             times.iter_mut().zip(own).for_each(|(least, t)| *least = least.min(t));
         }
+        let mut least = [f64::INFINITY; 2];
+        for _ in 0..ROUNDS {
+            let own = follow_gradient(&machine, end);
+            least.iter_mut().zip(own).for_each(|(least, t)| *least = least.min(t));
+        }
+        println!(
+            "| the gradient of a sum of squares over motion alone, {name} | {:.0} | {:.1} |",
+            least[1] / 1e3,
+            least[1] / least[0]
+        );
         println!(
             "| five derivative columns over motion alone, {name} | {:.0} | {:.1} |",
             times[1] / 1e3,

@@ -199,9 +199,7 @@ impl Extremes {
                 (_, found) => Err(found.clone().unwrap_or_else(|| Lost::unknown(passed.time))),
             };
             let candidate = own.candidate(passed.time, z);
-            self.consider(&|| name_of(machine, quantity), &candidate, &mut || {
-                (0..lost.len()).map(by).collect()
-            });
+            self.consider(&|| name_of(machine, quantity), &candidate, &|| (0..lost.len()).map(by).collect());
         }
     }
 }
