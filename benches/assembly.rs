@@ -3,10 +3,12 @@
 //! `cargo bench -p benches --bench assembly`
 
 use std::fmt::Write as _;
+use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
+use vibro_assembly::derivative::Gradient;
 use vibro_assembly::file::{no_records, parse};
-use vibro_assembly::{Assembly, Differentiated, Motion};
+use vibro_assembly::{Assembly, Differentiated, Motion, Quantity, What};
 use vibro_impact::{Groups, Scales, Simulator, State};
 
 /// Rounds of each machine, of which the least time counts.
@@ -122,6 +124,30 @@ fn follow_varied(assembly: &Arc<Assembly>, end: f64) -> (f64, usize) {
     (begin.elapsed().as_nanos() as f64, events)
 }
 
+/// Times, ns, of a motion with 200 values of a body and of the gradient of the sum of their squares by
+/// at most thirty numbers.
+fn follow_gradient(assembly: &Arc<Assembly>, end: f64) -> [f64; 2] {
+    let all = assembly.description.parameters();
+    let names: Vec<&str> = all.iter().take(30).map(|p| p.name.as_str()).collect();
+    let place = Quantity::of_body(0, What::S);
+    let times = || (1..=200).map(|k| end * f64::from(k) / 200.0);
+    let begin = Instant::now();
+    let mut m = Motion::new(assembly.clone()).expect("a motion");
+    for time in times() {
+        m.advance_to(time).expect("it moves");
+        black_box(m.value(place));
+    }
+    let alone = begin.elapsed().as_nanos() as f64;
+    let begin = Instant::now();
+    let mut sum = Gradient::new(assembly.clone(), &names).expect("a motion");
+    for time in times() {
+        sum.advance_to(time).expect("it moves");
+        sum.add(place, 2.0 * sum.motion().value(place));
+    }
+    black_box(sum.gradient().expect("a gradient"));
+    [alone, begin.elapsed().as_nanos() as f64]
+}
+
 fn least(mut way: impl FnMut() -> (f64, usize)) -> (f64, usize) {
     (0..ROUNDS).map(|_| way()).min_by(|a, b| a.0.total_cmp(&b.0)).expect("a round")
 }
@@ -191,6 +217,16 @@ fn main() {
             let own = [follow(&machine, end, true).0, follow_varied(&machine, end).0];
             times.iter_mut().zip(own).for_each(|(least, t)| *least = least.min(t));
         }
+        let mut least = [f64::INFINITY; 2];
+        for _ in 0..ROUNDS {
+            let own = follow_gradient(&machine, end);
+            least.iter_mut().zip(own).for_each(|(least, t)| *least = least.min(t));
+        }
+        println!(
+            "| the gradient of a sum of squares over motion alone, {name} | {:.0} | {:.1} |",
+            least[1] / 1e3,
+            least[1] / least[0]
+        );
         println!(
             "| five derivative columns over motion alone, {name} | {:.0} | {:.1} |",
             times[1] / 1e3,

@@ -13,6 +13,7 @@ mod by;
 mod columns;
 mod crossing;
 mod differentiated;
+mod extremes;
 mod flight;
 mod gradient;
 mod impulse;
@@ -29,6 +30,7 @@ mod weights;
 
 pub use by::By;
 pub use differentiated::{Differentiated, VariedObserver};
+pub use extremes::{Extreme, Extremes};
 pub use gradient::Gradient;
 pub(crate) use impulse::Impulse;
 pub use lost::{Cause, Lost};

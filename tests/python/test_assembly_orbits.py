@@ -18,10 +18,7 @@ def example(name):
 
 
 def test_the_block_of_the_page_prints_what_it_shows(tmp_path):
-    page = "docs/orbits-of-your-machine.md"
-    text = (ROOT / page).read_text(encoding="utf-8")
-    (tmp_path / "rattle.toml").write_text(re.search(r"```toml rattle.toml\n(.*?)```", text, re.S).group(1), encoding="utf-8")
-    assert run(page, tmp_path) == 1
+    assert run("docs/orbits-of-your-machine.md", tmp_path) == 1
 
 
 def test_closed_form_of_both_orbits_of_the_impact_pair():

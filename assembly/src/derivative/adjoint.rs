@@ -259,6 +259,13 @@ impl<'a> Adjoint<'a> {
     }
 }
 
+/// The row of a quantity in a mode: its derivative by the state.
+pub(super) fn row_of(machine: &Machine, mode: &Arc<VariedMode>, quantity: Quantity) -> StateRow {
+    let mut alone = Adjoint::new(machine);
+    alone.add(mode, &StateRow::zeros(machine.system.signals.size), quantity, 1.0);
+    alone.state
+}
+
 /// The derivative of a sum by the state at the start and by all rows of the machine.
 pub(super) struct Finished<'a> {
     machine: &'a Machine,

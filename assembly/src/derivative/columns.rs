@@ -31,6 +31,12 @@ impl Columns {
         self.numbers.iter_mut().step_by(self.width).zip(z).for_each(|(own, x)| *own = *x);
     }
 
+    /// The state.
+    pub fn state(&self) -> DVector<f64> {
+        let size = self.numbers.len() / self.width;
+        DVector::from_iterator(size, self.numbers.iter().step_by(self.width).copied())
+    }
+
     /// Column `p`.
     pub fn column(&self, p: usize) -> DVector<f64> {
         let size = self.numbers.len() / self.width;

@@ -58,6 +58,13 @@ pub(super) struct Later {
     own: Vec<(Contact, f64)>,
 }
 
+impl Later {
+    /// The δt of all elements; `None` where they differ.
+    pub fn only(&self) -> Option<f64> {
+        Some(self.event).filter(|event| self.own.iter().all(|own| !differ(own.1, *event)))
+    }
+}
+
 fn stop_of(contact: Contact) -> Option<usize> {
     if let Contact::Stop(i) = contact { Some(i) } else { None }
 }

@@ -5,6 +5,7 @@ mod under_way;
 use super::by::By;
 use super::columns::Columns;
 use super::crossing::{Later, Met};
+use super::extremes::Extremes;
 use super::flight::Memory;
 use super::lost::Lost;
 use super::machine::{Instant, Machine};
@@ -292,12 +293,47 @@ impl Differentiated {
     /// # Errors
     /// As [`Motion::advance_to`].
     pub fn advance_observed(&mut self, end: f64, observer: &mut VariedObserver) -> Result<(), Error> {
+        self.advance_with_extremes(end, &mut [], observer)
+    }
+
+    /// As [`advance_observed`](Self::advance_observed), and takes the extreme values of quantities
+    /// on the way into account.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`].
+    pub fn advance_with_extremes(
+        &mut self,
+        end: f64,
+        extremes: &mut [Extremes],
+        observer: &mut VariedObserver,
+    ) -> Result<(), Error> {
+        self.look(extremes);
         loop {
-            match self.advance_before_event(end)? {
-                Reached::End => return Ok(()),
-                Reached::Event => self.pass(observer)?,
+            let from = self.motion.time();
+            let outcome = self.motion.advance_before_event(end, &mut |_| ());
+            let span = self.motion.time() - from;
+            if span > 0.0 {
+                let Self { machine, mode, deltas, lost, memory, vectors, .. } = self;
+                let mut carry = |varied: &mut Columns, time: f64| mode.carry(*vectors, varied, memory, time);
+                for own in &mut *extremes {
+                    own.fly(machine, mode, (from, deltas, lost), span, &mut carry);
+                }
+                self.fly(span);
+            }
+            match outcome? {
+                Reached::End => {
+                    self.look(extremes);
+                    return Ok(());
+                }
+                Reached::Event => self.pass(extremes, observer)?,
             }
         }
+    }
+
+    /// Takes the present values into account.
+    fn look(&self, extremes: &mut [Extremes]) {
+        let now = (self.motion.time(), &self.deltas, &self.lost[..]);
+        extremes.iter_mut().for_each(|own| own.at(&self.machine, &self.mode, now));
     }
 
     /// Carries the derivatives over a flight from the state that they have.
@@ -335,14 +371,18 @@ impl Differentiated {
     }
 
     /// Applies the law of the pending event, and carries the derivatives over it.
-    fn pass(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
+    fn pass(&mut self, extremes: &mut [Extremes], observer: &mut VariedObserver) -> Result<(), Error> {
         let Self { machine, motion, modes, mode, deltas, scales, lost, met, .. } = self;
         let passed = Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, true))?;
         *mode = passed.modes[1].clone();
         let crossing = passed.crossing(machine, met);
         let closes = passed.events.iter().any(|event| matches!(event.kind, EventKind::Close { .. }));
-        let was = closes.then(|| deltas.clone());
+        let was = (closes || !extremes.is_empty()).then(|| deltas.clone());
         let later = crossing.carry(deltas, scales, lost);
+        if let Some(was) = &was {
+            let all = extremes.iter_mut();
+            all.for_each(|own| own.cross(machine, &passed, [was, deltas], (&later, lost)));
+        }
         for event in &passed.events {
             let time_of = |(p, later): (usize, &Option<Later>)| {
                 let delta = was.as_ref().map(|was| was.column(p));

@@ -78,7 +78,8 @@ impl Sources {
     }
 }
 
-fn orders(radius: f64) -> usize {
+/// Orders of a power series of derivatives over rate × time.
+pub(super) fn orders(radius: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);
     while term > REMAINDER || (k as f64) < 2.0 * radius {
         k += 1;

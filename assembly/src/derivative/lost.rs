@@ -27,6 +27,8 @@ pub enum Cause {
     Touch,
     /// Two events at one instant, whose order the change decides and whose order matters.
     Together,
+    /// An extreme value that is there at several times.
+    Equal,
     /// A value at its limit, so that the changed motion follows another law on either side.
     Limit,
 }
@@ -36,6 +38,7 @@ impl fmt::Display for Lost {
         let reason = match self.cause {
             Cause::Touch => "only touches its limit",
             Cause::Together => "has an event together with another, and their order matters",
+            Cause::Equal => "has its extreme value at several times",
             Cause::Limit => "is at its limit, so that derivatives differ on both sides",
         };
         write!(f, "no derivative from t = {} s on: {} {reason}", self.time, self.element)

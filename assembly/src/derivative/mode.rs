@@ -1,7 +1,7 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
 //! functionals (docs/assembly-law.md (A29)).
 
-use super::flight::{Rung, Sources};
+use super::flight::{Rung, Sources, orders};
 use super::tangent::Tangent;
 use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
@@ -100,6 +100,17 @@ impl VariedMode {
     /// Whether a flight over a time parts the events at its ends into two instants.
     pub fn parts_instants(&self, time: f64, span: f64) -> bool {
         span > INSTANT * (time.abs() + self.length)
+    }
+
+    /// The state after a time of at most the length of a series.
+    pub fn after(&self, z: &DVector<f64>, time: f64) -> DVector<f64> {
+        let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
+        for k in 1..=orders(RADIUS * time / self.length) {
+            self.a.rows_times_to(0, term.as_slice(), time / k as f64, next.as_mut_slice());
+            std::mem::swap(&mut term, &mut next);
+            sum += &term;
+        }
+        sum
     }
 
     /// z' at a state.

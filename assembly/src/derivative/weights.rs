@@ -86,7 +86,7 @@ impl Weights {
         }
     }
 
-    /// Adds those of an impulse: -κ P by a stop's direction, with κ = `kick`.
+    /// Adds -κ P of an impulse by a stop's direction, with κ = `kick`.
     pub fn add_direction(&mut self, stop: usize, impulse: f64, kick: &DVector<f64>) {
         self.stops[stop].elongation.w.axpy(-impulse, kick, 1.0);
     }

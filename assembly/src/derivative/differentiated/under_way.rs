@@ -78,7 +78,7 @@ impl Differentiated {
     /// # Errors
     /// As [`Motion::apply_event`].
     pub fn apply_event(&mut self, observer: &mut VariedObserver) -> Result<(), Error> {
-        self.pass(observer)
+        self.pass(&mut [], observer)
     }
 }
 

@@ -1,0 +1,255 @@
+//! The lowest and the highest value of a quantity over a motion, with their derivatives.
+
+use super::adjoint::row_of;
+use super::columns::Columns;
+use super::crossing::Later;
+use super::lost::{Cause, Lost};
+use super::machine::{Machine, STILL};
+use super::mode::VariedMode;
+use super::passed::Passed;
+use super::values::Point;
+use crate::flow::{INTERVALS, LOCAL, taylor};
+use crate::quantity::Quantity;
+use crate::system::StateRow;
+use std::collections::HashMap;
+use std::sync::Arc;
+use vibro_impact::events::turns;
+
+/// Values that differ by less than this part of their terms' sizes are equal: rounding of a motion.
+const EQUAL: f64 = 1e-11;
+
+/// An extreme value of a quantity.
+#[derive(Clone, Debug)]
+pub struct Extreme {
+    /// s.
+    pub time: f64,
+    /// SI.
+    pub value: f64,
+    /// By column its derivative, or why there is none.
+    pub by: Vec<Result<f64, Lost>>,
+}
+
+/// A derivative with the sum of the sizes of its terms, or why there is none.
+type Sized = Result<(f64, f64), Lost>;
+
+/// The lowest and the highest value of a quantity over a motion, with their derivatives: for
+/// [`Differentiated::advance_with_extremes`](super::Differentiated::advance_with_extremes).
+///
+/// Where the quantity turns, its derivative is that at this time. At an event, where it or its rate
+/// may jump, the event's time counts as well. The times at which an advance begins and ends do not
+/// vary. An extreme value that is there at several times, which do not move alike, has no
+/// derivative.
+#[derive(Clone)]
+pub struct Extremes {
+    quantity: Quantity,
+    /// Lowest and highest.
+    found: [Option<Extreme>; 2],
+    /// The largest sum of the sizes of a value's terms.
+    size: f64,
+    /// By column the largest sum of the sizes of a derivative's terms.
+    sizes: Vec<f64>,
+    rows: HashMap<*const VariedMode, Arc<InMode>>,
+}
+
+/// The quantity and its rate in a mode.
+struct InMode {
+    /// So that the key stays its own.
+    mode: Arc<VariedMode>,
+    row: StateRow,
+    /// Taylor coefficients of the rate over an interval, by coordinate.
+    rate: Vec<[f64; LOCAL]>,
+}
+
+/// A value that may be an extreme one.
+struct Candidate {
+    time: f64,
+    value: f64,
+    size: f64,
+}
+
+impl Extremes {
+    /// Of a quantity, before the motion begins.
+    pub fn new(quantity: Quantity) -> Self {
+        Self { quantity, found: [None, None], size: 0.0, sizes: Vec::new(), rows: HashMap::new() }
+    }
+
+    /// The quantity.
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// The lowest value so far; `None` before the motion advances.
+    pub fn lowest(&self) -> Option<&Extreme> {
+        self.found[0].as_ref()
+    }
+
+    /// The highest value so far.
+    pub fn highest(&self) -> Option<&Extreme> {
+        self.found[1].as_ref()
+    }
+
+    fn in_mode(&mut self, machine: &Machine, mode: &Arc<VariedMode>) -> Arc<InMode> {
+        let made = || {
+            let row = row_of(machine, mode, self.quantity);
+            let (mut rate, step) = (vec![0.0; row.len()], mode.length / INTERVALS as f64);
+            mode.a.after_row(row.as_slice(), step, &mut rate);
+            let rate = taylor(&mode.a, &rate, 1.0, step);
+            Arc::new(InMode { mode: mode.clone(), row, rate })
+        };
+        self.rows.entry(Arc::as_ptr(mode)).or_insert_with(made).clone()
+    }
+
+    /// Takes the value at a state into account, with the derivatives by `by`.
+    fn consider(&mut self, name: &dyn Fn() -> String, candidate: &Candidate, by: &dyn Fn() -> Vec<Sized>) {
+        let Candidate { time, value, size } = *candidate;
+        self.size = self.size.max(size);
+        let equal = EQUAL * self.size;
+        for (sign, place) in [-1.0, 1.0].into_iter().zip(&mut self.found) {
+            let more = place.as_ref().map_or(f64::INFINITY, |own| sign * (value - own.value));
+            if more < -equal {
+                continue;
+            }
+            let all = by();
+            self.sizes.resize(all.len(), 0.0);
+            let sizes = self.sizes.iter_mut().zip(&all);
+            sizes.for_each(|(most, by)| *most = by.as_ref().map_or(*most, |by| most.max(by.1)));
+            let by = all.into_iter().map(|by| by.map(|by| by.0));
+            match place {
+                Some(own) if more <= equal && own.time != time => own.meet(time, by, (&self.sizes, name)),
+                _ => *place = Some(Extreme { time, value, by: by.collect() }),
+            }
+        }
+    }
+
+    /// Whether a value may be the lowest or the highest so far.
+    fn may_be(&self, candidate: &Candidate) -> bool {
+        let equal = EQUAL * self.size.max(candidate.size);
+        let off = |own: &Extreme, sign: f64| sign * (candidate.value - own.value) < -equal;
+        let [lowest, highest] = &self.found;
+        !lowest.as_ref().is_some_and(|own| off(own, -1.0))
+            || !highest.as_ref().is_some_and(|own| off(own, 1.0))
+    }
+
+    /// The value and its derivatives at a state in a mode, at a time that does not vary.
+    pub(super) fn at(&mut self, machine: &Machine, mode: &Arc<VariedMode>, (time, deltas, lost): Moment) {
+        let own = self.in_mode(machine, mode);
+        let (quantity, z) = (self.quantity, deltas.state());
+        let by = |p: usize| match &lost[p] {
+            Some(lost) => Err(lost.clone()),
+            None => Ok(own.derivative(machine, (p, quantity), (&z, deltas), 0.0)),
+        };
+        let candidate = own.candidate(time, &z);
+        self.consider(&|| name_of(machine, quantity), &candidate, &|| (0..lost.len()).map(by).collect());
+    }
+
+    /// The turning points of a flight over a time from a moment.
+    pub(super) fn fly(
+        &mut self,
+        machine: &Machine,
+        mode: &Arc<VariedMode>,
+        (from, deltas, lost): Moment,
+        span: f64,
+        carry: &mut dyn FnMut(&mut Columns, f64),
+    ) {
+        let own = self.in_mode(machine, mode);
+        let (step, mut z) = (mode.length / INTERVALS as f64, deltas.state());
+        let (mut begin, mut rising) = (0.0, own.row.dot(&mode.rates(&z)) > 0.0);
+        while begin < span {
+            let mut rate = [0.0; LOCAL];
+            for (column, x) in own.rate.iter().zip(z.iter()) {
+                rate.iter_mut().zip(column).for_each(|(sum, c)| *sum += c * x);
+            }
+            let end = ((span - begin) / step).min(1.0);
+            turns(&rate, (0.0, end), &mut rising, |u, _| {
+                let after = begin + u * step;
+                let there = mode.after(&z, u * step);
+                let candidate = own.candidate(from + after, &there);
+                if !self.may_be(&candidate) {
+                    return;
+                }
+                let mut varied = deltas.clone();
+                carry(&mut varied, after);
+                self.at(machine, mode, (from + after, &varied, lost));
+            });
+            z = mode.after(&z, step);
+            begin += step;
+        }
+    }
+
+    /// The values before and after an event, whose derivatives before it are `before`.
+    pub(super) fn cross(
+        &mut self,
+        machine: &Machine,
+        passed: &Passed,
+        [before, after]: [&Columns; 2],
+        (later, lost): (&[Option<Later>], &[Option<Lost>]),
+    ) {
+        for (k, deltas) in [before, after].into_iter().enumerate() {
+            let own = self.in_mode(machine, &passed.modes[k]);
+            let (quantity, z, rate) = (self.quantity, &passed.states[k], own.row.dot(&passed.rates[k]));
+            let by = |p: usize| match (&later[p], &lost[p]) {
+                (Some(later), None) => {
+                    let time = later.only().ok_or_else(|| Lost {
+                        time: passed.time,
+                        element: name_of(machine, quantity),
+                        cause: Cause::Together,
+                    })?;
+                    Ok(own.derivative(machine, (p, quantity), (z, deltas), rate * time))
+                }
+                (_, found) => Err(found.clone().unwrap_or_else(|| Lost::unknown(passed.time))),
+            };
+            let candidate = own.candidate(passed.time, z);
+            self.consider(&|| name_of(machine, quantity), &candidate, &|| (0..lost.len()).map(by).collect());
+        }
+    }
+}
+
+/// A time, the state there with its derivatives, and the columns that have none.
+pub(super) type Moment<'a> = (f64, &'a Columns, &'a [Option<Lost>]);
+
+impl Extreme {
+    /// The value is there at another time, too, with these derivatives.
+    fn meet(
+        &mut self,
+        time: f64,
+        others: impl Iterator<Item = Result<f64, Lost>>,
+        (sizes, name): (&[f64], &dyn Fn() -> String),
+    ) {
+        for ((own, size), other) in self.by.iter_mut().zip(sizes).zip(others) {
+            let Ok(by) = own else { continue };
+            match other {
+                Ok(other) if (*by - other).abs() <= STILL * size => {}
+                Ok(_) => *own = Err(Lost { time, element: name(), cause: Cause::Equal }),
+                Err(found) => *own = Err(found),
+            }
+        }
+    }
+}
+
+impl InMode {
+    /// The derivative of the quantity by column `p` at a state, with a share by the time.
+    fn derivative(
+        &self,
+        machine: &Machine,
+        (p, quantity): (usize, Quantity),
+        (z, deltas): (&StateRow, &Columns),
+        by_time: f64,
+    ) -> (f64, f64) {
+        let delta = &deltas.column(p);
+        let (system, tangent, mode) = (&*machine.system, &machine.tangents[p], &*self.mode);
+        let value = Point { system, tangent, mode, p, z, delta, scale: delta }.quantity(quantity);
+        let terms: f64 = self.row.iter().zip(delta.iter()).map(|(a, b)| (a * b).abs()).sum();
+        // No value is -0.
+        (value + by_time + 0.0, terms + value.abs() + by_time.abs())
+    }
+
+    fn candidate(&self, time: f64, z: &StateRow) -> Candidate {
+        let size = self.row.iter().zip(z.iter()).map(|(a, b)| (a * b).abs()).sum();
+        Candidate { time, value: self.row.dot(z), size }
+    }
+}
+
+fn name_of(machine: &Machine, quantity: Quantity) -> String {
+    let all = machine.assembly.description.named_quantities();
+    all.into_iter().find(|own| own.quantity == quantity).map_or_else(String::new, |own| own.name)
+}
