@@ -1,5 +1,8 @@
 //! The flow of chains that hold, press, rub and are driven, against the matrix exponential by Padé's approximants.
 
+mod remainder;
+mod wide;
+
 use super::*;
 use crate::file::{no_records, parse};
 use crate::mode::Watch;
