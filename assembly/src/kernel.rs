@@ -82,9 +82,11 @@ pub struct SparseColumns<const R: usize>(Vec<(usize, [f64; R])>);
 
 impl<const R: usize> SparseColumns<R> {
     /// The nonzero ones among all columns.
-    pub fn of(columns: impl IntoIterator<Item = [f64; R]>) -> Self {
-        let nonzero = |(_, column): &(usize, [f64; R])| column.iter().any(|x| *x != 0.0);
-        Self(columns.into_iter().enumerate().filter(nonzero).collect())
+    pub fn of(columns: &[[f64; R]]) -> Self {
+        let nonzero = |(_, column): &(usize, &[f64; R])| column.iter().any(|x| *x != 0.0);
+        let mut own = Vec::with_capacity(columns.len());
+        own.extend(columns.iter().enumerate().filter(nonzero).map(|(place, column)| (place, *column)));
+        Self(own)
     }
 
     /// The matrix times a vector.
@@ -197,6 +199,9 @@ impl Default for SparseMatrix {
 
 /// Rows of a slice.
 const SLICE: usize = 8;
+
+/// Vectors that are multiplied side by side.
+pub const ABREAST: usize = 8;
 
 /// Least number of entries of a diagonal within a slice that are kept as a list of all: fewer are
 /// as fast one by one.
@@ -459,6 +464,19 @@ impl SparseMatrix {
         product
     }
 
+    /// `to` = `factor` × matrix × `from`, of eight vectors side by side.
+    #[inline(always)]
+    pub fn times_eight(&self, from: &[[f64; ABREAST]], factor: f64, to: &mut [[f64; ABREAST]]) {
+        for (to, ends) in to.iter_mut().zip(self.rows.windows(2)) {
+            let mut sums = [0.0; ABREAST];
+            for &(j, x) in &self.entries[ends[0]..ends[1]] {
+                let from = &from[j];
+                (0..ABREAST).for_each(|i| sums[i] += x * from[i]);
+            }
+            *to = sums.map(|sum| sum * factor);
+        }
+    }
+
     /// The matrix of absolute values.
     pub fn abs(&self) -> Self {
         let entries = self.entries.iter().map(|&(j, x)| (j, x.abs())).collect();
@@ -470,6 +488,20 @@ impl SparseMatrix {
 const BLOCK: usize = 8;
 /// Rows of the last block where no more are left.
 const HALF: usize = BLOCK / 2;
+
+/// Writes the first numbers to a list that may be shorter. The compiler makes a call of a copy of
+/// unknown length, which takes longer than the product.
+#[inline(always)]
+fn put<const N: usize>(numbers: &[f64; N], to: &mut [f64]) {
+    match to.as_mut_array() {
+        Some(to) => *to = *numbers,
+        None => (0..N).for_each(|k| {
+            if k < to.len() {
+                to[k] = numbers[k];
+            }
+        }),
+    }
+}
 
 /// A dense matrix in blocks of eight rows; the last block has four where these suffice.
 #[derive(Clone, Debug)]
@@ -483,14 +515,20 @@ impl Blocks {
     /// The blocks of a matrix.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
         let (rows, columns) = matrix.shape();
-        let entry = |i: usize, j: usize| if i < rows { matrix[(i, j)] } else { 0.0 };
         let left = rows % BLOCK;
         let whole = if left <= HALF { rows / BLOCK } else { rows / BLOCK + 1 };
-        let blocks = (0..whole)
-            .flat_map(|b| (0..columns).map(move |j| std::array::from_fn(|k| entry(b * BLOCK + k, j))));
-        let last = (0..columns).map(|j| std::array::from_fn(|k| entry(whole * BLOCK + k, j)));
-        let has_last = whole * BLOCK < rows;
-        Self { columns, blocks: blocks.collect(), last: last.filter(|_| has_last).collect() }
+        let mut blocks = vec![[0.0; BLOCK]; whole * columns];
+        let mut last = vec![[0.0; HALF]; if whole * BLOCK < rows { columns } else { 0 }];
+        for (j, column) in matrix.as_slice().chunks_exact(rows).enumerate() {
+            let (of_blocks, of_last) = column.split_at(rows.min(whole * BLOCK));
+            for (b, part) in of_blocks.chunks(BLOCK).enumerate() {
+                blocks[b * columns + j][..part.len()].copy_from_slice(part);
+            }
+            if !of_last.is_empty() {
+                last[j][..of_last.len()].copy_from_slice(of_last);
+            }
+        }
+        Self { columns, blocks, last }
     }
 
     /// `to` = matrix × `from`.
@@ -500,11 +538,8 @@ impl Blocks {
         let (whole, last) = to.split_at_mut(to.len().min(blocks.len() * BLOCK));
         for (block, to) in blocks.zip(whole.chunks_mut(BLOCK)) {
             let sum = combine(block, from);
-            to.copy_from_slice(&sum[..to.len()]);
+            put(&sum, to);
         }
-        let sum = combine(&self.last, from);
-        for (to, sum) in last.iter_mut().zip(sum) {
-            *to = sum;
-        }
+        put(&combine(&self.last, from), last);
     }
 }

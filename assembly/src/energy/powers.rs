@@ -139,6 +139,25 @@ impl Losses {
     }
 }
 
+/// The making of rows' Taylor coefficients, compiled for each kind of vectors that a computer may
+/// have.
+struct Columns<'a> {
+    rows: &'a [Sparse],
+    table: &'a FlowTable,
+}
+
+impl pulp::WithSimd for Columns<'_> {
+    type Output = Vec<SparseColumns<TERMS>>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Self { rows, table } = self;
+        let dense: Vec<_> = rows.iter().map(|row| row.dense(table.a.len())).collect();
+        let all = taylor(&table.a.transpose(), &dense, table.length);
+        all.iter().map(|columns| SparseColumns::of(columns)).collect()
+    }
+}
+
 /// The powers in a mode.
 #[derive(Clone, Debug, Default)]
 pub struct Powers {
@@ -165,9 +184,7 @@ impl Powers {
         }
         powers.needs_places = true;
         if table.is_dense() {
-            let size = system.signals.size;
-            let columns = |row: &Sparse| taylor(&table.a, &row.dense(size), 1.0, table.length);
-            powers.columns = powers.rows.iter().map(|row| SparseColumns::of(columns(row))).collect();
+            powers.columns = pulp::Arch::new().dispatch(Columns { rows: &powers.rows, table });
         }
         powers
     }
@@ -187,11 +204,10 @@ impl Powers {
             }
             None => {
                 let size = table.a.len();
-                let at_nodes = |row: &Sparse| {
-                    let columns = taylor(&table.a, &row.dense(size), 1.0, table.length);
-                    columns.iter().map(|c: &[f64; TERMS]| at_nodes(c)).collect::<Vec<_>>()
-                };
-                let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
+                let rows: Vec<_> = self.rows.iter().map(|row| row.dense(size)).collect();
+                let all = taylor(&table.a.transpose(), &rows, table.length);
+                let at_nodes = |columns: &Vec<_>| columns.iter().map(at_nodes).collect::<Vec<_>>();
+                let rows: Vec<_> = all.iter().map(at_nodes).collect();
                 self.all
                     .iter()
                     .map(|power| {
