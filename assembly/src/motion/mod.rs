@@ -142,8 +142,8 @@ struct Scratch {
     rows: DepartureRows,
     /// By contact: its deviation from the constraint.
     off: Vec<f64>,
-    /// States where powers are found, one behind the other.
-    nodes: Vec<f64>,
+    /// By coordinate its values where powers are found.
+    nodes: Vec<crate::energy::AtNodes>,
     /// By functional its values where powers are found.
     values: Vec<crate::energy::AtNodes>,
 }
