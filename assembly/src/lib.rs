@@ -31,6 +31,7 @@ pub mod rest;
 pub mod signals;
 mod slots;
 pub mod system;
+mod vectors;
 
 pub use assembly::Assembly;
 pub use derivative::Differentiated;

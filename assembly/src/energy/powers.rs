@@ -223,7 +223,7 @@ impl Powers {
         }
         powers.needs_places = true;
         if table.is_dense() {
-            powers.columns = pulp::Arch::new().dispatch(Columns { rows: &powers.rows, table });
+            powers.columns = crate::vectors::Vectors::new().dispatch(Columns { rows: &powers.rows, table });
         }
         powers
     }

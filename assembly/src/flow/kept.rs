@@ -54,7 +54,7 @@ pub(super) struct Kept {
 impl Kept {
     /// The matrices of a mode.
     pub(super) fn of(table: &FlowTable) -> Self {
-        pulp::Arch::new().dispatch(Making(table))
+        crate::vectors::Vectors::new().dispatch(Making(table))
     }
 
     #[inline(always)]

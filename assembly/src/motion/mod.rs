@@ -119,7 +119,7 @@ pub struct Motion {
     /// Flag that interrupts a call.
     asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
-    vectors: pulp::Arch,
+    vectors: crate::vectors::Vectors,
 }
 
 /// Scratch memory of a sub-step.
@@ -286,7 +286,7 @@ impl Motion {
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
-        let (tables, vectors) = (Tables::new(&assembly.system), pulp::Arch::new());
+        let (tables, vectors) = (Tables::new(&assembly.system), crate::vectors::Vectors::new());
         Self {
             assembly,
             hybrid,
