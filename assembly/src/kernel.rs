@@ -486,13 +486,13 @@ const HALF: usize = BLOCK / 2;
 /// unknown length, which takes longer than the product.
 #[inline(always)]
 fn put<const N: usize>(numbers: &[f64; N], to: &mut [f64]) {
-    match to.as_mut_array() {
-        Some(to) => *to = *numbers,
-        None => (0..N).for_each(|k| {
-            if k < to.len() {
-                to[k] = numbers[k];
-            }
-        }),
+    if to.len() == N {
+        return to.copy_from_slice(numbers);
+    }
+    for k in 0..N {
+        if k < to.len() {
+            to[k] = numbers[k];
+        }
     }
 }
 

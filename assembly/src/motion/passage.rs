@@ -444,7 +444,7 @@ fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f6
     }
     (2..N).for_each(|k| bends[k - 2] = (k - 1) as f64 * slopes[k - 1].abs());
     // Where it rises throughout Newton's method takes two steps.
-    if !(c[0] < 0.0) || 2.0 * c[1] > slope_sum {
+    if c[0] >= 0.0 || 2.0 * c[1] > slope_sum {
         return None;
     }
     let ends: [f64; PARTS] = std::array::from_fn(|i| hi * ((i + 1) as f64 / PARTS as f64));
@@ -455,9 +455,8 @@ fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f6
         let (value, bend) = (values[i], bends[i]);
         if before.max(value) + margin * bend >= 0.0 {
             let begin = if i == 0 { 0.0 } else { ends[i - 1] };
-            match root_within(c, &slopes, (begin, ends[i]), bend)? {
-                Some(root) => return Some((root < hi).then_some(root)),
-                None => {}
+            if let Some(root) = root_within(c, &slopes, (begin, ends[i]), bend)? {
+                return Some((root < hi).then_some(root));
             }
         }
         before = value;
@@ -476,7 +475,7 @@ fn root_within<const N: usize>(
     let mut u = begin;
     for _ in 0..CAUTIOUS {
         let (p, slope) = (by_fours(c, u), by_fours(slopes, u));
-        if !(p < 0.0) {
+        if p >= 0.0 {
             return None;
         }
         let newton = -p / slope;
