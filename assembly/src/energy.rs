@@ -5,16 +5,16 @@
 mod long;
 mod powers;
 
-pub use powers::{Account, Losses, Powers, Samples};
+pub use powers::{Account, Losses, Powers, Rule, Samples};
 
 use crate::flow::FlowTable;
-pub use crate::kernel::{NODES, nodes_for};
+pub use crate::kernel::{EIGHT, NODES, SHORT};
 use crate::system::System;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Values at the [`NODES`] of an interval of time.
+/// Values at the [`NODES`] of an interval of time, or at its [`EIGHT`] nodes.
 pub type AtNodes = [f64; NODES.len()];
 
 /// Sums since the start, J. Losses are positive.

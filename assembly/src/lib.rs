@@ -32,6 +32,7 @@ pub mod signals;
 mod slots;
 pub mod start;
 pub mod system;
+mod vectors;
 
 pub use assembly::Assembly;
 pub use derivative::Differentiated;

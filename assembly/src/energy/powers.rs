@@ -2,9 +2,9 @@
 //! computed by Gauss's rule.
 
 use super::long::WorkIntegral;
-use super::{AtNodes, NODES};
+use super::{AtNodes, EIGHT, NODES, SHORT};
 use crate::description::StopLaw;
-use crate::flow::{FlowTable, Ladder, taylor};
+use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
 use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{FrictionState, Mode, StopState};
 use crate::system::{StateRow, System};
@@ -14,20 +14,57 @@ use std::sync::Arc;
 /// the first omitted term is below 3³²/32! < 8e-21 of the largest coordinate.
 const TERMS: usize = 32;
 
-/// Powers of the [`NODES`]' abscissas, by order.
-const POWERS: [AtNodes; TERMS] = {
-    let mut powers = [[1.0; NODES.len()]; TERMS];
+/// Taylor coefficients that do up to rate times span [`SHORT`]: 1.2²⁴/24! < 2e-22.
+const FEW: usize = 24;
+
+/// Powers of nodes' abscissas, by order.
+const fn powers_at<const G: usize, const T: usize>(nodes: &[(f64, f64); G]) -> [[f64; G]; T] {
+    let mut powers = [[1.0; G]; T];
     let mut k = 1;
-    while k < TERMS {
+    while k < T {
         let mut i = 0;
-        while i < NODES.len() {
-            powers[k][i] = powers[k - 1][i] * NODES[i].0;
+        while i < G {
+            powers[k][i] = powers[k - 1][i] * nodes[i].0;
             i += 1;
         }
         k += 1;
     }
     powers
-};
+}
+
+const AT_NODES: [AtNodes; TERMS] = powers_at(&NODES);
+const AT_EIGHT: [[f64; EIGHT.len()]; FEW] = powers_at(&EIGHT);
+
+/// The weights of nodes.
+const fn weights<const G: usize>(nodes: &[(f64, f64); G]) -> [f64; G] {
+    let mut weights = [0.0; G];
+    let mut i = 0;
+    while i < G {
+        weights[i] = nodes[i].1;
+        i += 1;
+    }
+    weights
+}
+
+const WEIGHTS: AtNodes = weights(&NODES);
+const WEIGHTS_OF_EIGHT: [f64; EIGHT.len()] = weights(&EIGHT);
+
+/// Gauss's rule for a span.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// [`EIGHT`] nodes.
+    Eight,
+    /// The [`NODES`].
+    Twelve,
+}
+
+impl Rule {
+    /// The rule for a span, by rate times span.
+    #[inline(always)]
+    pub fn of(radius: f64) -> Self {
+        if radius <= SHORT { Self::Eight } else { Self::Twelve }
+    }
+}
 
 /// The account to which a power belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +86,10 @@ pub enum Samples<'a> {
     /// The initial state and the interval's fraction of a sub-step; requires
     /// [stored coefficients](Powers::are_dense).
     Start(&'a [f64], f64),
-    /// The states at the nodes of a rule, one behind the other, each of so many coordinates.
-    States(&'a [f64], usize, &'static [(f64, f64)]),
+    /// The coordinates at the nodes of a rule, of which the first may be missing.
+    Coordinates(&'a [AtNodes], Rule),
+    /// The states at the [`NODES`], one behind the other, each of so many coordinates.
+    States(&'a [f64], usize),
 }
 
 /// A factor times the product of two functionals.
@@ -139,6 +178,25 @@ impl Losses {
     }
 }
 
+/// The making of rows' Taylor coefficients, compiled for each kind of vectors that a computer may
+/// have.
+struct Columns<'a> {
+    rows: &'a [Sparse],
+    table: &'a FlowTable,
+}
+
+impl pulp::WithSimd for Columns<'_> {
+    type Output = Vec<SparseColumns<TERMS>>;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let Self { rows, table } = self;
+        let dense: Vec<_> = rows.iter().map(|row| row.dense(table.a.len())).collect();
+        let all = taylor(&table.a.transpose(), &dense, table.length);
+        all.iter().map(|columns| SparseColumns::of(columns)).collect()
+    }
+}
+
 /// The powers in a mode.
 #[derive(Clone, Debug, Default)]
 pub struct Powers {
@@ -165,9 +223,7 @@ impl Powers {
         }
         powers.needs_places = true;
         if table.is_dense() {
-            let size = system.signals.size;
-            let columns = |row: &Sparse| taylor(&table.a, &row.dense(size), 1.0, table.length);
-            powers.columns = powers.rows.iter().map(|row| SparseColumns::of(columns(row))).collect();
+            powers.columns = crate::vectors::Vectors::new().dispatch(Columns { rows: &powers.rows, table });
         }
         powers
     }
@@ -187,11 +243,11 @@ impl Powers {
             }
             None => {
                 let size = table.a.len();
-                let at_nodes = |row: &Sparse| {
-                    let columns = taylor(&table.a, &row.dense(size), 1.0, table.length);
-                    columns.iter().map(|c: &[f64; TERMS]| at_nodes(c)).collect::<Vec<_>>()
-                };
-                let rows: Vec<_> = self.rows.iter().map(at_nodes).collect();
+                let rows: Vec<_> = self.rows.iter().map(|row| row.dense(size)).collect();
+                let all = taylor(&table.a.transpose(), &rows, table.length);
+                let at_nodes =
+                    |columns: &Vec<_>| columns.iter().map(|c| at_nodes(c, &AT_NODES)).collect::<Vec<_>>();
+                let rows: Vec<_> = all.iter().map(at_nodes).collect();
                 self.all
                     .iter()
                     .map(|power| {
@@ -278,47 +334,69 @@ impl Powers {
     /// Calls `take` with the account and the mean of each power over an interval. `values` is
     /// scratch memory.
     #[inline(always)]
-    pub fn for_each(&self, samples: &Samples, values: &mut Vec<AtNodes>, mut take: impl FnMut(Account, f64)) {
+    pub fn for_each(&self, samples: &Samples, values: &mut Vec<AtNodes>, take: impl FnMut(Account, f64)) {
         match *samples {
             Samples::Start(z, part) => {
                 values.resize(self.rows.len(), [0.0; NODES.len()]);
-                let parts = powers_of(part);
-                for (value, columns) in values.iter_mut().zip(&self.columns) {
-                    let mut c = columns.times(z);
-                    c.iter_mut().zip(&parts).for_each(|(c, part)| *c *= part);
-                    *value = at_nodes(&c);
+                match Rule::of(RADIUS * part) {
+                    Rule::Eight => {
+                        self.rows_at(z, part, &AT_EIGHT, values);
+                        self.means(&WEIGHTS_OF_EIGHT, |place| *first(&values[place]), take);
+                    }
+                    Rule::Twelve => {
+                        self.rows_at(z, part, &AT_NODES, values);
+                        self.means(&WEIGHTS, |place| values[place], take);
+                    }
                 }
             }
-            Samples::States(states, size, rule) => {
-                return self.at_states(states.chunks_exact(size), rule, take);
+            Samples::Coordinates(at, Rule::Eight) => {
+                self.means(&WEIGHTS_OF_EIGHT, |place| row_at(&self.rows[place], at), take);
             }
-        }
-        for power in &self.all {
-            let [left, right] = power.of.map(|place| &values[place]);
-            let mut mean = 0.0;
-            for (k, node) in NODES.iter().enumerate() {
-                mean += node.1 * left[k] * right[k];
+            Samples::Coordinates(at, Rule::Twelve) => {
+                self.means(&WEIGHTS, |place| row_at(&self.rows[place], at), take);
             }
-            take(power.account, power.factor * mean);
+            Samples::States(states, size) => {
+                let row = |row: &Sparse| std::array::from_fn(|node| row.dot(&states[node * size..][..size]));
+                self.means(&WEIGHTS, |place| row(&self.rows[place]), take);
+            }
         }
     }
 
-    /// The mean of each power from the states at a rule's nodes.
-    fn at_states<'a>(
+    /// The rows' values at nodes from the state at the start, by as many coefficients as there are
+    /// powers.
+    #[inline(always)]
+    fn rows_at<const T: usize, const G: usize>(
         &self,
-        states: impl Iterator<Item = &'a [f64]> + Clone,
-        rule: &[(f64, f64)],
+        z: &[f64],
+        part: f64,
+        powers: &[[f64; G]; T],
+        values: &mut [AtNodes],
+    ) {
+        let parts = powers_of::<T>(part);
+        for (value, columns) in values.iter_mut().zip(&self.columns) {
+            let mut c = columns.first_times(z);
+            c.iter_mut().zip(&parts).for_each(|(c, part)| *c *= part);
+            value[..G].copy_from_slice(&at_nodes(&c, powers));
+        }
+    }
+
+    /// Calls `take` with the account and the mean of each power from the rows' values.
+    #[inline(always)]
+    fn means<const G: usize>(
+        &self,
+        weights: &[f64; G],
+        row: impl Fn(usize) -> [f64; G],
         mut take: impl FnMut(Account, f64),
     ) {
         for power in &self.all {
-            let [left, right] = power.of.map(|place| &self.rows[place]);
-            let nodes = rule.iter().zip(states.clone());
-            let mean: f64 = if power.of[0] == power.of[1] {
-                nodes.map(|(node, z)| node.1 * left.dot(z).powi(2)).sum()
-            } else {
-                nodes.map(|(node, z)| node.1 * left.dot(z) * right.dot(z)).sum()
-            };
-            take(power.account, power.factor * mean);
+            let [place, other] = power.of;
+            let left = row(place);
+            let right = if place == other { left } else { row(other) };
+            let mut sums = [0.0; 4];
+            for i in 0..G {
+                sums[i % 4] += weights[i] * left[i] * right[i];
+            }
+            take(power.account, power.factor * ((sums[0] + sums[1]) + (sums[2] + sums[3])));
         }
     }
 
@@ -328,21 +406,41 @@ impl Powers {
     }
 }
 
-/// Powers of a fraction of a sub-step, by order.
+/// The first values of a list for twelve nodes.
 #[inline(always)]
-fn powers_of(part: f64) -> [f64; TERMS] {
-    let mut parts = [1.0; TERMS];
-    for k in 1..TERMS {
-        parts[k] = parts[k / 2] * parts[(k - 1) / 2] * part;
-    }
-    parts
+fn first<const G: usize>(values: &AtNodes) -> &[f64; G] {
+    values.first_chunk().expect("no rule has more nodes")
 }
 
-/// Values of a power series at the [`NODES`].
+/// A row's values at nodes from those of the coordinates.
 #[inline(always)]
-fn at_nodes(coefficients: &[f64; TERMS]) -> AtNodes {
-    let mut sum = [0.0; NODES.len()];
-    for (c, powers) in coefficients.iter().zip(&POWERS) {
+fn row_at<const G: usize>(row: &Sparse, at: &[AtNodes]) -> [f64; G] {
+    let mut sum = [0.0; G];
+    for &(j, x) in row.terms() {
+        sum.iter_mut().zip(&at[j]).for_each(|(sum, y)| *sum += x * y);
+    }
+    sum
+}
+
+/// Powers of a fraction of a sub-step, by order.
+#[inline(always)]
+fn powers_of<const T: usize>(part: f64) -> [f64; T] {
+    let mut powers = [1.0; T];
+    for k in 1..4 {
+        powers[k] = powers[k - 1] * part;
+    }
+    let fourth = powers[3] * part;
+    for k in 4..T {
+        powers[k] = powers[k - 4] * fourth;
+    }
+    powers
+}
+
+/// Values of a power series at nodes, from the nodes' powers.
+#[inline(always)]
+fn at_nodes<const T: usize, const G: usize>(coefficients: &[f64; T], powers: &[[f64; G]; T]) -> [f64; G] {
+    let mut sum = [0.0; G];
+    for (c, powers) in coefficients.iter().zip(powers) {
         for (sum, power) in sum.iter_mut().zip(powers) {
             *sum += c * power;
         }

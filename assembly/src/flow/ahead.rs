@@ -8,6 +8,7 @@
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
+use crate::energy::AtNodes;
 use crate::kernel::{Sparse, largest_product, multiply_add_rows};
 
 /// Coefficients of a series at most. With rate times length 4 the first one left out is under
@@ -28,9 +29,6 @@ const SHORTEST: f64 = 0.02;
 /// series from its begin to its end.
 const REACH: f64 = 4.0;
 
-/// Coordinates whose series are evaluated together.
-const CHUNK: usize = 8;
-
 /// The states within a span as a power series in the part of it that has passed; its memory is used
 /// again.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +48,7 @@ impl Series {
         self.orders = orders;
     }
 
+    #[inline(always)]
     fn begin(&mut self, z: &[f64], orders: usize) {
         self.size = z.len();
         if self.terms.len() < (orders + 1) * self.size {
@@ -71,10 +70,18 @@ impl Series {
         table.rows_times_to(own / 2, before, factor, others);
     }
 
+    #[inline(always)]
     fn term(&self, k: usize) -> &[f64] {
         &self.terms[k * self.size..][..self.size]
     }
 
+    /// The norm of (A6) of the first coordinates of a term.
+    #[inline(always)]
+    fn norm(&self, table: &FlowTable, k: usize, coordinates: usize) -> f64 {
+        largest_product(&self.term(k)[..coordinates], &table.weights[..coordinates])
+    }
+
+    #[inline(always)]
     fn scale(&mut self, k: usize, factor: f64) {
         self.terms[k * self.size..][..self.size].iter_mut().for_each(|x| *x *= factor);
     }
@@ -87,57 +94,29 @@ impl Series {
         (0..self.orders).rev().for_each(|k| multiply_add_rows(to, part, self.term(k)));
     }
 
-    /// The states at parts of a part of the span, one behind the other; coordinates before `first`
-    /// may be missing.
+    /// The coordinates from `first` on at nodes within a part of the span.
     #[inline(always)]
-    pub fn at_nodes(&self, nodes: &[(f64, f64)], part: f64, first: usize, to: &mut Vec<f64>) {
-        to.resize(nodes.len() * self.size, 0.0);
-        let mut done = 0;
-        while done < nodes.len() {
-            let left = &nodes[done..];
-            let to = &mut to[done * self.size..];
-            done += match left.len() {
-                12.. => self.at_these::<12>(left, part, first, to),
-                8.. => self.at_these::<8>(left, part, first, to),
-                6.. => self.at_these::<6>(left, part, first, to),
-                _ => self.at_these::<1>(left, part, first, to),
-            };
-        }
-    }
-
-    /// The states at the first `N` nodes; returns N. Of eight coordinates at a time the sums of all
-    /// nodes stay in registers.
-    #[inline(always)]
-    fn at_these<const N: usize>(
+    pub fn at_nodes<const G: usize>(
         &self,
-        nodes: &[(f64, f64)],
+        nodes: &[(f64, f64); G],
         part: f64,
         first: usize,
-        to: &mut [f64],
-    ) -> usize {
-        let parts: [f64; N] = std::array::from_fn(|node| part * nodes[node].0);
-        // A width that the compiler does not know: with a known one it unrolls the loops over nodes
-        // and coordinates, which takes a third more time.
-        let width = CHUNK.min(self.size);
-        let mut begin = first.min(self.size - width);
-        loop {
-            let mut sums = [[0.0; CHUNK]; N];
-            let mut k = self.orders + 1;
-            while k > 0 {
-                k -= 1;
-                let term = &self.term(k)[begin..][..width];
-                for (sum, part) in sums.iter_mut().zip(parts) {
-                    sum.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
-                }
+        to: &mut Vec<AtNodes>,
+    ) {
+        let parts: [f64; G] = std::array::from_fn(|node| part * nodes[node].0);
+        let mut powers = [[1.0; G]; TERMS];
+        for k in 1..=self.orders {
+            powers[k] = std::array::from_fn(|node| powers[k - 1][node] * parts[node]);
+        }
+        to.resize(self.size, AtNodes::default());
+        for (j, to) in to.iter_mut().enumerate().skip(first) {
+            let mut sums = [0.0; G];
+            // The larger terms last.
+            for (k, powers) in powers[..=self.orders].iter().enumerate().rev() {
+                let x = self.terms[k * self.size + j];
+                sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += x * power);
             }
-            for (node, sum) in sums.iter().enumerate() {
-                to[node * self.size + begin..][..width].copy_from_slice(&sum[..width]);
-            }
-            if begin + width == self.size {
-                return N;
-            }
-            // The last eight overlap those before.
-            begin = (begin + width).min(self.size - width);
+            to[..G].copy_from_slice(&sums);
         }
     }
 
@@ -199,10 +178,7 @@ impl Ahead {
         self.span = span;
         series.scale(1, span);
         series.scale(2, 0.5 * span * span);
-        let norm = |series: &Series, k: usize, coordinates: usize| {
-            largest_product(&series.term(k)[..coordinates], &table.weights[..coordinates])
-        };
-        let size = (0..3).map(|k| norm(series, k, table.one)).fold(0.0, f64::max);
+        let size = (0..3).map(|k| series.norm(table, k, table.one)).fold(0.0, f64::max);
         let (radius, mut k, mut bound) = (table.rate * span, 2, 0.5 * (table.rate * span).powi(2));
         loop {
             let ratio = radius / (k + 1) as f64;
@@ -213,7 +189,7 @@ impl Ahead {
             // be small.
             if ratio < 0.9
                 && bound < 1e-8
-                && norm(series, k, z.len()) * ratio / (1.0 - ratio) <= REMAINDER * size
+                && series.norm(table, k, z.len()) * ratio / (1.0 - ratio) <= REMAINDER * size
             {
                 break;
             }

@@ -16,11 +16,11 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
     /// A without them.
-    rest: Arc<SparseMatrix>,
+    pub(super) rest: Arc<SparseMatrix>,
     /// Where there are contacts, the sizes of the terms of its entries.
     rest_terms: Option<SparseMatrix>,
     /// The forces, and what a unit of each takes from z'.
-    forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
+    pub(super) forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
 }
 
 impl Apart {

@@ -1,7 +1,8 @@
 //! Matrix exponentials by power series, and the norm bound that determines their lengths
 //! (docs/assembly-law.md (A6)).
 
-use crate::kernel::SparseMatrix;
+use super::RADIUS;
+use crate::kernel::{ABREAST, SparseMatrix};
 use nalgebra::DMatrix;
 
 /// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
@@ -13,34 +14,94 @@ const BALANCE_TURNS: usize = 12;
 const REMAINDER: f64 = 1e-19;
 
 /// exp(A u t) for several fractions u of a time t.
+#[inline(always)]
 pub(super) fn exponentials(a: &SparseMatrix, rate: f64, t: f64, parts: &[f64]) -> Vec<DMatrix<f64>> {
-    if parts.is_empty() {
-        return Vec::new();
-    }
-    // Transposed until the end.
-    let mut term = DMatrix::identity(a.len(), a.len());
-    let mut sums = vec![term.clone(); parts.len()];
-    let mut powers = vec![1.0; parts.len()];
-    for k in 1..=series_orders(rate * t) {
-        term = a.times_rows(&term, t / k as f64);
-        for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
-            *power *= u;
-            sum.zip_apply(&term, |s, x| *s += *power * x);
+    let (size, orders) = (a.len(), series_orders(rate * t));
+    let mut all = vec![DMatrix::zeros(size, size); parts.len()];
+    let (mut term, mut next) = (Vec::new(), vec![[0.0; ABREAST]; size]);
+    let (mut sums, mut powers) = (vec![Vec::new(); parts.len()], Vec::new());
+    // Eight columns at a time.
+    for first in (0..size).step_by(ABREAST) {
+        unit_columns(size, first, 1.0, &mut term);
+        sums.iter_mut().for_each(|sum| sum.clone_from(&term));
+        powers.clear();
+        powers.resize(parts.len(), 1.0);
+        for k in 1..=orders {
+            a.times_eight(&term, t / k as f64, &mut next);
+            std::mem::swap(&mut term, &mut next);
+            for ((sum, power), u) in sums.iter_mut().zip(&mut powers).zip(parts) {
+                *power *= u;
+                add(sum, *power, &term);
+            }
         }
+        all.iter_mut().zip(&sums).for_each(|(all, sum)| put_columns(sum, first, all));
     }
-    sums.iter().map(DMatrix::transpose).collect()
+    all
 }
 
 /// ∫ (t - s) exp(A s) ds from 0 to t.
+#[inline(always)]
 pub(super) fn second_integral(a: &SparseMatrix, rate: f64, t: f64) -> DMatrix<f64> {
-    // Transposed until the end.
-    let mut term = DMatrix::identity(a.len(), a.len()) * (0.5 * t * t);
-    let mut sum = term.clone();
-    for k in 1..=series_orders(rate * t) {
-        term = a.times_rows(&term, t / (k + 2) as f64);
-        sum += &term;
+    let (size, orders) = (a.len(), series_orders(rate * t));
+    let mut all = DMatrix::zeros(size, size);
+    let (mut term, mut next, mut sum) = (Vec::new(), vec![[0.0; ABREAST]; size], Vec::new());
+    for first in (0..size).step_by(ABREAST) {
+        unit_columns(size, first, 0.5 * t * t, &mut term);
+        sum.clone_from(&term);
+        for k in 1..=orders {
+            a.times_eight(&term, t / (k + 2) as f64, &mut next);
+            std::mem::swap(&mut term, &mut next);
+            add(&mut sum, 1.0, &term);
+        }
+        put_columns(&sum, first, &mut all);
     }
-    sum.transpose()
+    all
+}
+
+/// ∫ exp(A s) ds over a sub-step, and exp(A h) - 1 at its end.
+pub(super) fn integral_and_change(a: &SparseMatrix, length: f64) -> [DMatrix<f64>; 2] {
+    let size = a.len();
+    let mut all = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
+    let (mut term, mut next, mut sums) = (Vec::new(), vec![[0.0; ABREAST]; size], [Vec::new(), Vec::new()]);
+    for first in (0..size).step_by(ABREAST) {
+        unit_columns(size, first, length, &mut sums[0]);
+        unit_columns(size, first, 0.0, &mut sums[1]);
+        unit_columns(size, first, 1.0, &mut term);
+        for k in 1..=series_orders(RADIUS) {
+            a.times_eight(&term, length / k as f64, &mut next);
+            std::mem::swap(&mut term, &mut next);
+            let factors = [length / (k + 1) as f64, 1.0];
+            for (sum, factor) in sums.iter_mut().zip(factors) {
+                add(sum, factor, &term);
+            }
+        }
+        all.iter_mut().zip(&sums).for_each(|(all, sum)| put_columns(sum, first, all));
+    }
+    all
+}
+
+/// Adds `factor` × `terms`. As one list: by rows the compiler gathers single numbers of several.
+#[inline(always)]
+pub(super) fn add(sums: &mut [[f64; ABREAST]], factor: f64, terms: &[[f64; ABREAST]]) {
+    let terms = terms.as_flattened();
+    sums.as_flattened_mut().iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
+}
+
+/// Eight columns, from the one at `first` on, of a diagonal matrix with equal entries.
+#[inline(always)]
+fn unit_columns(size: usize, first: usize, entry: f64, to: &mut Vec<[f64; ABREAST]>) {
+    to.clear();
+    to.resize(size, [0.0; ABREAST]);
+    (0..ABREAST.min(size - first)).for_each(|i| to[first + i][i] = entry);
+}
+
+/// Writes columns to a matrix, from the one at `first` on.
+#[inline(always)]
+fn put_columns(columns: &[[f64; ABREAST]], first: usize, to: &mut DMatrix<f64>) {
+    let size = columns.len();
+    for (i, to) in to.as_mut_slice().chunks_exact_mut(size).skip(first).take(ABREAST).enumerate() {
+        to.iter_mut().zip(columns).for_each(|(to, row)| *to = row[i]);
+    }
 }
 
 /// Orders of a series of radius x whose remainder is below [`REMAINDER`].

@@ -3,9 +3,8 @@
 
 use super::exponential::{exponentials, second_integral};
 use super::watched::{Heads, WatchColumns, taylor, watch_columns};
-use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL, WatchTable};
+use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL};
 use crate::kernel::{Blocks, SparseColumns};
-use std::sync::Arc;
 
 /// Number of Taylor coefficients of the velocities within an interval, from order 1 on: the first
 /// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. The number is a multiple of
@@ -22,6 +21,18 @@ const INTEGRAL: [f64; WITHIN] = {
     }
     factors
 };
+
+/// The making of a mode's matrices, compiled for each kind of vectors that a computer may have.
+struct Making<'a>(&'a FlowTable);
+
+impl pulp::WithSimd for Making<'_> {
+    type Output = Kept;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Kept {
+        Kept::made(self.0)
+    }
+}
 
 /// Stored matrices of a sub-step in a mode.
 #[derive(Debug)]
@@ -43,20 +54,24 @@ pub(super) struct Kept {
 impl Kept {
     /// The matrices of a mode.
     pub(super) fn of(table: &FlowTable) -> Self {
+        crate::vectors::Vectors::new().dispatch(Making(table))
+    }
+
+    #[inline(always)]
+    fn made(table: &FlowTable) -> Self {
         let (a, one, step) = (&table.a, table.one, table.interval());
-        let abs = a.abs();
-        let columns = |w: &Arc<WatchTable>| {
-            watch_columns(&w.row.dense(a.len()), [a, &abs], (step, table.apart.is_some()))
-        };
-        let watched: Vec<WatchColumns> = table.watched.iter().map(columns).collect();
-        let velocity = |j: usize| {
-            let columns = taylor(a, a.row_of(j).as_slice(), step, step).into_iter();
-            SparseColumns::of(columns.map(|c: [f64; WITHIN]| std::array::from_fn(|k| c[k] / (k + 1) as f64)))
-        };
+        let (size, transpose) = (a.len(), a.transpose());
+        let watched: Vec<_> = table.watched.iter().map(|w| w.row.dense(size)).collect();
+        let watched = watch_columns(&watched, &transpose, (step, table.apart.is_some()));
+        let rates: Vec<_> = (one / 2..one).map(|j| (a.row_of(j) * step).as_slice().to_vec()).collect();
+        let mut velocities = taylor::<WITHIN>(&transpose, &rates, step);
+        for c in velocities.iter_mut().flatten() {
+            (0..WITHIN).for_each(|k| c[k] /= (k + 1) as f64);
+        }
         Self {
             transitions: exponentials(a, table.rate, table.length, &ENDS).iter().map(Blocks::of).collect(),
-            velocities: (one / 2..one).map(velocity).collect(),
-            heads: Heads::of(&table.watched, &watched, a.len()),
+            velocities: velocities.iter().map(|columns| SparseColumns::of(columns)).collect(),
+            heads: Heads::of(&table.watched, &watched, size),
             watched,
             integral: table.apart.as_ref().map(|_| Blocks::of(&second_integral(a, table.rate, table.length))),
         }

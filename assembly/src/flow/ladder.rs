@@ -4,7 +4,7 @@
 //! (docs/assembly-law.md (A22), (A23)).
 
 use super::exact::Exact;
-use super::exponential::{exponentials, series_orders};
+use super::exponential::{exponentials, integral_and_change};
 use super::watched::BOUND_MARGIN;
 use super::{FlowTable, INTERVALS, RADIUS};
 use crate::kernel::{Blocks, Sparse};
@@ -69,15 +69,7 @@ impl Rung {
     /// The flow over one sub-step.
     pub(super) fn first(table: &FlowTable) -> Self {
         let (a, length) = (&table.a, table.length);
-        // `term`, `integral` and `change` are transposed; the last line transposes them back.
-        let mut term = DMatrix::identity(a.len(), a.len());
-        let mut integral = &term * length;
-        let mut change = DMatrix::zeros(a.len(), a.len());
-        for k in 1..=series_orders(RADIUS) {
-            term = a.times_rows(&term, length / k as f64);
-            change += &term;
-            integral += &term * (length / (k + 1) as f64);
-        }
+        let [integral, change] = integral_and_change(a, length);
         let starts: Vec<f64> = (0..INTERVALS).map(|i| i as f64 / INTERVALS as f64).collect();
         let within = exponentials(&a.abs(), table.rate, table.interval(), &[1.0]).remove(0);
         let starts = exponentials(a, table.rate, length, &starts);
@@ -88,7 +80,7 @@ impl Rung {
         let reaches = table.watched.iter().map(|w| reach(&w.row)).collect();
         let apart = table.apart.as_ref().filter(|_| a.len() <= EXACT);
         let exact = apart.map(|apart| Exact::first(apart, a.len(), length, RADIUS));
-        Self::of(length, [integral.transpose(), change.transpose()], exact, spread, reaches)
+        Self::of(length, [integral, change], exact, spread, reaches)
     }
 
     fn of(

@@ -1,7 +1,11 @@
 //! The flow of chains that hold, press, rub and are driven, against the matrix exponential by Padé's approximants.
 
+mod remainder;
+mod wide;
+
 use super::*;
 use crate::file::{no_records, parse};
+use crate::kernel::NODES;
 use crate::mode::Watch;
 use crate::{Assembly, Motion};
 use nalgebra::{DMatrix, DVector};
@@ -152,11 +156,12 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
                     assert!((value - w.row.dot(exact.as_slice())).abs() < ROUNDING * scale, "{place}");
                 }
             }
-            let (mut nodes, rule) = (Vec::new(), crate::kernel::nodes_for(0.0));
-            ahead.series.at_nodes(rule, 0.6, 0, &mut nodes);
-            for (node, state) in rule.iter().zip(nodes.chunks_exact(z.len())) {
-                ahead.series.at(0.6 * node.0, &mut to);
-                assert_eq!(state, &to[..]);
+            let mut nodes = Vec::new();
+            ahead.series.at_nodes(&NODES, 0.6, 0, &mut nodes);
+            for (node, abscissa) in NODES.iter().enumerate() {
+                ahead.series.at(0.6 * abscissa.0, &mut to);
+                let there: Vec<f64> = nodes.iter().map(|at| at[node]).collect();
+                assert!(apart(&there, &DVector::from_column_slice(&to)) < ROUNDING, "{node}");
             }
         }
     }

@@ -1,8 +1,9 @@
 //! Watched functionals of a mode, with stored columns for their samples, bounds and Taylor
 //! coefficients over a sub-step.
 
+use super::exponential::add;
 use super::{INTERVALS, LOCAL};
-use crate::kernel::{Sparse, SparseMatrix, combine};
+use crate::kernel::{ABREAST, Sparse, SparseMatrix, combine};
 use crate::mode::Watch;
 use std::sync::Arc;
 
@@ -120,17 +121,38 @@ impl Heads {
     }
 }
 
-/// The Taylor coefficients of a functional times `factor`, in units of a time `step`, by
-/// coordinate.
-pub(crate) fn taylor<const K: usize>(a: &SparseMatrix, row: &[f64], factor: f64, step: f64) -> Vec<[f64; K]> {
-    let mut columns = vec![[0.0; K]; row.len()];
-    let (mut row, mut next): (Vec<f64>, _) = (row.iter().map(|x| factor * x).collect(), vec![0.0; row.len()]);
-    for k in 0..K {
-        columns.iter_mut().zip(&row).for_each(|(column, x)| column[k] = *x);
-        a.after_row(&row, step / (k + 1) as f64, &mut next);
-        std::mem::swap(&mut row, &mut next);
+/// The Taylor coefficients of functionals in units of a time `step`, by coordinate, from the
+/// transpose of A.
+#[inline(always)]
+pub(crate) fn taylor<const K: usize>(
+    transpose: &SparseMatrix,
+    rows: &[Vec<f64>],
+    step: f64,
+) -> Vec<Vec<[f64; K]>> {
+    let size = transpose.len();
+    let mut all = vec![vec![[0.0; K]; size]; rows.len()];
+    let mut next = vec![[0.0; ABREAST]; size];
+    for (rows, all) in rows.chunks(ABREAST).zip(all.chunks_mut(ABREAST)) {
+        let mut own = side_by_side(rows, size);
+        for k in 0..K {
+            for (i, columns) in all.iter_mut().enumerate() {
+                columns.iter_mut().zip(&own).for_each(|(column, x)| column[k] = x[i]);
+            }
+            transpose.times_eight(&own, step / (k + 1) as f64, &mut next);
+            std::mem::swap(&mut own, &mut next);
+        }
     }
-    columns
+    all
+}
+
+/// Up to eight rows side by side.
+#[inline(always)]
+fn side_by_side(rows: &[Vec<f64>], size: usize) -> Vec<[f64; ABREAST]> {
+    let mut all = vec![[0.0; ABREAST]; size];
+    for (i, row) in rows.iter().enumerate() {
+        all.iter_mut().zip(row).for_each(|(all, x)| all[i] = *x);
+    }
+    all
 }
 
 /// Number of Taylor coefficients of a functional over a sub-step: with rate times length 3 the
@@ -155,35 +177,46 @@ fn at_interval_ends(c: &[f64; WHOLE]) -> [[f64; INTERVALS]; 2] {
     [values, seconds]
 }
 
-/// The columns of a functional over intervals of length `step`, from A and |A|. Its second
-/// derivative is bounded by the state or, with `is_stiff`, by the state's second derivative.
+/// The columns of functionals over intervals of length `step`, from the transpose of A. Second
+/// derivatives are bounded by the state or, with `is_stiff`, by the state's second derivative.
+#[inline(always)]
 pub(super) fn watch_columns(
-    row: &[f64],
-    [a, abs]: [&SparseMatrix; 2],
+    rows: &[Vec<f64>],
+    transpose: &SparseMatrix,
     (step, is_stiff): (f64, bool),
-) -> WatchColumns {
-    let size = row.len();
-    let columns: Vec<[f64; WHOLE]> = taylor(a, row, 1.0, step);
-    let local = columns.iter().map(|c| std::array::from_fn(|k| c[k])).collect();
-    let (mut samples, mut peak) = (Vec::with_capacity(size), Vec::with_capacity(size));
-    for c in &columns {
-        let [values, seconds] = at_interval_ends(c);
-        samples.push(values);
-        // The largest |row''| at the intervals' starts; with `is_stiff`, the largest |row|.
-        let (ends, first, unit) =
-            if is_stiff { (&values, c[0], 1.0) } else { (&seconds, 2.0 * c[2], step * step) };
-        let largest = ends[..INTERVALS - 1].iter().fold(first.abs(), |largest, x| largest.max(x.abs()));
-        peak.push(largest / unit);
+) -> Vec<WatchColumns> {
+    let size = transpose.len();
+    let mut watched = Vec::with_capacity(rows.len());
+    for columns in taylor::<WHOLE>(transpose, rows, step) {
+        let (mut samples, mut peak) = (Vec::with_capacity(size), Vec::with_capacity(size));
+        let mut local = Vec::with_capacity(size);
+        for c in &columns {
+            local.push(std::array::from_fn(|k| c[k]));
+            let [values, seconds] = at_interval_ends(c);
+            samples.push(values);
+            // The largest |row''| at the intervals' starts; with `is_stiff`, the largest |row|.
+            let (ends, first, unit) =
+                if is_stiff { (&values, c[0], 1.0) } else { (&seconds, 2.0 * c[2], step * step) };
+            let largest = ends[..INTERVALS - 1].iter().fold(first.abs(), |largest, x| largest.max(x.abs()));
+            peak.push(largest / unit);
+        }
+        watched.push(WatchColumns { curvature: peak, samples, local });
     }
     // The bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, to the order of
     // the Taylor coefficients.
-    let mut curvature = peak.clone();
-    let mut next = vec![0.0; size];
-    for k in 1..=LOCAL {
-        abs.after_row(&peak, step / k as f64, &mut next);
-        curvature.iter_mut().zip(&next).for_each(|(sum, x)| *sum += x);
-        std::mem::swap(&mut peak, &mut next);
+    let abs = transpose.abs();
+    let peaks: Vec<_> = watched.iter().map(|w| w.curvature.clone()).collect();
+    for (peaks, watched) in peaks.chunks(ABREAST).zip(watched.chunks_mut(ABREAST)) {
+        let (mut peak, mut next) = (side_by_side(peaks, size), vec![[0.0; ABREAST]; size]);
+        let mut bounds = peak.clone();
+        for k in 1..=LOCAL {
+            abs.times_eight(&peak, step / k as f64, &mut next);
+            add(&mut bounds, 1.0, &next);
+            std::mem::swap(&mut peak, &mut next);
+        }
+        for (i, w) in watched.iter_mut().enumerate() {
+            w.curvature.iter_mut().zip(&bounds).for_each(|(bound, sum)| *bound = sum[i] * BOUND_MARGIN);
+        }
     }
-    curvature.iter_mut().for_each(|bound| *bound *= BOUND_MARGIN);
-    WatchColumns { curvature, samples, local }
+    watched
 }

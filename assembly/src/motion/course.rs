@@ -338,7 +338,7 @@ impl Motion {
         if dt > 0.0 {
             let states: Vec<f64> =
                 NODES.iter().flat_map(|node| self.between(course, node.0).data.as_vec().clone()).collect();
-            let samples = Samples::States(&states, self.hybrid.z.len(), &NODES);
+            let samples = Samples::States(&states, self.hybrid.z.len());
             energy.add(self.tables.at(self.place).powers(system), dt, &samples, &mut Vec::new());
         }
         energy

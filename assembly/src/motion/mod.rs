@@ -119,7 +119,7 @@ pub struct Motion {
     /// Flag that interrupts a call.
     asked: Option<Arc<AtomicBool>>,
     scratch: Scratch,
-    vectors: pulp::Arch,
+    vectors: crate::vectors::Vectors,
 }
 
 /// Scratch memory of a sub-step.
@@ -142,8 +142,8 @@ struct Scratch {
     rows: DepartureRows,
     /// By contact: its deviation from the constraint.
     off: Vec<f64>,
-    /// States where powers are found, one behind the other.
-    nodes: Vec<f64>,
+    /// By coordinate its values where powers are found.
+    nodes: Vec<crate::energy::AtNodes>,
     /// By functional its values where powers are found.
     values: Vec<crate::energy::AtNodes>,
 }
@@ -308,7 +308,7 @@ impl Motion {
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
-        let (tables, vectors) = (Tables::new(&assembly.system), pulp::Arch::new());
+        let (tables, vectors) = (Tables::new(&assembly.system), crate::vectors::Vectors::new());
         Self {
             assembly,
             hybrid,

@@ -202,6 +202,7 @@ impl PassageSearch<'_> {
     }
 
     /// The part of a span in which the watched stops' e stay within reach: 1, 1/2, …
+    #[inline(always)]
     pub(super) fn part_within_reach(&self, ahead: &Ahead) -> f64 {
         let (mut part, least) = (1.0, 0.5f64.powi(HALVINGS));
         for (place, w) in self.table.watched.iter().enumerate() {
@@ -223,6 +224,7 @@ impl PassageSearch<'_> {
 
     /// The first passage of a watched functional from below zero to above within a part of a span,
     /// as the part that has passed and the functional's place, or the proof that there is none.
+    #[inline(always)]
     pub(super) fn passage_ahead(&self, part: f64, ahead: &Ahead) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
         for place in 0..self.table.watched.len() {
@@ -408,8 +410,12 @@ fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
 
 /// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one,
 /// of which the coefficients' rounding is smaller.
+#[inline(always)]
 fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
-    let u = crossing_after_start(c, hi, &mut 0)?;
+    let u = match passage_from_below(c, hi) {
+        Some(found) => found?,
+        None => crossing_after_start(c, hi, &mut 0)?,
+    };
     if !(u > 0.0 && u < 0.25) {
         return Some(u);
     }
@@ -417,7 +423,99 @@ fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
     crossing_after_start(&shortened(c, part), 1.0, &mut 0).map_or(Some(u), |again| Some(again * part))
 }
 
+/// Parts of a span that are looked at one after the other.
+const PARTS: usize = 8;
+/// Most steps of [`passage_from_below`] within a part.
+const CAUTIOUS: usize = 8;
+
+/// The first root in [0, `hi`] of a series that starts below zero and is not proved to rise. `None`
+/// where this does not decide.
+///
+/// A part of the span is passed where its ends are below -M h²/8, with a bound M of |p''| up to
+/// there. In the others go steps that no root can be within: none is nearer than that of p + p' s +
+/// M s²/2. The last step is Newton's, Δ: where 2 M Δ < p' the root is within 2 Δ, and the step's
+/// error is at most 2 M Δ²/p'.
+#[inline(always)]
+fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f64>> {
+    let (mut slopes, mut bends, mut slope_sum) = ([0.0; N], [0.0; N], 0.0);
+    for k in 1..N {
+        slopes[k - 1] = k as f64 * c[k];
+        slope_sum += slopes[k - 1].abs();
+    }
+    (2..N).for_each(|k| bends[k - 2] = (k - 1) as f64 * slopes[k - 1].abs());
+    // Where it rises throughout Newton's method takes two steps.
+    if c[0] >= 0.0 || 2.0 * c[1] > slope_sum {
+        return None;
+    }
+    let ends: [f64; PARTS] = std::array::from_fn(|i| hi * ((i + 1) as f64 / PARTS as f64));
+    let (values, bends) = (at_parts(c, &ends), at_parts(&bends, &ends));
+    let margin = (hi / PARTS as f64).powi(2) / 8.0;
+    let mut before = c[0];
+    for i in 0..PARTS {
+        let (value, bend) = (values[i], bends[i]);
+        if before.max(value) + margin * bend >= 0.0 {
+            let begin = if i == 0 { 0.0 } else { ends[i - 1] };
+            if let Some(root) = root_within(c, &slopes, (begin, ends[i]), bend)? {
+                return Some((root < hi).then_some(root));
+            }
+        }
+        before = value;
+    }
+    Some(None)
+}
+
+/// The first root from the begin of a part to its end, as [`passage_from_below`].
+#[inline(always)]
+fn root_within<const N: usize>(
+    c: &[f64; N],
+    slopes: &[f64; N],
+    (begin, end): (f64, f64),
+    bend: f64,
+) -> Option<Option<f64>> {
+    let mut u = begin;
+    for _ in 0..CAUTIOUS {
+        let (p, slope) = (by_fours(c, u), by_fours(slopes, u));
+        if p >= 0.0 {
+            return None;
+        }
+        let newton = -p / slope;
+        let least = slope - 2.0 * bend * newton;
+        if slope > 0.0 && least > 0.0 && bend * newton * newton <= 0.25 * f64::EPSILON * u * least {
+            return Some((u + newton <= end).then_some(u + newton));
+        }
+        u += -2.0 * p / (slope + (slope * slope - 2.0 * bend * p).sqrt());
+        if u >= end {
+            return Some(None);
+        }
+    }
+    None
+}
+
+/// A series at several places.
+#[inline(always)]
+fn at_parts<const N: usize>(c: &[f64; N], parts: &[f64; PARTS]) -> [f64; PARTS] {
+    let squares = parts.map(|u| u * u);
+    let (mut even, mut odd) = ([0.0; PARTS], [0.0; PARTS]);
+    for two in c.as_chunks::<2>().0.iter().rev() {
+        (0..PARTS).for_each(|i| even[i] = even[i] * squares[i] + two[0]);
+        (0..PARTS).for_each(|i| odd[i] = odd[i] * squares[i] + two[1]);
+    }
+    std::array::from_fn(|i| even[i] + parts[i] * odd[i])
+}
+
+/// p(u) as four sums side by side, each over every fourth order.
+#[inline(always)]
+fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
+    let square = u * u;
+    let (fourth, mut sums) = (square * square, [0.0; 4]);
+    for four in c.as_chunks::<4>().0.iter().rev() {
+        (0..4).for_each(|k| sums[k] = sums[k] * fourth + four[k]);
+    }
+    (sums[0] + sums[1] * u) + (sums[2] + sums[3] * u) * square
+}
+
 /// The first coefficients of a series.
+#[inline(always)]
 fn first_of<const N: usize>(c: &[f64; TERMS]) -> &[f64; N] {
     c.first_chunk().expect("N is at most TERMS")
 }

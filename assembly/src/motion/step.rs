@@ -3,7 +3,7 @@
 use super::jump::Parted;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
 use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
-use crate::energy::{Samples, nodes_for};
+use crate::energy::{EIGHT, NODES, Rule, Samples};
 use crate::error::Error;
 use crate::flow::ORDERS;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -256,10 +256,13 @@ impl Motion {
         let place = passage.filter(|_| !leaves).map(|(_, place)| place);
         let dt = part * ahead.span;
         if hybrid.energy.are_kept() {
-            let (powers, rule) = (met.powers(&assembly.system), nodes_for(table.rate * dt));
+            let (powers, rule) = (met.powers(&assembly.system), Rule::of(table.rate * dt));
             let first = powers.first(assembly.system.signals.one);
-            ahead.series.at_nodes(rule, part, first, &mut scratch.nodes);
-            let samples = Samples::States(&scratch.nodes, hybrid.z.len(), rule);
+            match rule {
+                Rule::Eight => ahead.series.at_nodes(&EIGHT, part, first, &mut scratch.nodes),
+                Rule::Twelve => ahead.series.at_nodes(&NODES, part, first, &mut scratch.nodes),
+            }
+            let samples = Samples::Coordinates(&scratch.nodes, rule);
             hybrid.energy.add(powers, dt, &samples, &mut scratch.values);
         }
         ahead.series.at(part, hybrid.z.as_mut_slice());

@@ -41,7 +41,7 @@ fn second_method_means_of_powers_by_two_ways_and_over_long_steps() {
             .iter()
             .flat_map(|node| ((&a * (node.0 * part * table.length)).exp() * &state).as_slice().to_vec())
             .collect();
-        let exact = means(&Samples::States(&states, size, &NODES));
+        let exact = means(&Samples::States(&states, size));
         let most = exact.iter().map(|x| x.1.abs()).fold(1.0, f64::max);
         let found = means(&Samples::Start(&z, part));
         assert_eq!(found.len(), exact.len());

@@ -109,3 +109,38 @@ fn closed_form_sums_behind_the_first_coefficient() {
     assert_eq!(sum_behind(&c, |x| x), sum);
     assert_eq!(sum_behind(&c, f64::abs), f64::from((1u32 << LOCAL) - 2));
 }
+
+#[test]
+fn second_method_roots_of_series_from_below() {
+    // Series of motions with rates up to 4 over the span, which wave: with the roots by halving, and
+    // none that it does not have.
+    let (mut random, mut roots, mut none) = (Random(11), 0, 0);
+    for case in 0..20_000 {
+        let rate = [0.5, 1.5, 4.0][case % 3];
+        let mut c = [0.0; 32];
+        let mut size = 1.0;
+        for (k, c) in c.iter_mut().enumerate() {
+            *c = size * random.next();
+            size *= rate / (k + 1) as f64;
+        }
+        c[0] = -c[0].abs() * [1.0, 1e-3][case % 2];
+        let hi = if case % 5 == 0 { 0.7 } else { 1.0 };
+        let Some(found) = passage_from_below(&c, hi) else { continue };
+        let value = |u: f64| c.iter().rev().fold(0.0, |sum, c| sum * u + c);
+        let terms = c.iter().map(|c| c.abs()).sum::<f64>();
+        match (found, first_crossing(&c, 0.0, hi, &mut 0)) {
+            (Some(u), Some(by_halving)) => {
+                let slope = (value(u + 1e-7) - value(u - 1e-7)) / 2e-7;
+                assert!((u - by_halving).abs() * slope.abs() < ROUNDING * terms, "{case}: {u} {by_halving}");
+                roots += 1;
+            }
+            (None, None) => none += 1,
+            // Within rounding of the end or of a touch.
+            (one, other) => {
+                let at = one.or(other).unwrap();
+                assert!(value(at.min(hi)).abs() < ROUNDING * terms, "{case}: {one:?} {other:?}");
+            }
+        }
+    }
+    assert!(roots > 5_000 && none > 2_000, "{roots} {none}");
+}
