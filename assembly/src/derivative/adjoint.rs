@@ -6,7 +6,7 @@ use super::mode::VariedMode;
 use super::passed::Passed;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;
-use crate::kernel::nodes_for;
+use crate::kernel::{EIGHT, NODES, SHORT};
 use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
 use crate::system::{Part, StateRow};
@@ -327,7 +327,8 @@ impl Series {
         let states = &states[part * (count + 1) * size..][..(count + 1) * size];
         next.resize(2 * size, 0.0);
         let first = size - to.a.nrows();
-        for &(node, weight) in nodes_for(RADIUS * step / mode.length) {
+        let nodes: &[(f64, f64)] = if RADIUS * step / mode.length <= SHORT { &EIGHT } else { &NODES };
+        for &(node, weight) in nodes {
             let (z, mu) = next.split_at_mut(size);
             value_at(states, node, z);
             value_at(own, 1.0 - node, mu);

@@ -93,7 +93,7 @@ impl Extremes {
             let row = row_of(machine, mode, self.quantity);
             let (mut rate, step) = (vec![0.0; row.len()], mode.length / INTERVALS as f64);
             mode.a.after_row(row.as_slice(), step, &mut rate);
-            let rate = taylor(&mode.a, &rate, 1.0, step);
+            let rate = taylor(&mode.a.transpose(), &[rate], step).remove(0);
             Arc::new(InMode { mode: mode.clone(), row, rate })
         };
         self.rows.entry(Arc::as_ptr(mode)).or_insert_with(made).clone()
