@@ -184,7 +184,10 @@ impl Differentiated {
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
-        let motion = Motion::from_state_observed(assembly.clone(), time, state, &mut note)?;
+        let motion = match is_given {
+            true => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
+            false => Motion::new_observed(assembly.clone(), &mut note)?,
+        };
         let machine = Arc::new(Machine::new(assembly, columns)?);
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);

@@ -215,9 +215,9 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Includes in the sizes of rates what forces would add to them over a sub-step without held
-    /// contacts. A body that stood in the motion from which the state comes has a rate of rounding,
-    /// which says nothing of its size.
+    /// Includes in the sizes of rates what forces would add to them while they move a coordinate by
+    /// its own size, for at most a sub-step without held contacts. A body that stood in the motion
+    /// from which the state comes has a rate of rounding, which says nothing of its size.
     fn include_standing(&mut self) {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
@@ -228,11 +228,15 @@ impl Motion {
         let stops = system.stops.iter().map(state).collect();
         let frictions = vec![FrictionState::Up; system.frictions.len()];
         let table = FlowTable::of_mode(system, &Mode { stops, frictions, basis: Vec::new() });
-        let first = system.signals.one / 2;
+        let (first, length) = (system.signals.one / 2, table.length);
         let mut added = vec![0.0; system.signals.one - first];
-        table.flight_sizes(sizes.0.as_slice(), table.length, &mut Vec::new(), &mut added);
-        let rates = sizes.0.iter_mut().skip(first);
-        rates.zip(added).for_each(|(size, added)| *size = size.max(added));
+        table.flight_sizes(sizes.0.as_slice(), length, &mut Vec::new(), &mut added);
+        let (places, rates) = sizes.0.as_mut_slice().split_at_mut(first);
+        for ((place, rate), added) in places.iter().zip(rates).zip(added) {
+            // After t = √(2 s/a) a coordinate from rest has moved by s.
+            let part = (2.0 * *place / (added * length)).sqrt().min(1.0);
+            *rate = rate.max(if added > 0.0 { part * added } else { 0.0 });
+        }
     }
 
     /// The motion from a state. Rigid stops with e > gap are opened by the least movement of

@@ -17,7 +17,7 @@ from ._result import Result
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._assembly import Assembly
+    from ._assembly_description import AssemblyDescription
 
 #: What is special at a point of a branch of a machine of your own.
 ASSEMBLY_LABELS = {
@@ -40,7 +40,7 @@ _MOST_RETURNS = 10_000_000
 class AssemblyOrbit(Result):
     """A periodic orbit of a machine of your own."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "Whose orbit it is."
     word: str
     "Its events in their order: ``impact steel, press buffer, free buffer``."
@@ -110,7 +110,7 @@ class AssemblyOrbit(Result):
 class AssemblyBranch(Result):
     """A branch of periodic orbits along a parameter."""
 
-    machine: Assembly
+    machine: AssemblyDescription
     "The machine with all other parameters."
     name: str
     "The parameter."
@@ -147,14 +147,14 @@ class AssemblyBranch(Result):
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
 
 
-def _ends(machine: Assembly, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
+def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
     ends = [float(x) if not isinstance(x, str) else float(machine._in_si(name, [x])[0]) for x in (low, high)]
     return number("low", ends[0]), number("high", ends[1])
 
 
-def _of(machine: Assembly, of: Optional[str]) -> str:
+def _of(machine: AssemblyDescription, of: Optional[str]) -> str:
     if of is None:
         return next((name for name in machine.measures if name.startswith("amplitude.")), "impacts")
     if not isinstance(of, str):
@@ -162,13 +162,13 @@ def _of(machine: Assembly, of: Optional[str]) -> str:
     return of
 
 
-def _branch(machine: Assembly, name: str, of: str, found: dict[str, Any]) -> AssemblyBranch:
+def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, Any]) -> AssemblyBranch:
     for key in ("stability", "labels", "elements"):
         found[key] = np.array(found[key], dtype=np.str_)
     return AssemblyBranch(machine=machine, name=name, of=of, **found)
 
 
-def find_orbit(machine: Assembly, start: Start, settle: int, section: Section, progress: bool) -> AssemblyOrbit:
+def find_orbit(machine: AssemblyDescription, start: Start, settle: int, section: Section, progress: bool) -> AssemblyOrbit:
     """The orbit on which a motion settles."""
     numbers = numbers_of(machine, start)
     settle = whole("settle", settle, 0, _MOST_RETURNS)
@@ -181,7 +181,7 @@ def find_orbit(machine: Assembly, start: Start, settle: int, section: Section, p
 
 
 def find_branches(
-    machine: Assembly,
+    machine: AssemblyDescription,
     name: str,
     ends: tuple[Union[float, str], Union[float, str]],
     of: Optional[str],
