@@ -1,0 +1,108 @@
+//! Branches of orbits of machines from files: time of a point, against the 3-DOF machine's own
+//! orbits on its branch, and growth with the number of bodies; as ratios in one run.
+//! `cargo bench -p benches --bench machine_orbits`
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Instant;
+use vibro_analysis::assembly::Machine;
+use vibro_analysis::{ParameterSet, find_group};
+use vibro_assembly::Start;
+use vibro_assembly::file::no_records;
+use vibro_orbits::PathOptions;
+use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, tree};
+
+/// Rounds, of which the least time counts.
+const ROUNDS: usize = 5;
+
+fn least(work: impl Fn() -> usize) -> (f64, usize) {
+    let mut best = (f64::INFINITY, 0);
+    for _ in 0..ROUNDS {
+        let begin = Instant::now();
+        let points = work();
+        best = (best.0.min(begin.elapsed().as_secs_f64()), points);
+    }
+    best
+}
+
+fn example(name: &str) -> Machine {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly");
+    Machine::read(&Path::new(folder).join(name)).expect("an example")
+}
+
+/// Time and points of the branch of a machine's settled motion.
+fn followed(machine: &Machine, parameter: &str, range: (f64, f64)) -> (f64, usize, usize) {
+    let family = Family::new(machine, parameter, range).expect("a range");
+    let orbit = Orbit::settled(machine, &Start::default(), 500).expect("an orbit");
+    let events = orbit.word().len();
+    let (time, points) =
+        least(|| branch(&family, &orbit, &PathOptions::default()).expect("a branch").points.len());
+    (time, points, events)
+}
+
+/// A driven chain whose first body strikes a wall.
+fn chain(bodies: usize) -> Machine {
+    let mut text = String::from("name = \"Chain\"\n");
+    for i in 0..bodies {
+        let before = if i == 0 { "ground".into() } else { format!("b{}", i - 1) };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "body.b{i} = {{ mass = 1.0 }}\n\
+             spring.g{i} = {{ between = [\"{before}\", \"b{i}\"], stiffness = 20.0, damping = 0.4 }}"
+        );
+    }
+    text.push_str(
+        "stop.wall = { between = [\"ground\", \"b0\"], gap = 0.05, restitution = 0.6 }\n\
+         load.drive = { on = \"b0\", amplitude = 4.0, frequency = 0.6 }\n",
+    );
+    Machine::parse(&text, "chain.toml", &no_records).expect("a machine")
+}
+
+fn main() {
+    let paper = example("paper_machine.toml");
+    let (time, points, events) = followed(&paper, "load.drive.amplitude", (0.1, 0.3));
+    let span = vibro_orbits::Span::new(find_group("f10").expect("a group"), 1.0, 3.0).expect("a range");
+    let family = vibro_orbits::Family::new(&ParameterSet::basic(), span).expect("a family");
+    let system = family.system(&[1.5]).expect("a machine");
+    let word = vibro_orbits::OrbitWord::new("UL", 1, 2).expect("a word");
+    let orbit = vibro_orbits::Orbit::find(&system, &word, &[5.5, 8.6]).expect("an orbit");
+    let (core, core_points) = least(|| {
+        let options = PathOptions::default();
+        let found = vibro_orbits::branch(&family, &word, orbit.phases(), 1.5, &options, &[]);
+        found.expect("a branch").points.len()
+    });
+    let per = |time: f64, points: usize| 1e3 * time / points as f64;
+    println!(
+        "the paper's machine, {events} events: {points} points, {:.3} ms each; 3-DOF orbits {core_points} points, {:.3} ms each; ratio {:.1}",
+        per(time, points),
+        per(core, core_points),
+        per(time, points) / per(core, core_points)
+    );
+    let damper = example("damper_with_buffer.toml");
+    let (time, points, events) = followed(&damper, "load.shaker.frequency", (9.8, 10.4));
+    println!("damper_with_buffer, {events} events: {points} points, {:.3} ms each", per(time, points));
+    for depth in [0, 1, 3] {
+        let family = Family::new(&damper, "load.shaker.frequency", (8.0, 12.0)).expect("a range");
+        let options = TreeOptions { depth, ..TreeOptions::default() };
+        let begin = Instant::now();
+        let found = tree(&family, &options, &mut |_, _| true).expect("branches");
+        let points: usize = found.iter().map(|b| b.points.len()).sum();
+        println!(
+            "its branches from 8 to 12 Hz, depth {depth}: {} branches, {points} points, {:.1} s",
+            found.len(),
+            begin.elapsed().as_secs_f64()
+        );
+    }
+    let (three, points, _) = followed(&chain(3), "load.drive.amplitude", (3.0, 6.0));
+    let three = three / points as f64;
+    for bodies in [3, 6, 12, 24] {
+        let (time, points, events) = followed(&chain(bodies), "load.drive.amplitude", (3.0, 6.0));
+        let point = time / points as f64;
+        println!(
+            "chain of {bodies}, {events} events: {points} points, {:.3} ms each, {:.1} times three bodies",
+            1e3 * point,
+            point / three
+        );
+    }
+}
