@@ -135,12 +135,14 @@ impl Motion {
         Ok(())
     }
 
-    /// Refuses a start in which a rigid stop has e > gap.
-    pub(super) fn check_stops(&self) -> Result<(), Error> {
+    /// Refuses a start in which a rigid stop has e > gap, but for rounding beside its terms and the
+    /// coordinates' `ways`.
+    pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
             let excess = stop.excess.dot(z);
-            let terms: f64 = stop.excess.iter().zip(z.iter()).map(|(a, x)| (a * x).abs()).sum();
+            let sizes = z.iter().enumerate().map(|(i, x)| x.abs() + ways.get(i).copied().unwrap_or(0.0));
+            let terms: f64 = stop.excess.iter().zip(sizes).map(|(a, size)| (a * size).abs()).sum();
             if excess > START * terms {
                 return Err(self.violated(i, excess));
             }

@@ -209,16 +209,17 @@ impl Motion {
             return out(format!("start of body.{body}.{what}"), state[i], "a finite number".into());
         }
         let mut motion = Self::placed(assembly, time, state)?;
-        motion.check_stops()?;
-        motion.include_standing();
+        let ways = motion.include_standing();
+        motion.check_stops(&ways)?;
         motion.settle(&[], &Parted::default(), &mut Some(observer))?;
         Ok(motion)
     }
 
     /// Includes in the sizes of rates what forces would add to them while they move a coordinate by
     /// its own size, for at most a sub-step without held contacts. A body that stood in the motion
-    /// from which the state comes has a rate of rounding, which says nothing of its size.
-    fn include_standing(&mut self) {
+    /// from which the state comes has a rate of rounding, which says nothing of its size. Returns, by
+    /// coordinate, the way that it goes within a sub-step, or until forces have turned it round.
+    fn include_standing(&mut self) -> Vec<f64> {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
             Some(_) => StopState::Open,
@@ -232,11 +233,18 @@ impl Motion {
         let mut added = vec![0.0; system.signals.one - first];
         table.flight_sizes(sizes.0.as_slice(), length, &mut Vec::new(), &mut added);
         let (places, rates) = sizes.0.as_mut_slice().split_at_mut(first);
-        for ((place, rate), added) in places.iter().zip(rates).zip(added) {
+        let mut ways = vec![0.0; first];
+        for (((place, rate), added), way) in places.iter().zip(rates).zip(added).zip(&mut ways) {
+            if added <= 0.0 {
+                continue;
+            }
+            let (acceleration, time) = (added / length, length.min(LONGEST));
+            *way =
+                (*rate * *rate / (2.0 * acceleration)).min(*rate * time) + 0.5 * acceleration * time * time;
             // After t = √(2 s/a) a coordinate from rest has moved by s.
-            let part = (2.0 * *place / (added * length)).sqrt().min(1.0);
-            *rate = rate.max(if added > 0.0 { part * added } else { 0.0 });
+            *rate = rate.max((2.0 * *place / (added * length)).sqrt().min(1.0) * added);
         }
+        ways
     }
 
     /// The motion from a state. Rigid stops with e > gap are opened by the least movement of
@@ -434,6 +442,9 @@ impl Motion {
         &self.tables.at(self.place).table
     }
 }
+
+/// Longest time of the ways that tell rounding of a place at a start, s.
+const LONGEST: f64 = 1.0;
 
 /// Coordinates and rates of the machine's start.
 pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {

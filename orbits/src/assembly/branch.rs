@@ -58,6 +58,11 @@ impl Special {
         match condition {
             Condition::Rises { letter } => of(word.letters[letter].watch),
             Condition::Stays { watch, .. } => of(watch),
+            Condition::Together { letter, stop } => {
+                let first = element_of(place, word.letters[letter].watch);
+                let element = format!("{first} {}", place.assembly.name_of_stop(stop));
+                Self { kind: Kind::Crossing, element }
+            }
             Condition::Lasts { letter } if word.letters[letter].chatter.is_some() => {
                 let element = element_of(place, word.letters[letter].watch);
                 Self { kind: Kind::As(Label::Chatter), element }

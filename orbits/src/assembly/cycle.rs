@@ -72,6 +72,13 @@ pub enum Condition {
         /// Its place in the word.
         letter: usize,
     },
+    /// A further stop that event `letter` hits is at its gap.
+    Together {
+        /// Its place in the word.
+        letter: usize,
+        /// The stop.
+        stop: usize,
+    },
     /// No other functional is reached in the flight after event `letter`.
     Stays {
         /// Its place in the word.
@@ -233,7 +240,7 @@ impl Cycle {
 
     /// All conditions under which the cycle is a motion of the machine, each with a value that is
     /// positive where it holds. Values of functionals are relative to their terms.
-    pub(super) fn conditions(&self, word: &Word) -> Vec<(Condition, f64)> {
+    pub(super) fn conditions(&self, place: &Place, word: &Word) -> Vec<(Condition, f64)> {
         let mut all = Vec::new();
         if word.is_empty() {
             self.add_peaks(0, word, &mut all);
@@ -246,6 +253,16 @@ impl Cycle {
             let size: f64 = row.iter().zip(&before.states[1]).map(|(a, x)| (a * x).abs()).sum();
             all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
             all.push((Condition::Lasts { letter }, leg.span / period));
+            let own = &word.letters[letter];
+            for stop in own.hits().filter(|stop| own.watch != Watch::Meets(*stop)) {
+                let row = place.assembly.system().stops[stop].excess.terms();
+                let end = &before.states[1];
+                let (value, size) = row.iter().fold((0.0, 0.0), |(value, size), &(i, a)| {
+                    (value + a * end[i], size + (a * end[i]).abs())
+                });
+                let off = value.abs() / size.max(f64::MIN_POSITIVE);
+                all.push((Condition::Together { letter, stop }, TOUCHING - off));
+            }
             if leg.span > 0.0 {
                 self.add_peaks(letter, word, &mut all);
             }

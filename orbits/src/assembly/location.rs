@@ -94,6 +94,29 @@ impl Follower<'_> {
         Ok(Some((self.look(at)?, arc * part)))
     }
 
+    /// The end of the parameter's range where a step would lead beyond it, with its arc: values beyond
+    /// may not be allowed.
+    pub fn boundary_ahead(&self, last: &Position, step: f64) -> Option<(Position, f64)> {
+        let (from, to) = self.problem.family.range;
+        let (index, unit) = (self.problem.size(), self.problem.family.unit());
+        let (value, rate) = (last.u[index] * unit, last.tangent[index] * unit);
+        let end = if rate > 0.0 { to } else { from };
+        let arc = (end - value) / rate;
+        if !(0.0..step).contains(&arc) {
+            return None;
+        }
+        let mut guess = &last.u + &last.tangent * arc;
+        guess[index] = end / unit;
+        let axis = crate::curve::axis(guess.len(), index);
+        let mut at = correct(self.problem, &guess, &axis).ok()?;
+        at.u[index] = end / unit;
+        if at.tangent.dot(&last.tangent) < 0.0 {
+            at.tangent = -at.tangent;
+        }
+        let is_near = (&at.u - &last.u).norm() <= 2.0 * arc.max(f64::EPSILON);
+        Some((self.look(at).ok().filter(|_| is_near)?, arc))
+    }
+
     /// The doubling at which this branch is born, if a step passes it, with its part of the step:
     /// both halves of the orbit are equal there, and past it the branch runs back along itself.
     pub fn birth(&self, last: &Position, next: &Position) -> Result<Option<(Position, f64)>, Obstacle> {
@@ -152,7 +175,7 @@ impl Follower<'_> {
                 let at = self.at(last, s)?;
                 let place = self.problem.place(&at.u)?;
                 let cycle = self.problem.cycle(&place, &at.u)?;
-                Ok(value_of(&cycle.conditions(&self.problem.word), *condition).unwrap_or(1.0))
+                Ok(value_of(&cycle.conditions(&place, &self.problem.word), *condition).unwrap_or(1.0))
             };
             let (at, own) = match zero(&value, arc, (before, *after), LOCATION) {
                 Some(at) => (at, None),

@@ -227,12 +227,20 @@ impl Follower<'_> {
 
     /// One step, with the special points on it. `leaves` says that it leaves a special point.
     fn step(&self, last: &Position, step: f64, leaves: bool) -> Result<Step, Obstacle> {
-        let next = self.at(last, step)?;
+        let ahead = self.boundary_ahead(last, step);
+        let is_last = ahead.is_some();
+        let (mut next, mut arc) = match ahead {
+            Some(ahead) => ahead,
+            None => (self.look(self.at(last, step)?)?, step),
+        };
         if next.tangent.dot(&last.tangent) < COSINE && !leaves {
             return Err(Obstacle::NoConvergence);
         }
-        let (mut next, mut arc, mut end, mut special) = (self.look(next)?, step, None, None);
-        if let Some((condition, at, found)) = self.broken(last, &next, step, leaves)? {
+        let (mut end, mut special) = (None, None);
+        if is_last {
+            (special, end) = (Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
+        }
+        if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
             let before = self.at(last, at * BEFORE).and_then(|before| self.look(before));
@@ -249,7 +257,7 @@ impl Follower<'_> {
             };
             (arc, end) = (at, Some(PathEnd::Broken(condition)));
         }
-        if let Some((boundary, at)) = self.boundary(last, &next, arc)? {
+        if !is_last && let Some((boundary, at)) = self.boundary(last, &next, arc)? {
             (next, arc, special, end) =
                 (boundary, at, Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }

@@ -85,7 +85,9 @@ impl Record {
         let later = self.times.len() - first;
         self.times.rotate_left(first);
         self.times.iter_mut().skip(later).for_each(|time| *time += period);
-        for (end, stop) in self.closings().into_iter().rev() {
+        let mut from = self.letters.len();
+        while let Some((end, stop)) = self.closings().into_iter().rev().find(|(k, _)| *k < from) {
+            from = end;
             let hits: Vec<usize> =
                 (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
             // The run begins with the impact after which all intervals shrink.
@@ -102,6 +104,7 @@ impl Record {
             if begin == end {
                 continue;
             }
+            from = begin;
             let mode = self.letters[end].modes[1].clone();
             self.letters[begin].chatter = Some(Chatter { stop, mode });
             self.letters.drain(begin + 1..=end);

@@ -94,7 +94,7 @@ pub(super) fn at_touch(
     let side = |sign: f64| {
         let moved = &at + &direction * (sign * SIDE_STEP);
         let place = other.place(&moved)?;
-        let conditions = other.cycle(&place, &moved)?.conditions(&other.word);
+        let conditions = other.cycle(&place, &moved)?.conditions(&place, &other.word);
         let own = conditions.iter().find(|(own, _)| *own == sought).map(|(_, value)| *value);
         Ok::<f64, Obstacle>(own.unwrap_or(1.0))
     };

@@ -97,3 +97,53 @@ fn second_method_orbits_with_runs_of_impacts_are_motions_and_are_followed() {
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     assert!(found.points.len() < 400, "{}", found.points.len());
 }
+
+/// Two equal oscillators with a stop each, both driven alike.
+const TWINS: &str = "name = \"Twins\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 1.0 }\n\
+    spring.ga = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.4 }\n\
+    spring.gb = { between = [\"ground\", \"b\"], stiffness = 100.0, damping = 0.4 }\n\
+    spring.c = { between = [\"a\", \"b\"], stiffness = 40.0 }\n\
+    stop.sa = { between = [\"ground\", \"a\"], gap = 0.03, restitution = 0.7 }\n\
+    stop.sb = { between = [\"ground\", \"b\"], gap = 0.03, restitution = 0.7 }\n\
+    load.la = { on = \"a\", amplitude = 10.0, frequency = 3.0 }\n\
+    load.lb = { on = \"b\", amplitude = 10.0, frequency = 3.0 }\n";
+
+#[test]
+fn invariant_stops_hit_at_one_instant_are_undecided_and_end_their_branch() {
+    let orbit = Orbit::settled(&machine(TWINS), &Start::default(), 300).unwrap();
+    assert_eq!(orbit.word().in_words(&orbit.place().assembly), "impact sa + impact sb");
+    assert_eq!(orbit.stability(), Stability::Undecided);
+    let family = Family::new(&machine(TWINS), "load.la.amplitude", (8.0, 12.0)).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    for end in [found.points.first(), found.points.last()] {
+        let end = end.unwrap();
+        assert_eq!(end.special.as_ref().map(|s| s.kind), Some(Kind::Crossing));
+        assert!((end.value - 10.0).abs() < 1e-6, "{}", end.value);
+    }
+}
+
+/// The ball rests on a floor for part of 13 periods, where rounding would put it into the floor.
+#[test]
+fn second_method_an_orbit_that_rests_on_a_stop_with_gap_zero_is_found() {
+    let text = "name = \"Rests\"\nbody.b = { mass = 1.0, start = { s = 0.02 } }\n\
+        stop.f = { between = [\"b\", \"ground\"], gap = 0.0, restitution = 0.5 }\n\
+        load.g = { on = \"b\", constant = -9.81, amplitude = 27.0, frequency = 25.0 }\n";
+    let orbit = Orbit::settled(&machine(text), &Start::default(), 400).unwrap();
+    assert_eq!(orbit.word().periods, Some(13));
+    assert!(orbit.is_certified() && orbit.check_by_motion().unwrap() < TIME);
+}
+
+#[test]
+fn invariant_a_branch_ends_where_the_parameters_values_end() {
+    let text = "name = \"Hits\"\nbody.m = { mass = 1.0 }\n\
+        spring.k = { between = [\"ground\", \"m\"], stiffness = 100.0, damping = 0.4 }\n\
+        stop.s = { between = [\"ground\", \"m\"], gap = 0.05, restitution = 0.8 }\n\
+        load.f = { on = \"m\", amplitude = 10.0, frequency = 3.0 }\n";
+    let orbit = Orbit::settled(&machine(text), &Start::default(), 400).unwrap();
+    let family = Family::new(&machine(text), "stop.s.restitution", (0.0, 1.0)).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    for end in [found.points.first(), found.points.last()] {
+        let end = end.unwrap();
+        assert_eq!((end.special.as_ref().unwrap().kind.name(), end.value), ("EP", 1.0));
+    }
+}
