@@ -124,8 +124,8 @@ fn follow_varied(assembly: &Arc<Assembly>, end: f64) -> (f64, usize) {
     (begin.elapsed().as_nanos() as f64, events)
 }
 
-/// Times, ns, of a motion with 200 values of a body and of the gradient of the sum of their squares by
-/// at most thirty numbers.
+/// Times, ns, of a motion with 200 values of a body and of the gradient of the sum of their squares
+/// by at most thirty numbers.
 fn follow_gradient(assembly: &Arc<Assembly>, end: f64) -> [f64; 2] {
     let all = assembly.description.parameters();
     let names: Vec<&str> = all.iter().take(30).map(|p| p.name.as_str()).collect();

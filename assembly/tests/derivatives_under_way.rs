@@ -1,5 +1,8 @@
 //! Derivatives of a motion that is under way: those of the whole from there on, and partial ones.
 
+mod common;
+
+use common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
 use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Reached;
@@ -8,31 +11,8 @@ use vibro_assembly::{Assembly, Differentiated, Motion, Quantity, Start, What, fi
 /// Rounding of derivatives after some events, relative to their size.
 const ROUNDING: f64 = 1e-12;
 
-/// A body on a belt, which sticks, slips and hits a wall.
-const MACHINE: &str = r#"
-    name = "BlockOnBelt"
-    [body.block]
-    mass = "2 kg"
-    [body.belt]
-    motion = { rate = "0.3 m/s" }
-    [spring.guide]
-    between = ["ground", "block"]
-    stiffness = "800 N/m"
-    [friction.belt]
-    between = ["belt", "block"]
-    force = "3 N"
-    [stop.wall]
-    between = ["ground", "block"]
-    gap = "2 mm"
-    restitution = 0.6
-    [load.shaker]
-    on = "block"
-    amplitude = "4 N"
-    frequency = "5 Hz"
-"#;
-
 fn machine() -> Arc<Assembly> {
-    let description = file::parse(MACHINE, "block.toml", &file::no_records).unwrap();
+    let description = file::parse(BLOCK_ON_BELT, "block.toml", &file::no_records).unwrap();
     Arc::new(Assembly::new(description).unwrap())
 }
 

@@ -1,5 +1,8 @@
 //! Starts from a state: a motion continues from its own state, and bad states are refused.
 
+mod common;
+
+use common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
 use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Event;
@@ -8,30 +11,9 @@ use vibro_assembly::{Assembly, Error, Motion, Start, file};
 /// Rounding of a state times the growth of errors over the time compared.
 const ROUNDING: f64 = 1e-10;
 
-const MACHINE: &str = r#"
-    name = "BlockOnBelt"
-    [body.block]
-    mass = "2 kg"
-    [body.belt]
-    motion = { rate = "0.3 m/s" }
-    [spring.guide]
-    between = ["ground", "block"]
-    stiffness = "800 N/m"
-    [friction.belt]
-    between = ["belt", "block"]
-    force = "3 N"
-    [stop.wall]
-    between = ["ground", "block"]
-    gap = "2 mm"
-    restitution = 0.6
-    [load.shaker]
-    on = "block"
-    amplitude = "4 N"
-    frequency = "5 Hz"
-"#;
-
 fn machine() -> Arc<Assembly> {
-    let description = vibro_assembly::file::parse(MACHINE, "block.toml", &vibro_assembly::file::no_records);
+    let description =
+        vibro_assembly::file::parse(BLOCK_ON_BELT, "block.toml", &vibro_assembly::file::no_records);
     Arc::new(Assembly::new(description.unwrap()).unwrap())
 }
 
@@ -97,7 +79,7 @@ fn described(text: &str) -> vibro_assembly::Description {
 
 #[test]
 fn invariant_a_start_is_written_and_read_with_all_digits() {
-    for (text, time) in [(MACHINE, 0.3141), (GEARS, 0.1)] {
+    for (text, time) in [(BLOCK_ON_BELT, 0.3141), (GEARS, 0.1)] {
         let assembly = Arc::new(Assembly::new(described(text)).unwrap());
         let mut motion = Motion::new(assembly.clone()).unwrap();
         motion.advance_to(time).unwrap();
@@ -188,7 +170,7 @@ fn what_is_no_start_is_refused_by_name() {
 /// A block at rest under friction, with the rate that rounding leaves a standing body.
 #[test]
 fn invariant_a_rate_of_rounding_is_rest() {
-    let text = MACHINE.replace("0.3 m/s", "0.0 m/s").replace("4 N", "1 N");
+    let text = BLOCK_ON_BELT.replace("0.3 m/s", "0.0 m/s").replace("4 N", "1 N");
     let description = vibro_assembly::file::parse(&text, "block.toml", &vibro_assembly::file::no_records);
     let assembly = Arc::new(Assembly::new(description.unwrap()).unwrap());
     for rate in [0.0, 1e-32, -1e-20] {
@@ -204,7 +186,7 @@ fn invariant_a_rate_of_rounding_is_rest() {
 /// names all bodies are the same columns.
 #[test]
 fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
-    let text = MACHINE.replace("mass = \"2 kg\"", "mass = \"2 kg\"\nstart = { s = 5e-4, v = 0.02 }");
+    let text = BLOCK_ON_BELT.replace("mass = \"2 kg\"", "mass = \"2 kg\"\nstart = { s = 5e-4, v = 0.02 }");
     let names = ["body.block.start.s", "body.block.start.v", "stop.wall.gap", "friction.belt.force"];
     let of_file = Arc::new(Assembly::new(described(&text)).unwrap());
     let mut times = Vec::new();

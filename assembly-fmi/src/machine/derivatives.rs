@@ -1,5 +1,5 @@
-//! Derivatives of outputs with respect to time, states, inputs and parameters, at the present instant and in
-//! the mode in force.
+//! Derivatives of outputs with respect to time, states, inputs and parameters, at the present
+//! instant and in the mode in force.
 
 use super::Machine;
 use crate::problem::MachineProblem;
@@ -78,8 +78,8 @@ impl Machine {
         Ok(())
     }
 
-    /// The derivatives of unknowns along a direction of inputs, in Model Exchange states, and in FMI
-    /// 3.0 tunable parameters and time, with the states fixed.
+    /// The derivatives of unknowns along a direction of inputs, in Model Exchange states, and in
+    /// FMI 3.0 tunable parameters and time, with the states fixed.
     pub(super) fn derivatives_along(
         &mut self,
         unknowns: &[u32],

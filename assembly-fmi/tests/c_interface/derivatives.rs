@@ -203,7 +203,8 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
     }
 }
 
-/// Every tunable parameter, set at a communication point under way: a step with the changed machine.
+/// Every tunable parameter, set at a communication point under way: a step with the changed
+/// machine.
 #[test]
 fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_steps() {
     // Relative step and error of a fourth-order difference, with rounding over its step.

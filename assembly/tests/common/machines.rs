@@ -142,3 +142,26 @@ pub fn scaled(signal: &Signal, ratio: f64) -> Signal {
     other.table.iter_mut().flat_map(|t| &mut t.knots).for_each(|k| k.1 *= ratio);
     other
 }
+
+/// A block on a belt, which sticks, slips and hits a wall.
+pub const BLOCK_ON_BELT: &str = r#"
+    name = "BlockOnBelt"
+    [body.block]
+    mass = "2 kg"
+    [body.belt]
+    motion = { rate = "0.3 m/s" }
+    [spring.guide]
+    between = ["ground", "block"]
+    stiffness = "800 N/m"
+    [friction.belt]
+    between = ["belt", "block"]
+    force = "3 N"
+    [stop.wall]
+    between = ["ground", "block"]
+    gap = "2 mm"
+    restitution = 0.6
+    [load.shaker]
+    on = "block"
+    amplitude = "4 N"
+    frequency = "5 Hz"
+"#;

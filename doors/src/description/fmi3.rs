@@ -88,8 +88,8 @@ fn nominal_value(v: &Variable) -> Option<(&str, f64)> {
     Some((v.declared_type.as_deref()?, nominal.filter(|nominal| *nominal != 1.0)?))
 }
 
-/// The nominal values that variables of each declared type have. For each there is a type of its own:
-/// a variable takes the attribute from its type (FMI 3.0.2, `TypeDefinitions`).
+/// The nominal values that variables of each declared type have. For each there is a type of its
+/// own: a variable takes the attribute from its type (FMI 3.0.2, `TypeDefinitions`).
 fn nominal_values(of: &Description) -> Vec<(&str, f64)> {
     let mut all: Vec<(&str, f64)> = Vec::new();
     for value in of.variables.iter().filter_map(nominal_value) {

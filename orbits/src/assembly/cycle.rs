@@ -20,6 +20,8 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;
+/// Value of a condition, relative to its terms, below zero that is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// The flight after an event, or after the run of impacts that begins with it.
 #[derive(Clone, Debug)]
@@ -88,6 +90,17 @@ pub enum Condition {
         /// Its place among the functionals of the mode.
         place: usize,
     },
+}
+
+impl Condition {
+    /// Whether a value shows that the condition does not hold; a functional that stays below zero may
+    /// touch it but for rounding.
+    pub(super) fn fails(&self, value: f64) -> bool {
+        match self {
+            Self::Stays { .. } => value < -ROUNDING,
+            _ => value <= 0.0,
+        }
+    }
 }
 
 /// The augmented state with the signals of a time.

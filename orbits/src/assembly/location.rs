@@ -6,7 +6,7 @@ use super::cycle::Condition;
 use super::orbit::Orbit;
 use super::path::{Follower, Position, doubling};
 use crate::branch::Label;
-use crate::curve::{CurvePoint, correct, gradient, meet};
+use crate::curve::{CurvePoint, axis, correct, gradient, meet};
 use crate::obstacle::Obstacle;
 use crate::special::zero;
 use crate::test_functions::is_on_circle;
@@ -19,8 +19,6 @@ const BIRTH: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-6;
 /// Accuracy of the arc of a special point.
 const LOCATION: f64 = 1e-13;
-/// Value of a condition, relative to its terms, below zero that is rounding.
-const ROUNDING: f64 = 1e-12;
 /// Distance, in parts of a step, within which a bifurcation is one with a touch.
 const MERGED: f64 = 1e-5;
 /// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
@@ -83,15 +81,21 @@ impl Follower<'_> {
         let goal = end / self.problem.family.unit();
         let way = next.u[index] - last.u[index];
         let part = if way == 0.0 { 1.0 } else { (goal - last.u[index]) / way };
-        let mut guess = &last.u + (&next.u - &last.u) * part;
+        let guess = &last.u + (&next.u - &last.u) * part;
+        Ok(Some((self.look(self.at_value(last, guess, end)?)?, arc * part)))
+    }
+
+    /// The point of the curve at a value of the parameter, near a guess.
+    fn at_value(&self, last: &Position, mut guess: DVector<f64>, value: f64) -> Result<CurvePoint, Obstacle> {
+        let index = self.problem.size();
+        let goal = value / self.problem.family.unit();
         guess[index] = goal;
-        let axis = crate::curve::axis(guess.len(), index);
-        let mut at = correct(self.problem, &guess, &axis)?;
+        let mut at = correct(self.problem, &guess, &axis(guess.len(), index))?;
         at.u[index] = goal;
         if at.tangent.dot(&last.tangent) < 0.0 {
             at.tangent = -at.tangent;
         }
-        Ok(Some((self.look(at)?, arc * part)))
+        Ok(at)
     }
 
     /// The end of the parameter's range where a step would lead beyond it, with its arc: values beyond
@@ -105,14 +109,7 @@ impl Follower<'_> {
         if !(0.0..step).contains(&arc) {
             return None;
         }
-        let mut guess = &last.u + &last.tangent * arc;
-        guess[index] = end / unit;
-        let axis = crate::curve::axis(guess.len(), index);
-        let mut at = correct(self.problem, &guess, &axis).ok()?;
-        at.u[index] = end / unit;
-        if at.tangent.dot(&last.tangent) < 0.0 {
-            at.tangent = -at.tangent;
-        }
+        let at = self.at_value(last, &last.u + &last.tangent * arc, end).ok()?;
         let is_near = (&at.u - &last.u).norm() <= 2.0 * arc.max(f64::EPSILON);
         Some((self.look(at).ok().filter(|_| is_near)?, arc))
     }
@@ -156,12 +153,8 @@ impl Follower<'_> {
         arc: f64,
         leaves: bool,
     ) -> Result<Option<(Condition, f64, Option<Position>)>, Obstacle> {
-        let fails = |(condition, value): &&(Condition, f64)| match condition {
-            Condition::Stays { .. } => *value < -ROUNDING,
-            _ => *value <= 0.0,
-        };
         let mut first: Option<(Condition, f64, Option<Position>)> = None;
-        for (condition, after) in next.conditions.iter().filter(fails) {
+        for (condition, after) in next.conditions.iter().filter(|(own, value)| own.fails(*value)) {
             let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
             if before <= 0.0 {
                 // It has just begun to fail, or the branch leaves the point at which it does.

@@ -4,7 +4,6 @@
 use super::cycle::{Condition, Cycle, Leg, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
-use super::seed::Seed;
 use super::word::Word;
 use crate::curve::Equations;
 use crate::obstacle::Obstacle;
@@ -22,8 +21,6 @@ const STEPS: usize = 60;
 const LONGEST_STEP: f64 = 1.0;
 /// Largest part of a flight by which a step may shorten it.
 const SHORTENING: f64 = 0.5;
-/// Value of a condition, relative to its terms, below zero that is rounding.
-const ROUNDING: f64 = 1e-12;
 /// Distance of a multiplier from the unit circle that leaves stability undecided.
 const MARGIN: f64 = 1e-6;
 /// Relative singular value of the equations below which there is a family of orbits.
@@ -171,29 +168,6 @@ pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Co
 }
 
 impl Orbit {
-    /// The orbit of a seed.
-    pub(super) fn of_seed(seed: Seed) -> std::result::Result<Self, Obstructed> {
-        let Seed { problem, numbers, value } = seed;
-        let word = |problem: &Problem| {
-            let place = problem.family.place(value);
-            place.map_or_else(|_| String::new(), |place| problem.word.in_words(&place.assembly))
-        };
-        let found = || {
-            let place = problem.family.place(value).map_err(|e| (Obstacle::Refused(e), f64::INFINITY))?;
-            let guess = problem.point(&place, &numbers, value);
-            newton(&problem, &place, &guess).map(|u| (u, place))
-        };
-        match found() {
-            Ok((u, place)) => {
-                let residual = 0.0;
-                let obstructed = |obstacle| Obstructed { obstacle, residual, word: String::new() };
-                let (problem, u) = problem.reduced(&u).map_err(obstructed)?;
-                Self::at(problem, place, u).map_err(obstructed)
-            }
-            Err((obstacle, residual)) => Err(Obstructed { obstacle, residual, word: word(&problem) }),
-        }
-    }
-
     /// The orbit whose unknowns are known.
     pub(super) fn at(problem: Problem, place: Place, u: DVector<f64>) -> std::result::Result<Self, Obstacle> {
         let cycle = problem.cycle(&place, &u)?;
@@ -307,11 +281,8 @@ impl Orbit {
 
     /// The condition that is furthest from holding, where one does not hold.
     fn broken(&self) -> Option<(Condition, f64)> {
-        let fails = |(condition, value): &&(Condition, f64)| match condition {
-            Condition::Stays { .. } => *value < -ROUNDING,
-            _ => *value <= 0.0,
-        };
-        self.conditions.iter().filter(fails).min_by(|a, b| a.1.total_cmp(&b.1)).copied()
+        let broken = self.conditions.iter().filter(|(condition, value)| condition.fails(*value));
+        broken.min_by(|a, b| a.1.total_cmp(&b.1)).copied()
     }
 
     /// The condition that does not hold, in words.

@@ -25,19 +25,18 @@ impl Place {
     pub fn new(machine: &Machine) -> Result<Self> {
         let d = &machine.description;
         let period = common_period(d);
-        if period.is_none() && !is_steady(d) {
-            let problem = match runs_on(d, 0.0) {
-                Some(why) => format!("{why}: it has no periodic orbit; allowed are harmonics, constants and uniform motions"),
-                None => "the harmonics' frequencies have no common period up to 1000 periods of the slowest: the machine has no periodic \
-                         orbit; allowed are frequencies in ratios of integers"
-                    .into(),
-            };
-            return Err(Error::Described { problem });
-        }
-        if let Some(why) = runs_on(d, 0.0) {
-            let problem = format!(
+        let problem = match runs_on(d, 0.0) {
+            Some(why) => format!(
                 "{why}: it has no periodic orbit; allowed are harmonics, constants and uniform motions"
-            );
+            ),
+            None if period.is_none() && !is_steady(d) => {
+                "the harmonics' frequencies have no common period up to 1000 periods of the \
+                 slowest: the machine has no periodic orbit; allowed are frequencies in ratios of integers"
+                    .into()
+            }
+            None => String::new(),
+        };
+        if !problem.is_empty() {
             return Err(Error::Described { problem });
         }
         let assembly = Arc::new(Assembly::new(d.clone())?);

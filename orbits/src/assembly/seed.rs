@@ -2,10 +2,11 @@
 //! state after the first one are a guess.
 
 use super::cycle::with_signals;
-use super::orbit::{Obstructed, Orbit};
+use super::orbit::{Obstructed, Orbit, newton};
 use super::place::Family;
 use super::problem::{Numbers, Problem, Units};
 use super::word::{Chatter, Letter, Word};
+use crate::obstacle::Obstacle;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot};
@@ -237,6 +238,29 @@ fn move_back(system: &System, state: &mut [f64], time: f64, by: f64) -> Result<(
 }
 
 impl Orbit {
+    /// The orbit of a seed.
+    pub(super) fn of_seed(seed: Seed) -> std::result::Result<Self, Obstructed> {
+        let Seed { problem, numbers, value } = seed;
+        let word = |problem: &Problem| {
+            let place = problem.family.place(value);
+            place.map_or_else(|_| String::new(), |place| problem.word.in_words(&place.assembly))
+        };
+        let found = || {
+            let place = problem.family.place(value).map_err(|e| (Obstacle::Refused(e), f64::INFINITY))?;
+            let guess = problem.point(&place, &numbers, value);
+            newton(&problem, &place, &guess).map(|u| (u, place))
+        };
+        match found() {
+            Ok((u, place)) => {
+                let residual = 0.0;
+                let obstructed = |obstacle| Obstructed { obstacle, residual, word: String::new() };
+                let (problem, u) = problem.reduced(&u).map_err(obstructed)?;
+                Self::at(problem, place, u).map_err(obstructed)
+            }
+            Err((obstacle, residual)) => Err(Obstructed { obstacle, residual, word: word(&problem) }),
+        }
+    }
+
     /// The orbit on which the motion of a machine from a start settles, after `discard` returns to
     /// its section, or fewer where it has settled before.
     ///

@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::orbits::{COLOURED, MARKS, colour};
+use super::orbits::{DrawnBranch, MARKS, branch_layers};
 use crate::Result;
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use vibro_analysis::significant;
 use vibro_assembly::Motion;
 use vibro_assembly::motion::EventKind;
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
-use vibro_figures::chart::{Axis, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability, check_measure};
 
 /// Special points beyond which the picture marks only those where stability changes.
@@ -177,29 +177,6 @@ fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// Pieces of branches by period and stability.
-fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> BTreeMap<(u32, bool), Vec<Path>> {
-    let mut found: BTreeMap<(u32, bool), Vec<Path>> = BTreeMap::new();
-    for (branch, tops) in branches.iter().zip(tops) {
-        let mut state = None;
-        let period = branch.word().periods.unwrap_or(1).min(COLOURED as u32 + 1);
-        for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {
-            if tops.iter().any(|t| !t.is_finite()) {
-                state = None;
-                continue;
-            }
-            let stable = pair[0].stability == Stability::Stable;
-            let all = found.entry((period, stable)).or_default();
-            if state != Some(stable) {
-                all.push(vec![(pair[0].value, tops[0])]);
-                state = Some(stable);
-            }
-            all.last_mut().into_iter().for_each(|path| path.push((pair[1].value, tops[1])));
-        }
-    }
-    found
-}
-
 struct SpecialMarks {
     layers: Vec<Layer>,
     of_stable_only: bool,
@@ -233,24 +210,17 @@ fn marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
 }
 
 fn layers(branches: &[Branch], tops: &[Vec<f64>], marks: SpecialMarks) -> Vec<Layer> {
-    let (mut unstable, mut stable, mut periods) = (Vec::new(), Vec::new(), Vec::<u32>::new());
-    for ((period, is_stable), paths) in pieces(branches, tops).into_iter().rev() {
-        if !periods.contains(&period) {
-            periods.insert(0, period);
-        }
-        if is_stable {
-            stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
-        } else {
-            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(THIN));
-        }
-    }
-    let names = periods.into_iter().map(|period| {
-        let more = period as usize > COLOURED;
-        let name = if more { "longer".into() } else { format!("{period}T") };
-        Layer::lines(&name, colour(period), Dash::Solid, Vec::new())
-    });
-    let names: Vec<Layer> = names.collect();
-    unstable.into_iter().chain(stable).chain(names).chain(marks.layers).collect()
+    let is_stable = |p: &OrbitPoint| p.stability == Stability::Stable;
+    let drawn: Vec<DrawnBranch> = branches
+        .iter()
+        .zip(tops)
+        .map(|(branch, tops)| DrawnBranch {
+            period: branch.word().periods.unwrap_or(1),
+            points: branch.points.iter().map(|p| (p.value, is_stable(p))).collect(),
+            tops,
+        })
+        .collect();
+    branch_layers(&drawn).into_iter().chain(marks.layers).collect()
 }
 
 /// The study of one orbit: events, multipliers, energies, a start on it, history and portrait.

@@ -229,28 +229,65 @@ pub(super) fn colour(period: u32) -> Colour {
     FAMILY.get(period as usize - 1).copied().unwrap_or(GREY)
 }
 
+/// A branch as a picture has it.
+pub(super) struct DrawnBranch<'a> {
+    /// The period in periods of the drive, which chooses the colour.
+    pub period: u32,
+    /// By point: the parameter, and whether the piece from there to the next is stable.
+    pub points: Vec<(f64, bool)>,
+    /// By point: what is drawn; the picture leaves out what is not finite.
+    pub tops: &'a [f64],
+}
+
 /// Pieces of branches by period and stability.
 type PiecesByPeriod = BTreeMap<(u32, bool), Vec<Path>>;
 
-fn pieces(branches: &[Branch], tops: &[Vec<f64>]) -> PiecesByPeriod {
+fn pieces(branches: &[DrawnBranch]) -> PiecesByPeriod {
     let mut found = PiecesByPeriod::new();
-    for (branch, tops) in branches.iter().zip(tops) {
+    for branch in branches {
         let mut state = None;
-        for (pair, tops) in branch.points.windows(2).zip(tops.windows(2)) {
+        for (pair, tops) in branch.points.windows(2).zip(branch.tops.windows(2)) {
             if tops.iter().any(|t| !t.is_finite()) {
                 state = None;
                 continue;
             }
-            let stable = pair[0].stable;
-            let all = found.entry((branch.word.period().min(COLOURED as u32 + 1), stable)).or_default();
+            let stable = pair[0].1;
+            let all = found.entry((branch.period.min(COLOURED as u32 + 1), stable)).or_default();
             if state != Some(stable) {
-                all.push(vec![(pair[0].value, tops[0])]);
+                all.push(vec![(pair[0].0, tops[0])]);
                 state = Some(stable);
             }
-            all.last_mut().into_iter().for_each(|path| path.push((pair[1].value, tops[1])));
+            all.last_mut().into_iter().for_each(|path| path.push((pair[1].0, tops[1])));
         }
     }
     found
+}
+
+/// The curves of branches, and their colours by period. Short periods are drawn above long ones,
+/// and stable pieces above all.
+pub(super) fn branch_layers(branches: &[DrawnBranch]) -> Vec<Layer> {
+    let mut unstable = Vec::new();
+    let mut stable = Vec::new();
+    let mut periods: Vec<u32> = Vec::new();
+    for ((period, is_stable), paths) in pieces(branches).into_iter().rev() {
+        if !periods.contains(&period) {
+            periods.insert(0, period);
+        }
+        if is_stable {
+            stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
+        } else {
+            let width = if period as usize > COLOURED { THIN / 2 } else { THIN };
+            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(width));
+        }
+    }
+    let mut layers = unstable;
+    layers.extend(stable);
+    for period in periods {
+        let more = period as usize > COLOURED;
+        let name = if more { "longer".into() } else { format!("{period}T") };
+        layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
+    }
+    layers
 }
 
 /// The marks of special points.
@@ -298,28 +335,16 @@ fn panel(
     tops: &[Vec<f64>],
     marks: SpecialMarks,
 ) -> Panel {
-    let mut unstable = Vec::new();
-    let mut stable = Vec::new();
-    let mut periods: Vec<u32> = Vec::new();
-    // Short periods are drawn above long ones, and stable pieces above all.
-    for ((period, is_stable), paths) in pieces(branches, tops).into_iter().rev() {
-        if !periods.contains(&period) {
-            periods.insert(0, period);
-        }
-        if is_stable {
-            stable.push(Layer::lines("", colour(period), Dash::Solid, paths).stroke(LINE + 2));
-        } else {
-            let width = if period as usize > COLOURED { THIN / 2 } else { THIN };
-            unstable.push(Layer::lines("", colour(period), Dash::Dashed, paths).stroke(width));
-        }
-    }
-    let mut layers = unstable;
-    layers.extend(stable);
-    for period in periods {
-        let more = period as usize > COLOURED;
-        let name = if more { "longer".into() } else { format!("{period}T") };
-        layers.push(Layer::lines(&name, colour(period), Dash::Solid, Vec::new()));
-    }
+    let drawn: Vec<DrawnBranch> = branches
+        .iter()
+        .zip(tops)
+        .map(|(branch, tops)| DrawnBranch {
+            period: branch.word.period(),
+            points: branch.points.iter().map(|p| (p.value, p.stable)).collect(),
+            tops,
+        })
+        .collect();
+    let mut layers = branch_layers(&drawn);
     layers.extend(marks.layers);
     let (x, lengths) = (parameter_axis(set, span.name, (span.from, span.to)), Lengths::of(set));
     // Over the gap itself each point is in units of its own gap.

@@ -1,6 +1,7 @@
 //! Commands with a machine's file: summary, sketch, motion.
 
-use crate::arguments::{Command, one_of};
+use crate::arguments::Command;
+use crate::assembly_studies::start_of;
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::output;
@@ -46,12 +47,6 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
 /// The machine, with what `--set` changes.
 fn read(file: &Path, common: &Common) -> Result<Machine> {
     assembly::read(file, &common.set, &mut |words| crate::note(&words))
-}
-
-/// The start that `--start` gives; the machine's own without it.
-pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
-    let read = |given: &String| assembly::read_start(machine, given, &mut |words| crate::note(&words));
-    one_of(given)?.map_or_else(|| Ok(Start::default()), read)
 }
 
 /// Writes NAME.svg and NAME.png, regardless of the folder's other content.

@@ -1,7 +1,6 @@
 //! `orbit` and `orbits` with a machine's file: from arguments to the library's studies.
 
-use crate::assembly::start_of;
-use crate::assembly_studies::{default_quantity, invocation, machine, read_axis};
+use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::orbits_arguments::{OneOrbit, Orbits};

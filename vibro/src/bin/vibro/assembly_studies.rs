@@ -1,7 +1,7 @@
 //! `bifurcation`, `lyapunov` and `sweep` with a machine's file: from arguments to the library's
 //! studies.
 
-use crate::assembly::start_of;
+use crate::arguments::one_of;
 use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
@@ -18,6 +18,7 @@ use vibro::{Error, Result, assembly};
 use vibro_analysis::assembly::{Machine, Measure, QuantityName, Section, SectionRule, diagram};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
+use vibro_assembly::Start;
 
 /// Largest number of values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
@@ -33,6 +34,12 @@ pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Resu
         (None, None) => SectionRule::Auto,
     };
     Ok(machine)
+}
+
+/// The start that `--start` gives; the machine's own without it.
+pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
+    let read = |given: &String| assembly::read_start(machine, given, &mut |words| crate::note(&words));
+    one_of(given)?.map_or_else(|| Ok(Start::default()), read)
 }
 
 /// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
