@@ -34,7 +34,6 @@ mod start;
 mod write;
 
 pub use records::{no_records, records_beside};
-pub(crate) use start::start;
 
 use crate::check::check;
 use crate::description::{Description, Dimension};

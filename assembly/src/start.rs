@@ -100,29 +100,6 @@ impl Start {
         Self { time: motion.time(), bodies: assembly.system.bodies_of.iter().map(body).collect() }
     }
 
-    /// Reads the text of a start's file, in which messages call it `file`:
-    ///
-    /// ```toml
-    /// time = 0.123
-    /// [body.box]
-    /// s = "2 mm"
-    /// v = 0.1
-    /// ```
-    ///
-    /// # Errors
-    /// A [`Refusal`] with every problem found.
-    pub fn parse(text: &str, file: &str, d: &Description) -> Result<Self, Refusal> {
-        crate::file::start(text, file, d)
-    }
-
-    /// Reads a start's file.
-    ///
-    /// # Errors
-    /// As [`parse`](Self::parse), or the reason why the file cannot be read.
-    pub fn read(path: &std::path::Path, d: &Description) -> Result<Self, Refusal> {
-        Self::parse(&crate::file::text_of(path)?, &path.display().to_string(), d)
-    }
-
     /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
     pub fn to_toml(&self) -> String {
         let mut text = format!("time = {:?}\n", self.time);

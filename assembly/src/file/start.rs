@@ -7,8 +7,33 @@ use crate::kinds;
 use crate::refusal::Refusal;
 use crate::start::{BodyStart, Start};
 
+impl Start {
+    /// Reads the text of a start's file, in which messages call it `file`:
+    ///
+    /// ```toml
+    /// time = 0.123
+    /// [body.box]
+    /// s = "2 mm"
+    /// v = 0.1
+    /// ```
+    ///
+    /// # Errors
+    /// A [`Refusal`] with every problem found.
+    pub fn parse(text: &str, file: &str, d: &Description) -> Result<Self, Refusal> {
+        start(text, file, d)
+    }
+
+    /// Reads a start's file.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse), or the reason why the file cannot be read.
+    pub fn read(path: &std::path::Path, d: &Description) -> Result<Self, Refusal> {
+        Self::parse(&super::text_of(path)?, &path.display().to_string(), d)
+    }
+}
+
 /// Reads the text of a start's file.
-pub(crate) fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
+fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
     let refusal = |problems| Refusal { file: file.into(), problems };
     let (root, broken) = reading::toml(text);
     if !broken.is_empty() {
