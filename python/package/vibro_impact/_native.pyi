@@ -30,6 +30,7 @@ __all__ = [
     "find",
     "follow",
     "follow_assemblies",
+    "follow_assembly_orbit",
     "lyapunov",
     "measure",
     "measure_assemblies",
@@ -120,6 +121,7 @@ def follow_assemblies(
 def simulate_assemblies(
     machines: Sequence[Described], starts: Sequence[_Numbers], until: float, progress: _Progress = None
 ) -> _Floats: ...
+@final
 class AssemblyOrbit:
     @property
     def word(self) -> str: ...
