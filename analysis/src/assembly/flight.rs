@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
 use vibro_assembly::mode::{Linear, Mode, Watch};
 use vibro_assembly::motion::{Event, Reached};
@@ -36,8 +36,6 @@ pub struct Flow {
     pub mode: Mode,
     /// A.
     a: SparseMatrix,
-    /// A with its zeros, once it was needed.
-    dense: OnceLock<DMatrix<f64>>,
     /// Bound of the norm of A, 1/s.
     rate: f64,
     /// Forces of the mode's independent contacts.
@@ -53,7 +51,7 @@ impl Flow {
         let rate = rate_bound(&a, system.signals.one);
         let dense = |row: &Sparse| StateRow::from_vec(row.dense(system.signals.size));
         let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
-        Self { mode: mode.clone(), a, dense: OnceLock::new(), rate, lambda, watched }
+        Self { mode: mode.clone(), a, rate, lambda, watched }
     }
 
     /// z' at a state.
@@ -128,24 +126,21 @@ impl Flow {
     }
 
     /// exp(A t) of a span of either sign, by the series of a part of it, squared: of E - 1, so that
-    /// a short span keeps its digits.
+    /// a short span keeps its digits. Its terms are products with the few entries of A.
     pub fn propagator(&self, span: f64) -> DMatrix<f64> {
         let size = self.a.len();
         let doublings = (self.rate * span.abs() / PART).log2().ceil().max(0.0);
         let part = span / doublings.exp2();
-        let dense = self.dense.get_or_init(|| {
-            let mut dense = DMatrix::zeros(size, size);
-            for i in 0..size {
-                self.a.row(i).iter().for_each(|&(j, x)| dense[(i, j)] = x);
-            }
-            dense
-        });
-        let mut term = dense * part;
-        let (mut change, mut bound) = (term.clone(), self.rate * part.abs());
-        let mut next = DMatrix::zeros(size, size);
-        for k in 2..ORDERS {
+        // Columns of these matrices are rows of the terms.
+        let mut term = DMatrix::identity(size, size);
+        let (mut change, mut next) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+        let mut bound = 1.0;
+        for k in 1..ORDERS {
             let factor = part / k as f64;
-            multiply(dense, &term, factor, &mut next);
+            let rows = term.as_slice().chunks_exact(size.max(1));
+            for (row, to) in rows.zip(next.as_mut_slice().chunks_exact_mut(size.max(1))) {
+                self.a.after_row(row, factor, to);
+            }
             std::mem::swap(&mut term, &mut next);
             change += &term;
             bound *= self.rate * factor.abs();
@@ -161,7 +156,7 @@ impl Flow {
         for i in 0..size {
             change[(i, i)] += 1.0;
         }
-        change
+        change.transpose()
     }
 }
 

@@ -5,6 +5,7 @@ use vibro_analysis::assembly::flight::{Flow, Flows};
 use vibro_analysis::assembly::{Machine, common_period, is_steady, runs_on};
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Assembly;
+use vibro_assembly::description::Description;
 use vibro_assembly::mode::Mode;
 
 /// A machine whose numbers are fixed, with the linear systems of the modes met so far.
@@ -18,12 +19,12 @@ pub struct Place {
 }
 
 impl Place {
-    /// A machine with its present numbers.
+    /// The place of a description with its present numbers.
     ///
     /// # Errors
     /// What its matrices refuse; [`Error::Described`] for a machine whose signals do not repeat.
-    pub fn new(machine: &Machine) -> Result<Self> {
-        let d = &machine.description;
+    pub fn new(description: Description) -> Result<Self> {
+        let d = &description;
         let period = common_period(d);
         let problem = match runs_on(d, 0.0) {
             Some(why) => format!(
@@ -39,7 +40,7 @@ impl Place {
         if !problem.is_empty() {
             return Err(Error::Described { problem });
         }
-        let assembly = Arc::new(Assembly::new(d.clone())?);
+        let assembly = Arc::new(Assembly::new(description)?);
         Ok(Self { assembly, period, flows: Mutex::default() })
     }
 
@@ -87,7 +88,7 @@ impl Family {
     /// # Errors
     /// As [`Place::new`]; [`Error::Described`] for a machine without a number that can change.
     pub(super) fn of_one(machine: &Machine) -> Result<Self> {
-        Place::new(machine)?;
+        Place::new(machine.description.clone())?;
         let parameter = machine.description.parameters().into_iter().next().map(|p| p.name);
         let parameter = parameter.unwrap_or_default();
         Ok(Self { machine: machine.clone(), parameter, range: (0.0, PARTS) })
@@ -103,7 +104,7 @@ impl Family {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn place(&self, value: f64) -> Result<Place> {
-        Place::new(&self.at(value)?)
+        Place::new(self.described(value)?)
     }
 
     /// The description of the machine at a value.
@@ -111,10 +112,15 @@ impl Family {
     /// # Errors
     /// [`Error::Refusal`] for a value that is not allowed.
     pub fn at(&self, value: f64) -> Result<Machine> {
-        let d = &self.machine.description;
+        let Machine { section, units, .. } = &self.machine;
+        let (section, units) = (section.clone(), units.clone());
+        Ok(Machine { description: self.described(value)?, section, units })
+    }
+
+    /// The bodies and elements at a value.
+    fn described(&self, value: f64) -> Result<Description> {
         // An orbit has its own start: that of the file is not checked.
-        let description = d.under_way([(self.parameter.as_str(), value)])?;
-        Ok(Machine { description, ..self.machine.clone() })
+        Ok(self.machine.description.under_way([(self.parameter.as_str(), value)])?)
     }
 
     /// The unit of the parameter along a branch.

@@ -6,7 +6,7 @@
 //! drift, each event's functional is zero at its time, and the state has a given place along each
 //! neutral direction.
 
-use super::cycle::{Cycle, Derivatives};
+use super::cycle::{Cycle, Derivatives, With};
 use super::place::{Family, Place};
 use super::word::Word;
 use crate::curve::{Equations, Linearization};
@@ -18,8 +18,8 @@ use std::sync::Arc;
 use vibro_analysis::assembly::carried;
 use vibro_assembly::neutral::Neutral;
 
-/// Step of the differences by the parameter, in its unit: rounding and the third derivative leave
-/// about 1e-10 of the derivative, which slows Newton's method by that factor and moves no solution.
+/// Step of the differences by the parameter, in its unit: rounding and the second derivative leave
+/// about 1e-6 of the derivative, which slows Newton's method by that factor and moves no solution.
 const DIFFERENCE: f64 = 1e-6;
 /// Step where impacts accumulate: their number jumps, which moves the state by some 1e-12.
 const CHATTER_DIFFERENCE: f64 = 1e-4;
@@ -131,20 +131,14 @@ impl Problem {
     /// The motion at a point.
     pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
         let Numbers { state, times, period, .. } = self.numbers(place, u);
-        Ok(Cycle::follow(place, &self.word, &state, &times, period, false)?.0)
+        Ok(Cycle::follow(place, &self.word, &state, &times, period, With::Propagators)?.0)
     }
 
-    /// Values of the equations, with their derivatives by all unknowns but the parameter on request.
-    pub fn residual(
-        &self,
-        place: &Place,
-        u: &DVector<f64>,
-        with_derivatives: bool,
-    ) -> Result<Residual, Obstacle> {
+    /// Values of the equations.
+    pub fn residual(&self, place: &Place, u: &DVector<f64>, with: With) -> Result<Residual, Obstacle> {
         let (own, m, size) = (self.units.state.len(), self.word.len(), self.size());
         let Numbers { state, times, period, drifts } = self.numbers(place, u);
-        let (cycle, derivatives) =
-            Cycle::follow(place, &self.word, &state, &times, period, with_derivatives)?;
+        let (cycle, derivatives) = Cycle::follow(place, &self.word, &state, &times, period, with)?;
         let along = self.carried(place, &cycle)?;
         let mut value = DVector::zeros(size);
         for i in 0..own {
@@ -244,15 +238,16 @@ impl Problem {
         self.word.letters.iter().any(|letter| letter.chatter.is_some())
     }
 
-    /// Derivative of the equations by the parameter.
-    fn by_parameter(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
-        let last = self.size();
-        let step = if self.has_run() { CHATTER_DIFFERENCE } else { DIFFERENCE };
-        crate::curve::slope(step, |by| {
-            let mut moved = u.clone();
-            moved[last] += by;
-            Ok(self.residual(&self.place(&moved)?, &moved, false)?.value.as_slice().to_vec())
-        })
+    /// Derivative of the equations by the parameter: a difference from their values at a point,
+    /// towards the middle of the range, where values are allowed.
+    fn by_parameter(&self, u: &DVector<f64>, here: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+        let (last, (from, to)) = (self.size(), self.family.range);
+        let size = if self.has_run() { CHATTER_DIFFERENCE } else { DIFFERENCE };
+        let step = if self.value(u) > 0.5 * (from + to) { -size } else { size };
+        let mut moved = u.clone();
+        moved[last] += step;
+        let there = self.residual(&self.place(&moved)?, &moved, With::States)?.value;
+        Ok((there - here) / step)
     }
 
     /// The point with the same numbers in the equations of the word passed `times` times.
@@ -348,12 +343,12 @@ impl Problem {
 impl Equations for Problem {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let place = self.place(u)?;
-        let Residual { value, matrix, .. } = self.residual(&place, u, true)?;
+        let Residual { value, matrix, .. } = self.residual(&place, u, With::Derivatives)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let last = self.size();
         let column = match known {
             Some(known) => known.column(last).into_owned(),
-            None => self.by_parameter(u)?,
+            None => self.by_parameter(u, &value)?,
         };
         let mut whole = matrix.insert_column(last, 0.0);
         whole.set_column(last, &column);
