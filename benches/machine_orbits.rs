@@ -9,9 +9,11 @@ use vibro_analysis::assembly::Machine;
 use vibro_analysis::{ParameterSet, find_group};
 use vibro_assembly::Start;
 use vibro_assembly::file::no_records;
-use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, tree};
+use vibro_orbits::assembly::{Family, Kind, Orbit, TreeOptions, branch, tree};
+use vibro_orbits::{Label, PathOptions};
 
+/// Values at which a settled orbit is looked for on a branch.
+const ROWS: usize = 161;
 /// Rounds, of which the least time counts.
 const ROUNDS: usize = 5;
 
@@ -59,6 +61,14 @@ fn chain(bodies: usize) -> Machine {
     Machine::parse(&text, "chain.toml", &no_records).expect("a machine")
 }
 
+/// Orbits on which motions settle at values of a family's parameter, each from the file's start.
+fn settled_rows(family: &Family) -> Vec<Orbit> {
+    let (from, to) = family.range;
+    let value = |i: usize| from + (to - from) * i as f64 / (ROWS - 1) as f64;
+    let settled = |i: usize| Orbit::settled_at(family, value(i), &Start::default(), 400).ok();
+    (0..ROWS).filter_map(settled).collect()
+}
+
 fn main() {
     let paper = example("paper_machine.toml");
     let (time, points, events) = followed(&paper, "load.drive.amplitude", (0.1, 0.3));
@@ -82,16 +92,30 @@ fn main() {
     let damper = example("damper_with_buffer.toml");
     let (time, points, events) = followed(&damper, "load.shaker.frequency", (9.8, 10.4));
     println!("damper_with_buffer, {events} events: {points} points, {:.3} ms each", per(time, points));
+    let family = Family::new(&damper, "load.shaker.frequency", (8.0, 12.0)).expect("a range");
+    let rows = settled_rows(&family);
     for depth in [0, 1, 3] {
-        let family = Family::new(&damper, "load.shaker.frequency", (8.0, 12.0)).expect("a range");
         let options = TreeOptions { depth, ..TreeOptions::default() };
         let begin = Instant::now();
         let found = tree(&family, &options, &mut |_, _| true).expect("branches");
+        let time = begin.elapsed().as_secs_f64();
         let points: usize = found.iter().map(|b| b.points.len()).sum();
+        let missed: Vec<f64> = rows
+            .iter()
+            .filter(|row| !found.iter().any(|branch| branch.passes(row)))
+            .map(Orbit::value)
+            .collect();
+        let ends = found.iter().filter(|b| !b.closed).flat_map(|b| [b.points.first(), b.points.last()]);
+        let unnamed = ends.flatten().filter(|p| {
+            p.special.as_ref().is_none_or(|special| special.kind == Kind::As(Label::NoConvergence))
+        });
         println!(
-            "its branches from 8 to 12 Hz, depth {depth}: {} branches, {points} points, {:.1} s",
+            "its branches from 8 to 12 Hz, depth {depth}: {} branches, {points} points, {time:.1} s; {} of {} \
+             settled orbits on none, at {missed:.4?} Hz; {} ends without a name",
             found.len(),
-            begin.elapsed().as_secs_f64()
+            missed.len(),
+            rows.len(),
+            unnamed.count()
         );
     }
     let (three, points, _) = followed(&chain(3), "load.drive.amplitude", (3.0, 6.0));

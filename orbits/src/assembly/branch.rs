@@ -135,6 +135,11 @@ impl Branch {
         Orbit::at(self.problem.clone(), place, point.u.clone()).ok()
     }
 
+    /// Whether an orbit of this family lies on the branch.
+    pub fn passes(&self, orbit: &Orbit) -> bool {
+        orbit.has_word(self.word()) && self.orbits_at(orbit.value()).iter().any(|own| own.is_same(orbit))
+    }
+
     /// Orbits of the branch at a value of the parameter, from the points on either side.
     pub fn orbits_at(&self, value: f64) -> Vec<Orbit> {
         let Ok(place) = self.problem.family.place(value) else { return Vec::new() };

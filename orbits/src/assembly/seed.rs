@@ -275,6 +275,16 @@ impl Orbit {
         Self::settled_in(&family, value, (&mut motion, &section), discard_returns)
     }
 
+    /// The orbit on which the motion of a family's machine at a value settles.
+    ///
+    /// # Errors
+    /// As [`settled`](Self::settled).
+    pub fn settled_at(family: &Family, value: f64, start: &Start, discard_returns: u32) -> Result<Self> {
+        let (motion, section) = family.at(value)?.motion(start)?;
+        let mut motion = motion.without_energy_accounts();
+        Self::settled_in(&Arc::new(family.clone()), value, (&mut motion, &section), discard_returns)
+    }
+
     /// As [`settled`](Self::settled), of a family's machine at a value, from a motion's present
     /// state. The motion goes on to where it has been observed.
     pub(super) fn settled_in(

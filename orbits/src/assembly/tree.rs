@@ -214,10 +214,7 @@ impl Grower<'_> {
     /// Whether a start lies on a branch that is there.
     fn is_known(&self, start: &StartKind) -> bool {
         match start {
-            StartKind::Orbit(orbit) => self.branches.iter().any(|branch| {
-                orbit.has_word(branch.word())
-                    && branch.orbits_at(orbit.value()).iter().any(|own| own.is_same(orbit))
-            }),
+            StartKind::Orbit(orbit) => self.branches.iter().any(|branch| branch.passes(orbit)),
             StartKind::Departures(departures) => {
                 let first = departures[0].first_orbit(KNOWN_STEP);
                 first.is_some_and(|orbit| self.is_known(&StartKind::Orbit(Box::new(orbit))))
