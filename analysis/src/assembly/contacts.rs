@@ -1,7 +1,7 @@
 //! Record of the contacts of a motion: impacts and rests on rigid stops, contacts with compliant
 //! stops.
 
-use super::flight::{Flow, value_at};
+use super::flight::{Flow, Series, value_at};
 use super::rows::Sparse;
 use vibro_assembly::energy::NODES;
 use vibro_assembly::mode::StopState;
@@ -138,7 +138,7 @@ impl ContactRecorder {
     }
 
     /// Records a stretch of a flight, of a length in s.
-    pub(super) fn stretch(&mut self, series: &[Vec<f64>], length: f64) {
+    pub(super) fn stretch(&mut self, series: &Series, length: f64) {
         for Acting { stop, force, loss } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };
             let contact = &mut self.all[place];

@@ -1,6 +1,6 @@
 //! Extremes of quantities over a motion, between samples too, and their curves for a picture.
 
-use super::flight::{Flow, turning_points};
+use super::flight::{Flow, Series, turning_points};
 use super::rows::Sparse;
 use vibro_assembly::Quantity;
 use vibro_assembly::system::System;
@@ -54,7 +54,7 @@ impl Extremes {
     }
 
     /// Includes a stretch of a flight that begins at `time`, of a length in s.
-    pub(super) fn stretch(&mut self, series: &[Vec<f64>], time: f64, length: f64) {
+    pub(super) fn stretch(&mut self, series: &Series, time: f64, length: f64) {
         let times = self.times;
         for (i, extreme) in self.all.iter_mut().enumerate() {
             let q = extreme.row.along(series);

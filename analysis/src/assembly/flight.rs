@@ -29,6 +29,20 @@ const MANY: f64 = 64.0;
 /// Largest size of an augmented state for that: the products cost its cube.
 const LARGE: usize = 160;
 
+/// Power series of the states over a stretch of a flight, in the part of the stretch.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    size: usize,
+    terms: Vec<f64>,
+}
+
+impl Series {
+    /// Its terms, the state at the begin first.
+    pub fn terms(&self) -> impl DoubleEndedIterator<Item = &[f64]> {
+        self.terms.chunks_exact(self.size.max(1))
+    }
+}
+
 /// Linear system of a mode, by rows.
 #[derive(Debug)]
 pub struct Flow {
@@ -66,21 +80,24 @@ impl Flow {
         rate
     }
 
-    /// Terms of the power series of the states over a time `span`, as a function of its part from 0
-    /// to 1; at most [`ORDERS`].
-    fn series(&self, z: &[f64], span: f64) -> Vec<Vec<f64>> {
-        let mut terms = vec![z.to_vec()];
+    /// Writes the terms of the power series of the states over a time `span`, as a function of its
+    /// part from 0 to 1; at most [`ORDERS`].
+    fn series(&self, z: &[f64], span: f64, to: &mut Series) {
+        let count = z.len();
+        to.size = count;
+        to.terms.clear();
+        to.terms.extend_from_slice(z);
         let mut size = 1.0;
         for k in 1..ORDERS {
             let factor = span / k as f64;
-            let next = self.derivative(&terms[k - 1]).into_iter().map(|x| x * factor).collect();
-            terms.push(next);
+            to.terms.resize((k + 1) * count, 0.0);
+            let (before, next) = to.terms.split_at_mut(k * count);
+            self.a.rows_times_to(0, &before[(k - 1) * count..], factor, next);
             size *= self.rate * factor;
             if size < REMAINDER {
                 break;
             }
         }
-        terms
     }
 
     /// Approximate length of a flight in sub-steps of the mode, for which rate times time is at
@@ -96,14 +113,17 @@ impl Flow {
 
     /// Calls `visit` with the series of each stretch of a flight and its length in s; returns the
     /// state at the end.
-    pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&[Vec<f64>], f64)) -> Vec<f64> {
+    pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&Series, f64)) -> Vec<f64> {
         let count = self.stretches_of(span);
         let part = span / count;
-        let mut state = z.to_vec();
+        let (mut state, mut series) = (z.to_vec(), Series::default());
         for _ in 0..count as u64 {
-            let series = self.series(&state, part);
+            self.series(&state, part, &mut series);
             visit(&series, part);
-            state = (0..state.len()).map(|i| series.iter().rev().map(|term| term[i]).sum()).collect();
+            state.fill(0.0);
+            for term in series.terms().rev() {
+                state.iter_mut().zip(term).for_each(|(sum, x)| *sum += x);
+            }
         }
         state
     }
@@ -186,9 +206,9 @@ pub fn dot(row: &[f64], z: &[f64]) -> f64 {
 }
 
 /// Coefficients of a functional along a series.
-pub fn coefficients(row: &[f64], series: &[Vec<f64>]) -> [f64; ORDERS] {
+pub fn coefficients(row: &[f64], series: &Series) -> [f64; ORDERS] {
     let mut c = [0.0; ORDERS];
-    c.iter_mut().zip(series).for_each(|(c, term)| *c = dot(row, term));
+    c.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = dot(row, term));
     c
 }
 

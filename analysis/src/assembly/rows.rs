@@ -1,5 +1,6 @@
 //! Sparse functionals of the state.
 
+use super::flight::Series;
 use vibro_assembly::flow::ORDERS;
 
 /// Functional by its nonzero weights.
@@ -18,9 +19,9 @@ impl Sparse {
     }
 
     /// Coefficients along a series.
-    pub fn along(&self, series: &[Vec<f64>]) -> [f64; ORDERS] {
+    pub fn along(&self, series: &Series) -> [f64; ORDERS] {
         let mut c = [0.0; ORDERS];
-        c.iter_mut().zip(series).for_each(|(c, term)| *c = self.at(term));
+        c.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = self.at(term));
         c
     }
 }

@@ -112,7 +112,7 @@ pub struct Branch {
     /// Index of the branch and of its point from which this branch begins; `None` for one that
     /// starts from a motion.
     pub parent: Option<(usize, usize)>,
-    /// Number of switches since a motion.
+    /// Number of switches, at doublings, crossings and touches of rigid stops, since a motion.
     pub depth: u32,
     /// Points in order.
     pub points: Vec<OrbitPoint>,

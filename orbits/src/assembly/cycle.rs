@@ -112,6 +112,16 @@ impl Condition {
             _ => value <= 0.0,
         }
     }
+
+    /// Whether it ceases to hold where a rigid stop is touched with speed zero.
+    pub(super) fn touches_rigid_stop(&self, word: &Word, system: &System) -> bool {
+        let watch = match *self {
+            Self::Rises { letter } => word.letters[letter].watch,
+            Self::Stays { watch, .. } => watch,
+            Self::Lasts { .. } | Self::Together { .. } => return false,
+        };
+        matches!(watch, Watch::Meets(stop) if system.stops[stop].restitution().is_some())
+    }
 }
 
 /// The augmented state with the signals of a time.

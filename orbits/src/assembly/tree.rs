@@ -22,6 +22,9 @@ use vibro_assembly::Start;
 const FIRST_STEP: f64 = 1e-2;
 /// Step from a special point at which the branch that begins there is compared with known ones.
 const KNOWN_STEP: f64 = 1e-2;
+/// Branches followed side by side: a number that does not depend on the machine's threads, so that
+/// the branches found do not either.
+const BATCH: usize = 4;
 /// Most branches.
 const MOST: usize = 400;
 
@@ -34,7 +37,8 @@ pub struct TreeOptions {
     pub seeds: usize,
     /// Returns to the section discarded at each value; fewer where the motion has settled.
     pub discard: u32,
-    /// Number of switches of branches; 0 follows the settled orbits alone.
+    /// Number of switches at doublings, crossings and touches of rigid stops; 0 follows the curves of
+    /// the settled orbits alone.
     pub depth: u32,
     /// Options of following a branch.
     pub path: PathOptions,
@@ -148,8 +152,8 @@ pub fn tree(
     let family = Arc::new(family.clone());
     let mut grower = Grower { family: &family, options, branches: Vec::new(), queue: Vec::new() };
     grower.plant()?;
-    while let Some(start) = grower.next() {
-        grower.grow(start);
+    while !grower.queue.is_empty() {
+        grower.grow();
         if grower.branches.len() >= MOST
             || !told(grower.branches.len(), grower.branches.len() + grower.queue.len())
         {
@@ -191,24 +195,25 @@ impl Grower<'_> {
         Ok(())
     }
 
-    fn next(&mut self) -> Option<BranchStart> {
-        let best = (0..self.queue.len()).min_by_key(|&k| (self.queue[k].depth, k))?;
-        Some(self.queue.remove(best))
-    }
-
-    fn grow(&mut self, start: BranchStart) {
-        if self.is_known(&start.kind) {
-            return;
-        }
-        let Ok((mut branch, ends)) = trace(std::slice::from_ref(&start.kind), &self.options.path) else {
-            return;
-        };
-        branch.id = self.branches.len();
-        (branch.depth, branch.parent) = (start.depth, start.parent);
-        if start.depth < self.options.depth {
+    /// Follows the branches of the next starts side by side, and adds those that are new.
+    fn grow(&mut self) {
+        self.queue.sort_by_key(|start| start.depth);
+        let starts: Vec<BranchStart> = self.queue.drain(..BATCH.min(self.queue.len())).collect();
+        let path = &self.options.path;
+        let traced: Vec<_> = starts
+            .into_par_iter()
+            .filter(|start| !self.is_known(&start.kind))
+            .filter_map(|start| Some((trace(std::slice::from_ref(&start.kind), path).ok()?, start)))
+            .collect();
+        let known = self.branches.len();
+        for ((mut branch, ends), BranchStart { depth, parent, kind }) in traced {
+            if self.branches.len() > known && self.is_known(&kind) {
+                continue;
+            }
+            (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
             self.switch(&branch, &ends);
+            self.branches.push(branch);
         }
-        self.branches.push(branch);
     }
 
     /// Whether a start lies on a branch that is there.
@@ -224,18 +229,19 @@ impl Grower<'_> {
 
     /// Queues what begins at the special points of a branch.
     fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2]) {
-        let mut add = |point: usize, kind: StartKind| {
-            let (depth, parent) = (branch.depth + 1, Some((branch.id, point)));
-            self.queue.push(BranchStart { depth, parent, kind });
+        let goes_on = branch.depth < self.options.depth;
+        let mut add = |point: usize, depth: u32, kind: StartKind| {
+            self.queue.push(BranchStart { depth, parent: Some((branch.id, point)), kind });
         };
         let last = branch.points.len() - 1;
-        for (k, point) in branch.points.iter().enumerate() {
+        let further = branch.depth + 1;
+        for (k, point) in branch.points.iter().enumerate().filter(|_| goes_on) {
             let Some(special) = &point.special else { continue };
             let is_end = k == 0 || k == last;
             match special.kind {
                 Kind::As(Label::PeriodDoubling) if !is_end => {
                     if let Ok(departure) = switching::at_doubling(&branch.problem, &point.u) {
-                        add(k, StartKind::Departures(vec![departure]));
+                        add(k, further, StartKind::Departures(vec![departure]));
                     }
                 }
                 Kind::As(Label::BranchPoint) if !is_end => {
@@ -245,7 +251,7 @@ impl Grower<'_> {
                     if let Ok(both) = switching::at_crossing(&branch.problem, &point.u, &along)
                         && !began
                     {
-                        add(k, StartKind::Departures(both.to_vec()));
+                        add(k, further, StartKind::Departures(both.to_vec()));
                     }
                 }
                 _ => {}
@@ -255,11 +261,18 @@ impl Grower<'_> {
             let PathEnd::Broken(condition) = end else { continue };
             let at = &branch.points[point];
             let Some(special) = &at.special else { continue };
+            // At a touch of a rigid stop branches part; elsewhere the curve goes on with other events.
+            let Ok(place) = branch.problem.place(&at.u) else { continue };
+            let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
+            if parts && !goes_on {
+                continue;
+            }
+            let depth = if parts { further } else { branch.depth };
             match switching::at_touch(&branch.problem, &at.u, *condition, special) {
-                Ok(departure) => add(point, StartKind::Departures(vec![departure])),
+                Ok(departure) => add(point, depth, StartKind::Departures(vec![departure])),
                 Err(_) => {
                     for orbit in switching::beyond(branch, &at.u) {
-                        add(point, StartKind::Orbit(Box::new(orbit)));
+                        add(point, depth, StartKind::Orbit(Box::new(orbit)));
                     }
                 }
             }

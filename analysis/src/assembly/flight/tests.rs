@@ -30,7 +30,8 @@ fn closed_form_polynomials_and_their_turning_points() {
     };
     assert_eq!(value_at(&q(&[1.0, 2.0, 3.0]), 2.0), 17.0);
     assert_eq!(dot(&[1.0, 2.0], &[3.0, -4.0]), -5.0);
-    assert_eq!(coefficients(&[1.0, 2.0], &[vec![3.0, -4.0], vec![0.5, 1.0]])[..3], [-5.0, 2.5, 0.0]);
+    let series = Series { size: 2, terms: vec![3.0, -4.0, 0.5, 1.0] };
+    assert_eq!(coefficients(&[1.0, 2.0], &series)[..3], [-5.0, 2.5, 0.0]);
     for (low, expected) in [
         (&[2.0][..], &[(0.0, 2.0), (1.0, 2.0)][..]),
         (&[2.0, -1.0], &[(0.0, 2.0), (1.0, 1.0)]),
@@ -67,7 +68,7 @@ fn closed_form_a_flight_is_an_oscillation_by_series_of_bounded_length() {
                 (0.1 * (20.0 * (time + u * length)).cos(), -2.0 * (20.0 * (time + u * length)).sin())
             };
             for u in [0.0, 0.3, 1.0] {
-                let at = |i: usize| series.iter().rev().fold(0.0, |sum, term| sum * u + term[i]);
+                let at = |i: usize| series.terms().rev().fold(0.0, |sum, term| sum * u + term[i]);
                 assert!(
                     (at(0) - now(u).0).abs() < ROUNDING && (at(1) - now(u).1).abs() < 20.0 * ROUNDING,
                     "{span} {time} {u}"
