@@ -111,6 +111,41 @@ impl Flow {
         (self.rate * span / RADIUS).ceil().max(1.0)
     }
 
+    /// Variation at the end of a flight by a parameter: of one at its begin, and of the system, which
+    /// two systems that are `width` of the parameter apart tell. Each system's states are numbered
+    /// alike. Requires a state and a variation at the begin.
+    pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
+        let (count, size) = (self.stretches_of(span), z.len());
+        let part = span / count;
+        let (mut state, mut variation) = (z.to_vec(), v.to_vec());
+        let mut buffers = [const { Vec::new() }; 5];
+        buffers.iter_mut().for_each(|buffer| buffer.resize(size, 0.0));
+        let [x, y, next, below, above] = &mut buffers;
+        for _ in 0..count as u64 {
+            x.copy_from_slice(&state);
+            y.copy_from_slice(&variation);
+            let mut bound = 1.0;
+            for k in 1..ORDERS {
+                let factor = part / k as f64;
+                beside[0].a.rows_times_to(0, x, factor / width, below);
+                beside[1].a.rows_times_to(0, x, factor / width, above);
+                self.a.rows_times_to(0, y, factor, next);
+                (0..size).for_each(|i| y[i] = next[i] + (above[i] - below[i]));
+                self.a.rows_times_to(0, x, factor, next);
+                std::mem::swap(x, next);
+                (0..size).for_each(|i| {
+                    state[i] += x[i];
+                    variation[i] += y[i];
+                });
+                bound *= self.rate * factor.abs();
+                if bound < REMAINDER {
+                    break;
+                }
+            }
+        }
+        variation
+    }
+
     /// Calls `visit` with the series of each stretch of a flight and its length in s; returns the
     /// state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&Series, f64)) -> Vec<f64> {

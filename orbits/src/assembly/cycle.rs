@@ -36,7 +36,7 @@ pub struct Leg {
     pub states: [Vec<f64>; 2],
     /// Its linear system.
     pub flow: Arc<Flow>,
-    /// exp(A span); without entries where the states alone were followed.
+    /// exp(A span).
     pub(super) propagator: DMatrix<f64>,
     /// z' at its end.
     pub(super) rate: Vec<f64>,
@@ -59,17 +59,6 @@ pub(super) struct Derivatives {
     pub ends: Vec<Vec<f64>>,
     /// Of the state after the last event's law.
     pub back: DMatrix<f64>,
-}
-
-/// What is followed along a cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum With {
-    /// The states alone: its flights have no propagators.
-    States,
-    /// The propagators of its flights.
-    Propagators,
-    /// Those, and the derivatives by its start and times.
-    Derivatives,
 }
 
 /// A condition of an orbit on one of its flights or events.
@@ -138,16 +127,15 @@ fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
 
 impl Cycle {
     /// The motion from a start (q, v) over a word with events at `times`, s, of which the first is
-    /// the time of the start, until the period is over.
+    /// the time of the start, until the period is over; with derivatives on request.
     pub(super) fn follow(
         place: &Place,
         word: &Word,
         start: &[f64],
         times: &[f64],
         period: f64,
-        with: With,
+        with_derivatives: bool,
     ) -> Result<(Self, Option<Derivatives>), Obstacle> {
-        let with_derivatives = with == With::Derivatives;
         let system = place.assembly.system();
         let (own, size, m) = (start.len(), system.signals.size, word.len());
         let stay = Letter::staying(word);
@@ -176,13 +164,8 @@ impl Cycle {
                 time = close(place, chatter, (time, until + period), &mut z, &mut c)?;
             }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
-            let (propagator, mut end) = if with == With::States {
-                (DMatrix::zeros(0, 0), flow.stretches(&z, until - time, &mut |_, _| ()))
-            } else {
-                let propagator = flow.propagator(until - time);
-                let end = &propagator * DVectorView::from_slice(&z, size);
-                (propagator, end.as_slice().to_vec())
-            };
+            let propagator = flow.propagator(until - time);
+            let mut end = (&propagator * DVectorView::from_slice(&z, size)).as_slice().to_vec();
             with_signals(system, until, &mut end);
             let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?;
             let rate = flow.derivative(&end);
@@ -351,7 +334,7 @@ impl Cycle {
 
 /// Follows a run of impacts until its stop closes, by the machine's own motion, with variations at
 /// fixed times. Returns the time at which it closes.
-fn close(
+pub(super) fn close(
     place: &Place,
     chatter: &Chatter,
     (time, latest): (f64, f64),

@@ -13,6 +13,7 @@ mod cycle;
 mod examined;
 mod location;
 mod orbit;
+mod parameter;
 mod path;
 mod place;
 mod problem;

@@ -1,7 +1,7 @@
 //! One periodic orbit of a described machine: found by Newton's method, examined, with its
 //! multipliers.
 
-use super::cycle::{Condition, Cycle, Leg, With, with_signals};
+use super::cycle::{Condition, Cycle, Leg, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::word::Word;
@@ -108,7 +108,7 @@ pub(super) fn newton(
     let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
     let (own, m, size) = (problem.units.state.len(), problem.word.len(), problem.size());
     for _ in 0..STEPS {
-        let at = problem.residual(place, &u, With::Derivatives).map_err(|o| (o, residual))?;
+        let at = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
         let (value, matrix) = (at.value, at.matrix);
         residual = value.amax();
         let matrix = matrix.ok_or((Obstacle::NoConvergence, residual))?;

@@ -1,7 +1,7 @@
 //! One branch followed along the parameter, with its special points.
 
 use super::branch::{Branch, OrbitPoint, Special};
-use super::cycle::{Condition, With};
+use super::cycle::Condition;
 use super::orbit::{Orbit, Stability};
 use super::problem::{Problem, Residual};
 use crate::branch::Label;
@@ -189,7 +189,7 @@ impl Follower<'_> {
     pub fn look(&self, at: CurvePoint) -> Result<Position, Obstacle> {
         let CurvePoint { u, tangent, steps } = at;
         let place = self.problem.place(&u)?;
-        let Residual { matrix, cycle, .. } = self.problem.residual(&place, &u, With::Derivatives)?;
+        let Residual { matrix, cycle, .. } = self.problem.residual(&place, &u, true)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let along = tangent[tangent.len() - 1];
         // det [F_u F_p; t] = det F_u / t_p, since F_u t_u = -F_p t_p.

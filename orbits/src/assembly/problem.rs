@@ -6,7 +6,7 @@
 //! drift, each event's functional is zero at its time, and the state has a given place along each
 //! neutral direction.
 
-use super::cycle::{Cycle, Derivatives, With};
+use super::cycle::{Cycle, Derivatives, with_signals};
 use super::place::{Family, Place};
 use super::word::Word;
 use crate::curve::{Equations, Linearization};
@@ -18,12 +18,7 @@ use std::sync::Arc;
 use vibro_analysis::assembly::carried;
 use vibro_assembly::neutral::Neutral;
 
-/// Step of the differences by the parameter, in its unit: rounding and the second derivative leave
-/// about 1e-6 of the derivative, which slows Newton's method by that factor and moves no solution.
-const DIFFERENCE: f64 = 1e-6;
-/// Step where impacts accumulate: their number jumps, which moves the state by some 1e-12.
-const CHATTER_DIFFERENCE: f64 = 1e-4;
-/// Relative size of a Newton step that is rounding there.
+/// Relative size of a Newton step that is rounding where impacts accumulate.
 const CHATTER_ROUNDING: f64 = 1e-10;
 /// Largest difference of the times of passages of one orbit, rad.
 const REPETITION: f64 = 1e-6;
@@ -92,12 +87,12 @@ impl Problem {
     }
 
     /// A radian of the time, s.
-    fn radian(&self, place: &Place) -> f64 {
+    pub(super) fn radian(&self, place: &Place) -> f64 {
         place.period.map_or(self.units.time, |period| period / TAU)
     }
 
     /// The orbit's period where the drive gives it, s.
-    fn driven_period(&self, place: &Place) -> Option<f64> {
+    pub(super) fn driven_period(&self, place: &Place) -> Option<f64> {
         Some(place.period? * f64::from(self.word.periods?))
     }
 
@@ -131,15 +126,21 @@ impl Problem {
     /// The motion at a point.
     pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
         let Numbers { state, times, period, .. } = self.numbers(place, u);
-        Ok(Cycle::follow(place, &self.word, &state, &times, period, With::Propagators)?.0)
+        Ok(Cycle::follow(place, &self.word, &state, &times, period, false)?.0)
     }
 
-    /// Values of the equations.
-    pub fn residual(&self, place: &Place, u: &DVector<f64>, with: With) -> Result<Residual, Obstacle> {
+    /// Values of the equations, with their derivatives by all unknowns but the parameter on request.
+    pub fn residual(
+        &self,
+        place: &Place,
+        u: &DVector<f64>,
+        with_derivatives: bool,
+    ) -> Result<Residual, Obstacle> {
         let (own, m, size) = (self.units.state.len(), self.word.len(), self.size());
         let Numbers { state, times, period, drifts } = self.numbers(place, u);
-        let (cycle, derivatives) = Cycle::follow(place, &self.word, &state, &times, period, with)?;
-        let along = self.carried(place, &cycle)?;
+        let (cycle, derivatives) =
+            Cycle::follow(place, &self.word, &state, &times, period, with_derivatives)?;
+        let along = self.carried(place, times[0], period)?;
         let mut value = DVector::zeros(size);
         for i in 0..own {
             let neutral: f64 = self.neutral.iter().zip(&drifts).map(|(n, drift)| n[i] * drift).sum();
@@ -161,14 +162,15 @@ impl Problem {
         Ok(Residual { value, matrix, cycle })
     }
 
-    /// The way by which uniformly moving bodies carry the state along in a period.
-    fn carried(&self, place: &Place, cycle: &Cycle) -> Result<Vec<f64>, Obstacle> {
-        let system = place.assembly.system();
-        let (Some(first), Some(last)) = (cycle.legs.first(), cycle.legs.last()) else {
-            return Ok(Vec::new());
-        };
-        let own = self.units.state.len();
-        let changes = first.states[0].iter().zip(&last.states[1]).enumerate().map(|(i, (a, b))| {
+    /// The way by which uniformly moving bodies carry the state along in a period from a time.
+    pub(super) fn carried(&self, place: &Place, time: f64, period: f64) -> Result<Vec<f64>, Obstacle> {
+        let (system, own) = (place.assembly.system(), self.units.state.len());
+        let [before, after] = [time, time + period].map(|time| {
+            let mut z = vec![0.0; system.signals.size];
+            with_signals(system, time, &mut z);
+            z
+        });
+        let changes = before.iter().zip(&after).enumerate().map(|(i, (a, b))| {
             let is_signal = i >= own && (b - a).abs() > EXACT * (a.abs() + b.abs()).max(1.0);
             if is_signal { b - a } else { 0.0 }
         });
@@ -181,7 +183,7 @@ impl Problem {
     }
 
     /// Size of an event's functional in the units of the state.
-    fn scale(&self, cycle: &Cycle, k: usize) -> f64 {
+    pub(super) fn scale(&self, cycle: &Cycle, k: usize) -> f64 {
         let leg = cycle.before(k);
         let Some(place) = leg.ending else { return 1.0 };
         let row = leg.flow.watched[place].1.as_slice();
@@ -234,20 +236,8 @@ impl Problem {
     }
 
     /// Whether impacts accumulate in the word.
-    fn has_run(&self) -> bool {
+    pub(super) fn has_run(&self) -> bool {
         self.word.letters.iter().any(|letter| letter.chatter.is_some())
-    }
-
-    /// Derivative of the equations by the parameter: a difference from their values at a point,
-    /// towards the middle of the range, where values are allowed.
-    fn by_parameter(&self, u: &DVector<f64>, here: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
-        let (last, (from, to)) = (self.size(), self.family.range);
-        let size = if self.has_run() { CHATTER_DIFFERENCE } else { DIFFERENCE };
-        let step = if self.value(u) > 0.5 * (from + to) { -size } else { size };
-        let mut moved = u.clone();
-        moved[last] += step;
-        let there = self.residual(&self.place(&moved)?, &moved, With::States)?.value;
-        Ok((there - here) / step)
     }
 
     /// The point with the same numbers in the equations of the word passed `times` times.
@@ -343,12 +333,12 @@ impl Problem {
 impl Equations for Problem {
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
         let place = self.place(u)?;
-        let Residual { value, matrix, .. } = self.residual(&place, u, With::Derivatives)?;
+        let Residual { value, matrix, cycle } = self.residual(&place, u, true)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let last = self.size();
         let column = match known {
             Some(known) => known.column(last).into_owned(),
-            None => self.by_parameter(u, &value)?,
+            None => self.by_parameter((&place, u), &cycle, &matrix)?,
         };
         let mut whole = matrix.insert_column(last, 0.0);
         whole.set_column(last, &column);

@@ -1,7 +1,7 @@
 //! Starts of branches at the special points of another one.
 
 use super::branch::{Branch, Special};
-use super::cycle::{Condition, Cycle, With};
+use super::cycle::{Condition, Cycle};
 use super::orbit::Orbit;
 use super::path::Departure;
 use super::place::Place;
@@ -30,7 +30,7 @@ const BEYOND: [f64; 3] = [1e-5, 1e-3, 1e-2];
 pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departure, Obstacle> {
     let place = problem.place(u)?;
     let (doubled, u) = problem.repeated(&place, u, 2);
-    let matrix = doubled.residual(&place, &u, With::Derivatives)?.matrix.ok_or(Obstacle::NoConvergence)?;
+    let matrix = doubled.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let special = Some(Special::of(Label::PeriodDoubling));
     Ok(Departure { direction: direction.push(0.0), problem: doubled, u, step: SWITCH_STEP, special })

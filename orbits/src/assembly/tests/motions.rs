@@ -1,6 +1,9 @@
 //! Orbits against the machines' own motions.
 
 use super::*;
+use crate::assembly::problem::Problem;
+use crate::curve::Equations;
+use std::sync::Arc;
 use vibro_assembly::Motion;
 use vibro_assembly::Start;
 
@@ -145,5 +148,39 @@ fn invariant_a_branch_ends_where_the_parameters_values_end() {
     for end in [found.points.first(), found.points.last()] {
         let end = end.unwrap();
         assert_eq!((end.special.as_ref().unwrap().kind.name(), end.value), ("EP", 1.0));
+    }
+}
+
+/// Step of the differences, in the parameter's unit, and what they leave: a stiff contact magnifies
+/// rounding over a period.
+const DIFFERENCE: (f64, f64) = (1e-5, 1e-5);
+
+#[test]
+fn second_method_the_parameters_column_is_that_of_differences_of_the_equations() {
+    for (name, parameter, span) in [
+        ("damper_with_buffer.toml", "load.shaker.frequency", 4.0),
+        ("damper_with_buffer.toml", "stop.buffer.stiffness", 1e5),
+        ("damper_with_buffer.toml", "friction.guide.force", 0.5),
+        ("belt_friction.toml", "body.belt.motion.rate", 0.1),
+        ("impact_pair.toml", "body.base.motion.amplitude", 0.1),
+        ("paper_machine.toml", "stop.upper.restitution", 0.1),
+        ("percussion_drill.toml", "load.drive.frequency", 1.0),
+        ("vibratory_conveyor.toml", "body.trough.motion.harmonics[0].amplitude", 1e-4),
+    ] {
+        let machine = example(name);
+        let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
+        let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        let family = Family::new(&machine, parameter, (present - span, present + span)).unwrap();
+        let problem = Problem { family: Arc::new(family), ..orbit.problem.clone() };
+        let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), present);
+        let own = problem.linearize(&u, None).unwrap().matrix.column(problem.size()).into_owned();
+        let at = |by: f64| {
+            let mut moved = u.clone();
+            moved[problem.size()] += by;
+            problem.residual(&problem.place(&moved).unwrap(), &moved, false).unwrap().value
+        };
+        let (step, left) = DIFFERENCE;
+        let apart = ((at(step) - at(-step)) / (2.0 * step) - &own).norm() / own.norm();
+        assert!(apart < left, "{name}, {parameter}: {apart:e}");
     }
 }

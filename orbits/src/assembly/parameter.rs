@@ -1,0 +1,156 @@
+//! Derivative of an orbit's equations by the parameter: a variation carried along the cycle.
+//!
+//! Its sources are the changes of the systems of the flights, of the laws of the events, of the
+//! signals and of the functionals, each a difference of two machines beside the present one, and
+//! those of the times, which follow the drive's period. Differences of whole motions would not do:
+//! at given event times a stiff contact magnifies rounding, and each contact of a period once more.
+
+use super::cycle::{Cycle, Leg, close, with_signals};
+use super::place::Place;
+use super::problem::{Numbers, Problem};
+use super::word::{Chatter, Letter};
+use crate::obstacle::Obstacle;
+use nalgebra::{DMatrix, DVector};
+use vibro_analysis::assembly::flight::dot;
+
+/// Distance of the two machines from the present one, in the parameter's unit: rounding and the
+/// third derivative leave about 1e-10 of each source.
+const STEP: f64 = 1e-5;
+/// Distance where impacts accumulate: their number jumps, which moves the state by some 1e-12.
+const CHATTER_STEP: f64 = 1e-4;
+
+/// Machines on both sides of the present one.
+struct Beside {
+    places: [Place; 2],
+    /// Their distance, in the parameter's unit.
+    width: f64,
+}
+
+impl Beside {
+    /// One machine is the present one where the other side is not allowed.
+    fn of(problem: &Problem, u: &DVector<f64>, step: f64) -> Result<Self, Obstacle> {
+        let at = |by: f64| {
+            let mut moved = u.clone();
+            moved[problem.size()] += by;
+            problem.place(&moved)
+        };
+        let (places, width) = match (at(-step), at(step)) {
+            (Ok(below), Ok(above)) => ([below, above], 2.0 * step),
+            (Ok(below), Err(_)) => ([below, at(0.0)?], step),
+            (Err(_), above) => ([at(0.0)?, above?], step),
+        };
+        Ok(Self { places, width })
+    }
+
+    /// Rate by which a number of the machine changes.
+    fn rate(&self, of: impl Fn(&Place) -> f64) -> f64 {
+        (of(&self.places[1]) - of(&self.places[0])) / self.width
+    }
+
+    /// Adds the rate by which a vector changes.
+    fn add(&self, to: &mut [f64], of: impl Fn(&Place) -> Result<Vec<f64>, Obstacle>) -> Result<(), Obstacle> {
+        let [below, above] = [of(&self.places[0])?, of(&self.places[1])?];
+        let rates = below.iter().zip(&above).map(|(a, b)| (b - a) / self.width);
+        to.iter_mut().zip(rates).for_each(|(to, rate)| *to += rate);
+        Ok(())
+    }
+
+    /// The variation of the signals at a time, in place of a variation's own.
+    fn signals(&self, time: f64, own: usize, v: &mut [f64]) {
+        let [below, above] = [0, 1].map(|side| {
+            let mut z = vec![0.0; v.len()];
+            with_signals(self.places[side].assembly.system(), time, &mut z);
+            z
+        });
+        (own..v.len()).for_each(|i| v[i] = (above[i] - below[i]) / self.width);
+    }
+}
+
+impl Problem {
+    /// Derivative of the equations at a point by the parameter, in its unit. Requires the cycle with
+    /// its propagators, and the derivatives by the other unknowns.
+    pub(super) fn by_parameter(
+        &self,
+        (place, u): (&Place, &DVector<f64>),
+        cycle: &Cycle,
+        matrix: &DMatrix<f64>,
+    ) -> Result<DVector<f64>, Obstacle> {
+        let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
+        let Numbers { times, period, .. } = self.numbers(place, u);
+        let beside = Beside::of(self, u, if self.has_run() { CHATTER_STEP } else { STEP })?;
+        let longer = beside.rate(|place| self.driven_period(place).unwrap_or(period));
+        let mut column = DVector::zeros(last);
+        let mut v = vec![0.0; cycle.back.len()];
+        beside.signals(times[0], own, &mut v);
+        for (k, leg) in cycle.legs.iter().enumerate() {
+            let next = if m == 0 { 0 } else { (k + 1) % m };
+            if let (Some(letter), Some(run)) = (self.word.letters.get(k), &leg.run)
+                && let Some(chatter) = &letter.chatter
+            {
+                v = through_run(place, &beside, (chatter, leg), run, v)?;
+            }
+            let flows = beside.places.each_ref().map(|place| place.flow(&leg.flow.mode));
+            v = leg.flow.varied([&flows[0], &flows[1]], beside.width, [&leg.states[0], &v], leg.span);
+            beside.signals(leg.time + leg.span, own, &mut v);
+            let end = &leg.states[1];
+            if let Some(i) = leg.ending {
+                let row =
+                    |flow: &vibro_analysis::assembly::flight::Flow| dot(flow.watched[i].1.as_slice(), end);
+                let moves = (row(&flows[1]) - row(&flows[0])) / beside.width;
+                let row = leg.flow.watched[i].1.as_slice();
+                let later = if next == 0 { longer * dot(row, &leg.rate) } else { 0.0 };
+                column[own + next] = (dot(row, &v) + moves + later) / self.scale(cycle, next);
+            }
+            let stay = Letter::staying(&self.word);
+            let letter = self.word.letters.get(next).unwrap_or(&stay);
+            if next == 0 {
+                v.iter_mut().zip(&leg.rate).take(own).for_each(|(v, rate)| *v += longer * rate);
+            }
+            letter.apply(place.assembly.system(), [&mut v[..]]);
+            beside.add(&mut v[..own], |place| {
+                let mut after = end.clone();
+                letter.apply(place.assembly.system(), [&mut after[..]]);
+                Ok(after)
+            })?;
+        }
+        let mut along = vec![0.0; own];
+        beside.add(&mut along, |place| {
+            let period = self.driven_period(place).unwrap_or(period);
+            self.carried(place, times[0], period)
+                .map(|along| if along.is_empty() { vec![0.0; own] } else { along })
+        })?;
+        for i in 0..own {
+            column[i] = (along[i] - v[i]) / self.units.state[i];
+        }
+        // Times of events are numbers in radians of the drive.
+        if self.driven_period(place).is_some() {
+            let radian = self.radian(place);
+            let slower = beside.rate(|place| self.radian(place)) / radian;
+            (0..m).for_each(|k| column.axpy(slower * u[own + k], &matrix.column(own + k), 1.0));
+        }
+        Ok(column)
+    }
+}
+
+/// A variation carried through a run of impacts, with the change of the run itself, at the time at
+/// which its stop closes.
+fn through_run(
+    place: &Place,
+    beside: &Beside,
+    (chatter, leg): (&Chatter, &Leg),
+    (time, z): &(f64, Vec<f64>),
+    v: Vec<f64>,
+) -> Result<Vec<f64>, Obstacle> {
+    let latest = leg.time + leg.span.max(0.0) + f64::EPSILON;
+    let mut columns = DMatrix::from_vec(v.len(), 1, v);
+    close(place, chatter, (*time, latest), &mut z.clone(), &mut columns)?;
+    let mut v = columns.as_slice().to_vec();
+    beside.add(&mut v, |place| {
+        let (mut z, mut none) = (z.clone(), DMatrix::zeros(z.len(), 0));
+        let closed = close(place, chatter, (*time, latest + leg.span.max(0.0)), &mut z, &mut none)?;
+        let rate = place.flow(&leg.flow.mode).derivative(&z);
+        z.iter_mut().zip(&rate).for_each(|(x, rate)| *x += rate * (leg.time - closed));
+        Ok(z)
+    })?;
+    Ok(v)
+}
