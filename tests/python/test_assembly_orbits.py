@@ -51,6 +51,25 @@ def test_an_orbit_has_its_numbers_and_a_motion_stays_on_it():
     assert abs(energies.pop("load.shaker") - sum(energies.values())) < ROUNDING
 
 
+OSCILLATOR = {
+    "name": "Oscillator",
+    "body": {"box": {"mass": 1.0}},
+    "spring": {"mount": {"between": ["ground", "box"], "stiffness": 400.0, "damping": 2.0}},
+    "stop": {"wall": {"between": ["ground", "box"], "gap": "1 cm", "restitution": 0.8}},
+    "load": {"shaker": {"on": "box", "amplitude": "2 N", "frequency": "3 Hz"}},
+}
+
+
+def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator():
+    curves = vi.Assembly(OSCILLATOR).response("load.shaker.frequency", "1.5 Hz", "6 Hz", of="amplitude.box.s", seeds=8)
+    free = [curve for curve in curves if curve.word == ""]
+    assert len(free) == 2 and len(curves) > 4
+    for curve in free:
+        omega = 2 * np.pi * curve.value
+        np.testing.assert_allclose(curve.measure, 2 / np.hypot(400 - omega**2, 2 * omega), rtol=1e-11)
+    assert {label for label, _, element in free[0].special if element == "stop.wall"} == {"GR"}
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [

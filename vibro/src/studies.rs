@@ -2,6 +2,7 @@
 
 mod assembly_diagram;
 mod assembly_orbits;
+mod assembly_response;
 mod basin;
 mod compare;
 mod design_sweep;
@@ -25,6 +26,7 @@ mod sweep;
 
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
 pub use assembly_orbits::{assembly_orbit, assembly_orbits};
+pub use assembly_response::assembly_response;
 pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};

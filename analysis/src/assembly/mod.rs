@@ -6,6 +6,7 @@
 //! what drives the machine, or at each event of an element. The time from one return to the next
 //! takes the place of the drive period of the other modules.
 
+pub mod basin;
 mod columns;
 mod contacts;
 mod designs;

@@ -328,6 +328,42 @@ class Assembly(AssemblyDescription):
         """
         return find_branches(self, name, (low, high), of, (start, seeds, depth, settle, section), progress)
 
+    def response(
+        self,
+        name: str,
+        low: Union[float, str],
+        high: Union[float, str],
+        *,
+        of: Optional[str] = None,
+        start: Start = None,
+        seeds: int = 24,
+        depth: int = 0,
+        settle: int = 400,
+        section: Section = None,
+        progress: bool = False,
+    ) -> list[AssemblyBranch]:
+        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling, ``vibro response FILE``.
+
+        Parameters
+        ----------
+        name, low, high, of, start, seeds, depth, settle, section
+            As of :meth:`branches`, of which it is the case of depth 0.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range, and where no motion settles on an orbit that can be followed.
+        """
+        found = self.branches(
+            name, low, high, of=of, start=start, seeds=seeds, depth=depth, settle=settle, section=section, progress=progress
+        )
+        if not found:
+            raise ValueError(
+                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are other starts, more "
+                "discarded returns (settle), more values (seeds)"
+            )
+        return found
+
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""
         return Sketch(self._described)

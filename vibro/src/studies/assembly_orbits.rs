@@ -39,20 +39,39 @@ pub fn assembly_orbits(
     name: &str,
 ) -> Result<Study> {
     check_measure(measure, &machine.description)?;
+    study_of(machine, family, branches, (measure, &measured(branches, measure)), name)
+}
+
+/// A measure of each orbit of branches; NaN where it has none.
+pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> {
     let value = |branch: &Branch, point: &OrbitPoint| {
         branch.orbit(point).and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN)
     };
-    let tops: Vec<Vec<f64>> =
-        branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect();
+    branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect()
+}
+
+/// Number of units in one of SI in which a picture shows values, and their symbol.
+pub(super) fn shown_unit(unit: &str, largest: f64) -> (f64, String) {
+    match unit {
+        "m" if largest < SMALL => (1e3, "mm".to_owned()),
+        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
+    }
+}
+
+/// As [`assembly_orbits`], with the measure's values.
+pub(super) fn study_of(
+    machine: &Machine,
+    family: &Family,
+    branches: &[Branch],
+    (measure, tops): (&Measure, &[Vec<f64>]),
+    name: &str,
+) -> Result<Study> {
     let parameter = &family.parameter;
     let unit = measure.unit(&machine.description);
     let largest = tops.iter().flatten().copied().filter(|x| x.is_finite()).map(f64::abs).fold(0.0, f64::max);
-    let (factor, symbol) = match unit {
-        "m" if largest < SMALL => (1e3, "mm".to_owned()),
-        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
-    };
+    let (factor, symbol) = shown_unit(unit, largest);
     let label = if symbol == "1" { measure.to_string() } else { format!("{measure} ({symbol})") };
-    let marks = marks(branches, &tops);
+    let marks = marks(branches, tops);
     let mut caption = vec!["Full: stable; dashed: unstable. One colour for each period.".to_owned()];
     if marks.of_stable_only {
         caption.push("Marks: where stability changes; special-points.csv has the others.".into());
@@ -62,7 +81,7 @@ pub fn assembly_orbits(
         title: String::new(),
         x: Axis { range: Some(family.range), ..machine.axis(parameter) },
         y: Axis::new(label).times(factor),
-        layers: layers(branches, &tops, marks),
+        layers: layers(branches, tops, marks),
     };
     let figure = Figure {
         title: format!("{}: periodic orbits over {parameter}", machine.description.name),
@@ -75,7 +94,7 @@ pub fn assembly_orbits(
     let what = format!("{} branches of periodic orbits over {parameter}", branches.len());
     Ok(Study {
         tables: vec![
-            ("branches".into(), branch_table(family, branches, (measure, &tops))?),
+            ("branches".into(), branch_table(family, branches, (measure, tops))?),
             ("special-points".into(), special_table(family, branches)?),
         ],
         figure: Some(figure),
@@ -103,7 +122,8 @@ fn cell(value: f64) -> String {
     if value.is_finite() { exact(value) } else { String::new() }
 }
 
-fn words(family: &Family, branch: &Branch) -> String {
+/// The events of a branch in words.
+pub(super) fn words(family: &Family, branch: &Branch) -> String {
     let place = family.place(branch.points[0].value);
     place.map_or_else(|_| String::new(), |place| branch.word().in_words(&place.assembly))
 }

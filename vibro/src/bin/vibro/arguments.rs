@@ -1,6 +1,6 @@
 //! The command line: commands, options and their help.
 //!
-//! A command is a variant of [`Command`], and its options are a struct of clap's. Six commands
+//! A command is a variant of [`Command`], and its options are a struct of clap's. Some commands
 //! take either the machine of a FILE or the paper's machine:
 //!
 //! * An option of both is in the command's struct. Where the defaults differ, the second one is a
@@ -17,7 +17,7 @@
 use crate::alias;
 use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
-use crate::ranges::texts;
+use crate::ranges::{in_option, texts};
 use crate::run::RunArguments;
 use crate::study_arguments::{
     Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
@@ -32,8 +32,8 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `orbit` and `orbits` take a machine's FILE. Without it, and in all other
-commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `orbit` and `orbits` take a machine's FILE. Without it, and in
+all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
@@ -56,6 +56,7 @@ EXAMPLES
   vibro run machine.toml --until 2s --samples 1000 --out my-machine
   vibro bifurcation machine.toml --vary stop.upper.gap=1mm:8mm:200 --of box.s
   vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  vibro response machine.toml --vary load.shaker.frequency=8Hz:12Hz --of amplitude.box.s
   and of the paper's machine, whose parameters may be in a file too (--config):
   vibro steady --set kappa=0.6 --set f10=2
   vibro run --config parameters.toml --start x1=0.2,v2=1 --load box=record.csv
@@ -91,7 +92,7 @@ pub fn command() -> clap::Command {
         let notes: &[&str] = match command.get_name() {
             "check" | "draw" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" => &[NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" => &[NUMBERS, LIMITS],
             _ => &[LIMITS],
         };
         with_notes(with_shared(command, &shared), notes)
@@ -244,7 +245,11 @@ pub enum Command {
     Lyapunov(Lyapunov),
     /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// Frequency and force response curves, stable and unstable parts (figures 10, 11)
+    /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any of
+    /// its numbers; of the paper's machine by theory (figures 10, 11)
+    ///
+    /// With FILE motions are followed until they settle, rising and falling over the range, and each
+    /// orbit on which one settles is followed over the whole range, stable or not.
     Response(Response),
     /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
     Manifold(Manifold),
@@ -300,6 +305,11 @@ impl Command {
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
                 a.of_paper.start = one_start(&a.start)?.unwrap_or_default();
+            }
+            Self::Response(a) => {
+                a.of_paper.range = texts("--range", &a.range)?;
+                let of = a.of.as_ref().map(|of| of.parse().map_err(in_option("--of")));
+                a.of_paper.of = of.transpose()?;
             }
             Self::Orbits(a) => {
                 if a.vary.len() > 1 {

@@ -1,11 +1,12 @@
-//! `orbit` and `orbits` with a machine's file: from arguments to the library's studies.
+//! `orbit`, `orbits` and `response` with a machine's file: from arguments to the library's studies.
 
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
-use crate::orbits_arguments::{OneOrbit, Orbits};
+use crate::orbits_arguments::{OneOrbit, Orbits, ResponseOfFile};
 use crate::output;
 use crate::progress::Progress;
+use crate::study_arguments::Response;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +15,7 @@ use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::assembly::{Machine, Measure};
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Family, Orbit, TreeOptions, branch, check_measure, tree};
+use vibro_orbits::assembly::{Branch, Family, Orbit, TreeOptions, branch, check_measure, tree};
 
 /// The measure of `--of`: a measure, or the largest value of a quantity.
 fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
@@ -49,22 +50,47 @@ pub fn orbit(file: &Path, common: &Common, OneOrbit { settling, .. }: &OneOrbit)
     write_whole(&out.join("start.toml"), orbit.start().to_toml().as_bytes())
 }
 
+/// The family of the one parameter of `--vary`.
+fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
+    let [vary] = vary else {
+        let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
+        return Err(Error::Refused { what: format!("{} --vary", vary.len()), problem });
+    };
+    let axis = read_axis(machine, vary)?;
+    let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
+    let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
+    Ok(Family::new(machine, &range.name, range.ends)?)
+}
+
+/// The family's parameter and its range, for manifests.
+fn in_words(family: &Family) -> String {
+    format!("{}={}:{}", family.parameter, family.range.0, family.range.1)
+}
+
+/// The branches of a tree, with a remark where it was interrupted.
+fn grown(family: &Family, options: &TreeOptions) -> Result<(Vec<Branch>, Option<String>)> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
+    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let progress = Progress::new(0, "branches").ticking();
+    let found = tree(family, options, &mut |done, all| {
+        progress.at(done, all);
+        !stop.load(Ordering::Relaxed)
+    })?;
+    let words = "interrupted: further branches were not followed";
+    Ok((found, stop.load(Ordering::Relaxed).then(|| words.to_owned())))
+}
+
 /// The branches over a parameter: that of the settled motion, or all.
 pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<()> {
     let settling = &a.of_file.settling;
     let mut machine = machine(file, &settling.section(), common)?;
-    let [vary] = &a.vary[..] else {
-        let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
-        return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
-    };
-    let axis = read_axis(&mut machine, vary)?;
-    let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
-    let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
+    let family = family(&mut machine, &a.vary)?;
     let start = start_of(&machine, &settling.start)?;
     let measure = measure(&machine, a.of_file.of.as_ref())?;
-    let family = Family::new(&machine, &range.name, range.ends)?;
     let options = [
-        ("vary", format!("{}={}:{}", range.name, range.ends.0, range.ends.1)),
+        ("vary", in_words(&family)),
         ("of", measure.to_string()),
         ("tree", a.tree.to_string()),
         ("start", start.to_string()),
@@ -76,28 +102,42 @@ pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<()> {
     // The folder is checked before work begins.
     destination.place(&[destination.result("orbits")])?;
     let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
-    let mut remarks = Vec::new();
-    let branches = if a.tree {
-        let options =
-            TreeOptions { start, seeds: a.seeds as usize, discard: settling.discard, depth: a.depth, path };
-        let stop = Arc::new(AtomicBool::new(false));
-        let asked = stop.clone();
-        // Without a handler Ctrl-C ends the program too, but nothing is written.
-        drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-        let progress = Progress::new(0, "branches").ticking();
-        let found = tree(&family, &options, &mut |done, all| {
-            progress.at(done, all);
-            !stop.load(Ordering::Relaxed)
-        })?;
-        if stop.load(Ordering::Relaxed) {
-            remarks.push("interrupted: further branches were not followed".to_owned());
-        }
-        found
+    let (branches, remark) = if a.tree {
+        let (seeds, discard) = (a.seeds as usize, settling.discard);
+        grown(&family, &TreeOptions { start, seeds, discard, depth: a.depth, path })?
     } else {
         let orbit = Orbit::settled(&machine, &start, settling.discard)?;
-        vec![branch(&family, &orbit, &path)?]
+        (vec![branch(&family, &orbit, &path)?], None)
     };
     let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
-    study.remarks.extend(remarks);
+    study.remarks.extend(remark);
+    written(&[study], &machine, &destination, common)
+}
+
+/// The response: the branches of the orbits on which motions settle, rising and falling.
+pub fn response(file: &Path, common: &Common, a: &Response) -> Result<()> {
+    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+    let mut machine = machine(file, &settling.section(), common)?;
+    let family = family(&mut machine, &a.range)?;
+    let start = start_of(&machine, &settling.start)?;
+    let measure = measure(&machine, a.of.as_ref())?;
+    let options = [
+        ("range", in_words(&family)),
+        ("of", measure.to_string()),
+        ("start", start.to_string()),
+        ("discard", settling.discard.to_string()),
+        ("seeds", seeds.to_string()),
+        ("depth", depth.to_string()),
+        ("step", step.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    destination.place(&[destination.result("response")])?;
+    let path = PathOptions { longest_step: *step, ..PathOptions::default() };
+    let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
+    let (branches, remark) = grown(&family, &TreeOptions { start, seeds, discard, depth, path })?;
+    let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
+    study.remarks.extend(remark);
     written(&[study], &machine, &destination, common)
 }

@@ -1,8 +1,8 @@
 //! Arguments that commands share: those of every command, those of a machine's FILE, and constant
 //! loads.
 //!
-//! `run`, `sweep`, `bifurcation`, `lyapunov`, `orbit` and `orbits` take two machines: the machine of the FILE that
-//! they name, or the paper's machine if they name none. An option that only one of the two has
+//! Commands with an optional FILE take two machines: the machine of the FILE that they name, or the
+//! paper's machine if they name none. An option that only one of the two has
 //! stands under the heading [`WITH_FILE`] or [`WITHOUT_FILE`]; by these headings
 //! [`crate::arguments::check_options`] refuses it for the other machine.
 

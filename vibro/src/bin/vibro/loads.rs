@@ -40,6 +40,7 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
 pub fn check_theory(set: &ParameterSet, command: &Command) -> Result<()> {
     let varied: Vec<Name> = match command {
         Command::Response(a) => {
+            let a = &a.of_paper;
             a.range.iter().map(|r| r.name).chain(a.values.iter().map(|v| v.name)).collect()
         }
         Command::Manifold(a) => a.values.iter().map(|v| v.name).collect(),

@@ -1,4 +1,4 @@
-//! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`.
+//! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`, and of a file's response.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
@@ -115,6 +115,24 @@ pub struct OrbitsOfFile {
     /// The motion.
     #[command(flatten)]
     pub settling: Settling,
+}
+
+/// Options of the response of a machine's file.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct ResponseOfFile {
+    /// The motion.
+    #[command(flatten)]
+    pub settling: Settling,
+    /// Number of values at which settled motions are looked for, rising and falling
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = whole::<u32>(1..=10_000))]
+    pub seeds: u32,
+    /// Most changes from one branch to another in a row, at bifurcations and touches
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
+    pub depth: u32,
+    /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
+    pub step: f64,
 }
 
 /// Options of the branches of the paper's machine.

@@ -3,7 +3,7 @@
 use crate::arguments::Command;
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
-use crate::study_arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, Stability};
+use crate::study_arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, ResponseOfPaper, Stability};
 use crate::sweep_arguments::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};
@@ -85,12 +85,12 @@ pub fn names(command: &Command) -> Vec<String> {
         Command::Orbit(_) => vec!["orbit".into()],
         Command::Locus(_) => vec!["locus".into()],
         Command::Response(a) => {
-            let kinds: &[&str] = match a.kind {
+            let kinds: &[&str] = match a.of_paper.kind {
                 ResponseKind::Frequency => &["frequency"],
                 ResponseKind::Force => &["force"],
                 ResponseKind::Both => &["frequency", "force"],
             };
-            let of = a.of.map_or(String::new(), |of| format!("-{of}"));
+            let of = a.of_paper.of.map_or(String::new(), |of| format!("-{of}"));
             kinds.iter().map(|kind| format!("response-{kind}{of}")).collect()
         }
         Command::Manifold(a) => figures("manifold", &["2", "7", "9"], &a.figure),
@@ -104,7 +104,7 @@ pub fn names(command: &Command) -> Vec<String> {
 /// labels; the last of several applies.
 pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
-        Command::Response(a) => (&a.range, &a.values),
+        Command::Response(a) => (&a.of_paper.range, &a.of_paper.values),
         Command::Manifold(a) => (&[], a.values.as_slice()),
         Command::Plane(a) => (&a.planes.range, &[]),
         Command::Isoperiodic(a) => (&a.planes.range, &[]),
@@ -119,7 +119,7 @@ pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     values.iter().map(|v| (v.name, v.unit)).chain(ranges.iter().map(|r| (r.name, r.unit))).collect()
 }
 
-pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
+pub fn response(set: &ParameterSet, Response { of_paper: a, .. }: &Response) -> Result<Vec<Study>> {
     let (sigma1, f10, gamma1) = (Name::find("sigma1")?, Name::find("f10")?, Name::find("gamma1")?);
     let others: Vec<_> = a.range.iter().filter(|r| ![sigma1, f10].contains(&r.name)).collect();
     if !others.is_empty() {
@@ -156,7 +156,7 @@ pub fn response(set: &ParameterSet, a: &Response) -> Result<Vec<Study>> {
 const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
 
 /// The response along any parameter, for the values listed of one other.
-fn along(set: &ParameterSet, range: &ParameterRange, a: &Response) -> Result<Study> {
+fn along(set: &ParameterSet, range: &ParameterRange, a: &ResponseOfPaper) -> Result<Study> {
     if range.count.is_some() {
         return Err(Error::form(range.name.name(), COUNT));
     }

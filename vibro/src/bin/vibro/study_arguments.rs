@@ -4,6 +4,7 @@
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
 };
+use crate::orbits_arguments::ResponseOfFile;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
 use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
@@ -208,21 +209,46 @@ pub struct Reproduce {
 /// Arguments of `response`.
 #[derive(Args, Debug)]
 pub struct Response {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Range of the parameter along which the response is drawn: with FILE any of its numbers, such
+    /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force response)
+    /// or another parameter
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub range: Vec<String>,
+    /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
+    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude of
+    /// x1 (the box), x2 (the block), x3, w = x2 - x1
+    /// [default: with FILE the amplitude of the first free body; without, the paper's C and A3]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<String>,
+    /// Of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: ResponseOfFile,
+    /// Of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: ResponseOfPaper,
+}
+
+/// Options of a response of the paper's machine.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct ResponseOfPaper {
     /// Which curves
     #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
     pub kind: ResponseKind,
-    /// Range of sigma1 (frequency response) or f10 (force response). The range of another parameter
-    /// draws the response along it
-    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
-    pub range: Vec<ParameterRange>,
     /// Values that differ between curves: of f10 and gamma1 for the frequency response, of sigma1
     /// for the force response, of any parameter along another one. A value that was set is added;
     /// without a list it is the only one
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Vec<ParameterValues>,
-    /// Coordinate whose amplitude is drawn: x1 (the box), x2 (the block), x3, w = x2 - x1
-    /// [default: the paper's C and A3]
-    #[arg(long, value_name = "NAME")]
+    /// The parsed ranges.
+    #[arg(skip)]
+    pub range: Vec<ParameterRange>,
+    /// The parsed coordinate.
+    #[arg(skip)]
     pub of: Option<Displacement>,
 }
 

@@ -24,7 +24,9 @@ pub struct Words {
 pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> {
     let mut found = Vec::new();
     let axes: Vec<(&'static str, Vec<&mut dyn InWrittenUnit>)> = match command {
-        Command::Response(a) => vec![("range", dynamic(&mut a.range)), ("values", dynamic(&mut a.values))],
+        Command::Response(a) => {
+            vec![("range", dynamic(&mut a.of_paper.range)), ("values", dynamic(&mut a.of_paper.values))]
+        }
         Command::Manifold(a) => vec![("values", dynamic(&mut a.values))],
         Command::Plane(a) => vec![("range", dynamic(&mut a.planes.range))],
         Command::Isoperiodic(a) => vec![("range", dynamic(&mut a.planes.range))],
