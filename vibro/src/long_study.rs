@@ -74,6 +74,8 @@ pub enum AssemblyStudy {
     DesignSweep(design_sweep::SweepRequest<assembly::Machine>),
     /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::IsoperiodicRequest<assembly::Machine>),
+    /// Basins over two numbers of the starts.
+    Basin(assembly::basin::BasinRequest),
 }
 
 impl StudyOfMachine {
@@ -158,6 +160,7 @@ impl LongStudy {
             StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), .. } => {
                 return isoperiodic::count(request);
             }
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Basin(request), .. } => return request.count(),
         };
         match kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
@@ -184,6 +187,10 @@ impl LongStudy {
             StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine } => {
                 isoperiodic::check(machine, request)?;
                 studies::check_isoperiodic(request)
+            }
+            StudyOfMachine::Assembly { kind: AssemblyStudy::Basin(request), machine } => {
+                request.check(machine)?;
+                studies::check_assembly_basins(request)
             }
             _ => Ok(()),
         }
@@ -288,6 +295,10 @@ impl LongStudy {
             AssemblyStudy::Isoperiodic(request) => {
                 let found = isoperiodic::isoperiodic(machine, request, task)?;
                 found.map(|plane| studies::isoperiodic(machine, request, &plane, &self.name)).transpose()
+            }
+            AssemblyStudy::Basin(request) => {
+                let found = assembly::basin::basins(machine, request, task)?;
+                found.map(|b| studies::assembly_basins(machine, request, &b, &self.name)).transpose()
             }
         };
         Ok(study?.map(|study| vec![study]))

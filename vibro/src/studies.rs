@@ -1,5 +1,6 @@
 //! The studies of the command line: each makes tables and a figure from a [`ParameterSet`].
 
+mod assembly_basin;
 mod assembly_diagram;
 mod assembly_orbits;
 mod assembly_response;
@@ -24,6 +25,7 @@ mod steady_motion;
 mod strong;
 mod sweep;
 
+pub use assembly_basin::{assembly_basins, check_assembly_basins};
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
 pub use assembly_orbits::{assembly_orbit, assembly_orbits};
 pub use assembly_response::assembly_response;

@@ -89,3 +89,69 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
     let (_, error) = refused(&["response", "--seeds", "3"]);
     assert!(error.contains("an option of a machine's file"), "{error}");
 }
+
+/// Largest place of the linear motion from a start at time 0, by samples of it, m.
+fn highest([place, rate]: [f64; 2], frequency: f64) -> f64 {
+    let (omega, decay) = (TAU * frequency, 1.0);
+    let own = (400.0f64 - decay * decay).sqrt();
+    // x = p cos w t + q sin w t + e^(-d t) (a cos + b sin), of the drive 2 sin w t.
+    let (re, im) = (400.0 - omega * omega, 2.0 * omega);
+    let size = re * re + im * im;
+    let (p, q) = (-2.0 * im / size, 2.0 * re / size);
+    let a = place - p;
+    let b = (rate - q * omega + decay * a) / own;
+    let at = |t: f64| {
+        p * (omega * t).cos()
+            + q * (omega * t).sin()
+            + (-decay * t).exp() * (a * (own * t).cos() + b * (own * t).sin())
+    };
+    (0..40_000).map(|k| at(f64::from(k) * 2e-4)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_orbit_without_impacts() {
+    /// Part of the gap within which samples do not tell whether the wall is touched.
+    const UNSURE: f64 = 1e-3;
+    let (out, file) = file("file-basin", OSCILLATOR);
+    let plane = ["--start", "box.s=-10mm:9.9mm:12", "--start", "box.v=-0.5:0.5:12"];
+    let line = [&["basin", &file, "--set", "load.shaker.frequency=4.2Hz"][..], &plane].concat();
+    let said = drawn(&out.join("b"), &line);
+    assert!(said.contains("basins of 2 attractors over box.s and box.v"), "{said}");
+    let attractors = table(&out.join("b"), "basin-attractors.csv");
+    let quiet = attractors.iter().find(|row| row["word"].is_empty()).expect("an orbit without impacts");
+    let loud = attractors.iter().find(|row| row["word"] == "impact wall").expect("one with an impact");
+    assert_eq!((quiet["class"].as_str(), loud["stability"].as_str()), ("1T", "stable"));
+    let shares: f64 = attractors.iter().map(|row| number(row, "share")).sum();
+    assert!((shares - 1.0).abs() < ROUNDING);
+    let cells = table(&out.join("b"), "basin.csv");
+    let mut clear = 0;
+    for cell in &cells {
+        let top = highest([number(cell, "box.s"), number(cell, "box.v")], 4.2);
+        if top < 0.01 * (1.0 - UNSURE) {
+            clear += 1;
+            assert_eq!(cell["attractor"], quiet["attractor"], "{cell:?} comes up to {top}");
+        }
+    }
+    assert!(clear > 10 && cells.iter().any(|cell| cell["attractor"] == loud["attractor"]), "{clear}");
+
+    // Shards have the bytes of the whole.
+    for shard in ["1/2", "2/2"] {
+        drawn(&out.join(&shard[..1]), &[&line[..], &["--shard", shard]].concat());
+    }
+    let [one, two] = ["1", "2"].map(|name| out.join(name).to_str().unwrap().to_owned());
+    drawn(&out.join("merged"), &["merge", &one, &two]);
+    let bytes = |folder: &str| std::fs::read(out.join(folder).join("basin.csv")).unwrap();
+    assert_eq!(bytes("merged"), bytes("b"));
+
+    for (words, named) in [
+        (&["--start", "box.s=0:1"][..], "1 ranges of --start: allowed are two"),
+        (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different numbers"),
+        (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
+        (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "from < to"),
+        (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "allowed are 1 to 5000 cells"),
+        (&["--start", "box.s=0:1", "--start", "box.v=0:1", "--x", "x1=0:1"], "an option of the paper's machine"),
+    ] {
+        let (_, error) = refused(&[&["basin", &file][..], words].concat());
+        assert!(error.contains(named), "{words:?}: {error}");
+    }
+}

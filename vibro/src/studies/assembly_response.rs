@@ -41,7 +41,8 @@ pub fn assembly_response(
     let tops = measured(branches, measure);
     let mut study = study_of(machine, family, branches, (measure, &tops), name)?;
     study.tables[0].0 = name.into();
-    study.what = format!("response: {measure} over {parameter}, {} branches", branches.len());
+    let count = if branches.len() == 1 { "1 branch".into() } else { format!("{} branches", branches.len()) };
+    study.what = format!("response: {measure} over {parameter}, {count}");
     if let Some(figure) = &mut study.figure {
         figure.title = format!("{}: response of {measure} over {parameter}", machine.description.name);
     }

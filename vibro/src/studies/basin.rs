@@ -29,16 +29,16 @@ pub const PAIRS: [[Colour; 2]; 8] = [
 /// of several chaotic attractors that could not be told apart; all attractors beyond [`PAIRS`].
 pub const OTHERS: [Colour; 4] =
     [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
-const OUTSIDE: Colour = OTHERS[0];
-const NOT_SETTLED: Colour = OTHERS[1];
-const UNDECIDED: Colour = OTHERS[2];
-const FURTHER: Colour = OTHERS[3];
+pub(super) const OUTSIDE: Colour = OTHERS[0];
+pub(super) const NOT_SETTLED: Colour = OTHERS[1];
+pub(super) const UNDECIDED: Colour = OTHERS[2];
+pub(super) const FURTHER: Colour = OTHERS[3];
 
 /// Largest number of attractors that are listed.
 const SHOWN: usize = 101;
 
 /// Largest size of a row of the table, bytes.
-const ROW: usize = 64;
+pub(super) const ROW: usize = 64;
 
 /// Checks that a plane of starts and its table fit into memory.
 ///

@@ -32,8 +32,8 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `orbit` and `orbits` take a machine's FILE. Without it, and in
-all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `orbit` and `orbits` take a machine's FILE. Without
+it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
@@ -92,7 +92,7 @@ pub fn command() -> clap::Command {
         let notes: &[&str] = match command.get_name() {
             "check" | "draw" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" => &[NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" => &[NUMBERS, LIMITS],
             _ => &[LIMITS],
         };
         with_notes(with_shared(command, &shared), notes)
@@ -260,7 +260,10 @@ pub enum Command {
     /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to
     /// 19)
     Compare(Compare),
-    /// Basins of attraction over two initial values
+    /// Basins of attraction over two initial values: of a FILE over any two numbers of its starts
+    ///
+    /// With FILE attractors are told apart by class, period and states at the section, and named by
+    /// the events of their orbits. Motions without a period count as one attractor of their class.
     Basin(Basin),
     /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
@@ -306,6 +309,7 @@ impl Command {
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
                 a.of_paper.start = one_start(&a.start)?.unwrap_or_default();
             }
+            Self::Basin(a) => a.of_paper.start = one_start(&a.start)?,
             Self::Response(a) => {
                 a.of_paper.range = texts("--range", &a.range)?;
                 let of = a.of.as_ref().map(|of| of.parse().map_err(in_option("--of")));

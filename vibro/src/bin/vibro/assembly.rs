@@ -7,7 +7,7 @@ use crate::destination::{self, Destination};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
-use crate::{assembly_orbits, assembly_studies};
+use crate::{assembly_basin, assembly_orbits, assembly_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,6 +36,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
+        Command::Basin(a) => assembly_basin::basin(file, common, a)?,
         Command::Response(a) => assembly_orbits::response(file, common, a)?,
         Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
         Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,

@@ -15,7 +15,7 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
         Command::Run(a) => return Ok(a.of_paper.load.clone()),
         Command::Bifurcation(a) => &a.of_paper.loads,
         Command::Lyapunov(a) => &a.sweep.of_paper.loads,
-        Command::Basin(a) => &a.loads,
+        Command::Basin(a) => &a.of_paper.loads,
         Command::Isoperiodic(a) => &a.loads,
         Command::Sweep(a) => &a.of_paper.loads,
         Command::Orbits(a) => &a.of_paper.which.loads,

@@ -103,9 +103,9 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
     let p = set.parameters();
     let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
-    let start = a.start.unwrap_or_else(basin::in_the_middle);
-    let kind =
-        StudyKind::Basin(basin::BasinRequest { x: cells(a.x)?, y: cells(a.y)?, discard: a.discard, start });
+    let start = a.of_paper.start.unwrap_or_else(basin::in_the_middle);
+    let (x, y) = (cells(a.of_paper.x)?, cells(a.of_paper.y)?);
+    let kind = StudyKind::Basin(basin::BasinRequest { x, y, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 

@@ -3,6 +3,7 @@
 mod alias;
 mod arguments;
 mod assembly;
+mod assembly_basin;
 mod assembly_orbits;
 mod assembly_studies;
 mod common_arguments;
