@@ -14,6 +14,7 @@
 //! | `orbits.rs` | periodic orbits and branches of them |
 //! | `assembly.rs` | described machines: their motions, measures and diagrams |
 //! | `assembly_orbits.rs` | their periodic orbits and branches of them |
+//! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
 //! | `failure.rs` | errors as Python's exceptions |
 //! | `arrays.rs` | arrays from rows |
@@ -22,6 +23,7 @@ mod arrays;
 mod assembly;
 mod assembly_motion;
 mod assembly_orbits;
+mod assembly_settled;
 mod background;
 mod failure;
 mod motion;
@@ -43,6 +45,8 @@ mod _native {
     };
     #[pymodule_export]
     use super::assembly_orbits::{AssemblyOrbit, assembly_branches, assembly_orbit, follow_assembly_orbit};
+    #[pymodule_export]
+    use super::assembly_settled::{assembly_basins, assembly_section, assembly_spectrum};
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};
     #[pymodule_export]

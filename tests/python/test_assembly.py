@@ -199,9 +199,10 @@ def test_closed_form_exponent_of_an_oscillator():
     # 125 s.
     machine = vi.Assembly({**OSCILLATOR, "spring": {"mount": {**OSCILLATOR["spring"]["mount"], "damping": "8 N s/m"}}})
     assert abs(machine.largest_exponent() + 2.0) < 4e-3
-    # A word has one meaning: `lyapunov` of the 3-DOF machine gives a spectrum.
-    with pytest.warns(DeprecationWarning, match="largest_exponent"):
-        assert machine.lyapunov(settle=4) == machine.largest_exponent(settle=4)
+    # A word has one meaning: `lyapunov` of either machine gives a spectrum.
+    spectrum = machine.lyapunov(periods=200)
+    assert spectrum.exponents.shape == (2,) and abs(spectrum.exponents.sum() + 4.0) < 1e-10
+    assert spectrum.running.shape == (200, 2) and (spectrum.running[-1].sum() - spectrum.exponents.sum()) < 1e-10
 
 
 def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():

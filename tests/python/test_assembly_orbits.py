@@ -70,6 +70,35 @@ def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator
     assert {label for label, _, element in free[0].special if element == "stop.wall"} == {"GR"}
 
 
+def test_second_method_basins_are_where_single_motions_settle():
+    bistable = vi.Assembly(OSCILLATOR).replace(**{"load.shaker.frequency": "4.2 Hz"})
+    found = bistable.basins(**{"box.s": ("-10 mm", "9.9 mm", 5), "box.v": (-0.5, 0.5, 4)})
+    assert found.cells.shape == (4, 5) and found.ended is None
+    assert sorted(attractor.word for attractor in found.attractors) == ["", "impact wall"]
+    for j, v in enumerate(found.y):
+        for i, s in enumerate(found.x):
+            orbit = bistable.orbit(start={"box.s": s, "box.v": v})
+            assert orbit.word == found.attractors[found.cells[j, i]].word
+    # A start of an attractor is on it.
+    for attractor in found.attractors:
+        assert bistable.orbit(start=attractor.start, settle=0).word == attractor.word
+
+
+def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
+    quiet = vi.Assembly(OSCILLATOR).replace(**{"load.shaker.frequency": "1.5 Hz"})
+    section, omega = quiet.poincare(phase=np.pi / 2, periods=5), 3 * np.pi
+    re, im = 400 - omega**2, 2 * omega
+    np.testing.assert_allclose(section["box.s"], 2 * re / (re**2 + im**2), rtol=1e-8)
+    assert section.speed is None and section.values.shape == (5, len(quiet.columns))
+    hits = vi.Assembly(OSCILLATOR).poincare("wall", periods=7)
+    assert (hits.speed > 0).all() and np.allclose(hits["box.v"], -0.8 * hits.speed)
+    # c/m, and 2 ln 0.8 an impact: one in two periods of 1/3 s.
+    exponents = vi.Assembly(OSCILLATOR).lyapunov(periods=30).exponents
+    assert abs(exponents.sum() - (-2 + 2 * np.log(0.8) * 1.5)) < 1e-9
+    with pytest.raises(KeyError, match="allowed are box.s"):
+        section["boz.s"]
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -78,6 +107,11 @@ def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator
         (lambda: example("relay_bounce.toml").orbit(), "load.magnet has a step"),
         (lambda: example("impact_pair.toml").orbit().follow("stop.left.gap", 2, 3), "must lie in the range 2 to 3"),
         (lambda: example("impact_pair.toml").orbit().measure("power.lost"), "no measure of an orbit"),
+        (lambda: vi.Assembly(OSCILLATOR).poincare("wall", phase=1.0), "allowed is 0 at a section of an element's events"),
+        (lambda: vi.Assembly(OSCILLATOR).lyapunov(periods=7), "periods = 7"),
+        (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (1, 0, 3), "box.v": (0, 1, 3)}), "allowed is from < to"),
+        (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (0, 1, 3), "boz.v": (0, 1, 3)}), "box.v"),
+        (lambda: vi.Assembly(OSCILLATOR).response("load.shaker.frequency", 3, 1), "allowed is a range with length"),
         (lambda: example("impact_pair.toml").branches("stop.left.gap", 3, 1), "allowed is a range with length"),
         (lambda: example("impact_pair.toml").branches("stop.left.gap", 1, 2, of="amplitude.bal.s"), "the nearest is"),
     ],

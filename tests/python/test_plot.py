@@ -10,6 +10,14 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 from vibro_impact import plot
 
+OSCILLATOR = {
+    "name": "Oscillator",
+    "body": {"box": {"mass": 1.0}},
+    "spring": {"mount": {"between": ["ground", "box"], "stiffness": 400.0, "damping": 2.0}},
+    "stop": {"wall": {"between": ["ground", "box"], "gap": "1 cm", "restitution": 0.8}},
+    "load": {"shaker": {"on": "box", "amplitude": "2 N", "frequency": "3 Hz"}},
+}
+
 M = vi.Machine.from_groups(f10=1.5)
 
 
@@ -122,11 +130,32 @@ def test_a_machine_of_ones_own_is_drawn_with_its_numbers_and_units():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("stop.steel.gap (m)", "box.s, maxima (m)")
 
 
+def test_orbits_basins_and_sections_of_a_machine_of_ones_own_are_drawn_with_their_numbers():
+    machine = vi.Assembly(OSCILLATOR)
+    branch = machine.orbit().follow("load.shaker.frequency", "2.5 Hz", "5 Hz", of="amplitude.box.s")
+    axes = plot.branch(branch)
+    drawn = np.concatenate([line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 1])
+    assert {tuple(point) for point in drawn} == set(zip(branch.value, branch.measure))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("load.shaker.frequency (Hz)", "amplitude.box.s (m)")
+    assert "GR" in {text.get_text() for text in axes.texts}
+    section = machine.poincare("wall", periods=20)
+    axes = plot.section(section, plt.figure().gca())
+    np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [section.phase, section.speed])
+    axes = plot.section(section, plt.figure().gca(), of="wall.e")
+    np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [section["wall.e"], section["wall.rate"]])
+    basins = machine.replace(**{"load.shaker.frequency": 4.2}).basins(**{"box.s": (-0.01, 0.02, 3), "box.v": (-1, 1, 3)}, settle=100)
+    axes = plot.basins(basins, plt.figure().gca())
+    np.testing.assert_array_equal(axes.images[0].get_array(), basins.cells + 3)
+    assert -1 in basins.cells and axes.get_xlabel() == "start of box.s (m)"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [f"{a.kind} {a.word}".strip() for a in basins.attractors]
+
+
 def test_other_results_are_refused_with_the_kinds_that_are_drawn():
     run = vi.Assembly(DAMPER).simulate(0.01)
     for function, kinds in {
-        plot.history: "Run or AssemblyRun", plot.portrait: "Run or AssemblyRun", plot.section: "Section",
-        plot.bifurcation: "Diagram or AssemblyDiagram", plot.basins: "Basins", plot.branch: "Branch",
+        plot.history: "Run or AssemblyRun", plot.portrait: "Run or AssemblyRun", plot.section: "Section or AssemblySection",
+        plot.bifurcation: "Diagram or AssemblyDiagram", plot.basins: "Basins or AssemblyBasins",
+        plot.branch: "Branch or AssemblyBranch",
     }.items():  # fmt: skip
         wrong = run if "Run" not in kinds else vi.Machine()
         with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: allowed is {kinds}$"):

@@ -6,11 +6,13 @@ mod command;
 
 use command::{drawn, folder, refused, table};
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 /// Rounding of an orbit's numbers, relative.
 const ROUNDING: f64 = 1e-11;
+/// Distance of a settled motion from its orbit, relative.
+const SETTLED: f64 = 1e-8;
 
 /// A driven box on a spring that may hit a wall.
 const OSCILLATOR: &str = r#"name = "Oscillator"
@@ -28,6 +30,23 @@ restitution = 0.8
 on = "box"
 amplitude = "2 N"
 frequency = "3 Hz"
+"#;
+
+/// A part that rattles between two flanks of a shaken joint.
+const RATTLE: &str = r#"name = "Rattle"
+[body.part]
+mass = "200 g"
+start = { v = "0.2 m/s" }
+[body.joint]
+motion = { amplitude = "1 mm", frequency = "25 Hz" }
+[stop.right]
+between = ["joint", "part"]
+gap = "1.5 mm"
+restitution = 0.6
+[stop.left]
+between = ["part", "joint"]
+gap = "1.5 mm"
+restitution = 0.6
 "#;
 
 /// A fresh folder with a machine's file.
@@ -52,8 +71,7 @@ fn amplitude(frequency: f64) -> f64 {
 #[test]
 fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_touched() {
     let (out, file) = file("file-response", OSCILLATOR);
-    let line =
-        ["response", &file, "--vary", "load.shaker.frequency=1.5Hz:6Hz", "--of", "amplitude.box.s"];
+    let line = ["response", &file, "--vary", "load.shaker.frequency=1.5Hz:6Hz", "--of", "amplitude.box.s"];
     let said = drawn(&out.join("r"), &[&line[..], &["--seeds", "8"]].concat());
     assert!(said.contains("branch 0: 1T [no event], from EP 1.5 Hz to GR stop.wall"), "{said}");
     let rows = table(&out.join("r"), "response.csv");
@@ -149,9 +167,72 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
         (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
         (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "from < to"),
         (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "allowed are 1 to 5000 cells"),
-        (&["--start", "box.s=0:1", "--start", "box.v=0:1", "--x", "x1=0:1"], "an option of the paper's machine"),
+        (
+            &["--start", "box.s=0:1", "--start", "box.v=0:1", "--x", "x1=0:1"],
+            "an option of the paper's machine",
+        ),
     ] {
         let (_, error) = refused(&[&["basin", &file][..], words].concat());
         assert!(error.contains(named), "{words:?}: {error}");
     }
+}
+
+#[test]
+fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_phase() {
+    let (out, file) = file("file-section", RATTLE);
+    let said = drawn(&out.join("flank"), &["section", &file, "--section", "right", "--keep", "20"]);
+    assert!(said.contains("events of stop.right: 20 points") && said.contains("1 distinct"), "{said}");
+    // (π V/w - d)²/4 + (r V/w)² = A² with V the speed of flight; flanks close at V (1 + r).
+    let (a, d, r): (f64, f64, f64) = (1e-3, 3e-3, 0.25);
+    let (square, linear, rest) = (PI * PI / 4.0 + r * r, -PI * d / 2.0, d * d / 4.0 - a * a);
+    let flight = TAU * 25.0 * (-linear + (linear * linear - 4.0 * square * rest).sqrt()) / (2.0 * square);
+    for row in table(&out.join("flank"), "section.csv") {
+        // Settled to 1e-9 of its size.
+        assert!((number(&row, "speed") / (flight * (1.0 + r)) - 1.0).abs() < SETTLED, "{row:?}");
+        assert!((number(&row, "part.v") + flight).abs() < SETTLED, "{row:?} {flight}");
+    }
+
+    let (out, file) = self::file("file-section-phase", OSCILLATOR);
+    let line = ["section", &file, "--set", "load.shaker.frequency=1.5Hz", "--keep", "6"];
+    drawn(&out.join("phase"), &[&line[..], &["--phase", "90deg", "--of", "box.v,wall.e"]].concat());
+    let omega = TAU * 1.5;
+    let (re, im) = (400.0 - omega * omega, 2.0 * omega);
+    for row in table(&out.join("phase"), "section.csv") {
+        // q sin + p cos at a quarter of the period.
+        let expected = 2.0 * re / (re * re + im * im);
+        assert!((number(&row, "box.s") / expected - 1.0).abs() < SETTLED, "{row:?} {expected}");
+        assert!((number(&row, "phase") - 0.5 * PI).abs() < SETTLED && row["speed"].is_empty());
+    }
+    for (words, named) in [
+        (&["--section", "wall", "--phase", "1"][..], "allowed is 0 at a section of an element's events"),
+        (&["--section", "wal"], "no stop or friction has this name"),
+        (&["--of", "box.s"], "two names with a comma"),
+        (&["--of", "box.s,speed"], "allowed are time, phase, box.s"),
+        (&["--phase", "1m"], "allowed is a finite angle"),
+        (&["--config", "a.toml"], "has no use for it"),
+    ] {
+        let (_, error) = refused(&[&["section", &file][..], words].concat());
+        assert!(error.contains(named), "{words:?}: {error}");
+    }
+}
+
+#[test]
+fn second_method_a_spectrum_has_the_multipliers_of_the_orbit() {
+    /// Share of the last of the transient, in which a motion settled to 1e-9 is counted too.
+    const TURNED: f64 = 1e-6;
+    let (out, file) = file("file-spectrum", RATTLE);
+    let said = drawn(&out.join("all"), &["lyapunov", &file, "--spectrum", "--periods", "100"]);
+    assert!(said.contains("spectrum of 2 Lyapunov exponents"), "{said}");
+    drawn(&out.join("orbit"), &["orbit", &file]);
+    let multipliers = table(&out.join("orbit"), "orbit-multipliers.csv");
+    let exponents = table(&out.join("all"), "assembly-lyapunov.csv");
+    for (multiplier, exponent) in multipliers.iter().zip(&exponents) {
+        let expected = number(multiplier, "modulus").ln() / 0.04;
+        assert!((number(exponent, "exponent") / expected - 1.0).abs() < TURNED, "{exponent:?} {expected}");
+    }
+    assert_eq!((multipliers.len(), exponents.len()), (2, 2));
+    let (_, error) = refused(&["lyapunov", &file, "--spectrum", "--vary", "stop.left.gap=1mm:2mm"]);
+    assert!(error.contains("'--spectrum' cannot be used with '--vary"), "{error}");
+    let (_, error) = refused(&["lyapunov", "--spectrum"]);
+    assert!(error.contains("an option of a machine's file"), "{error}");
 }

@@ -19,11 +19,13 @@ mod measures;
 mod monodromy;
 mod oscillations;
 mod plane;
+mod poincare;
 mod quantity;
 mod returns;
 mod rows;
 mod section;
 mod settled;
+mod spectrum;
 mod timescales;
 mod variation;
 mod watch;
@@ -36,10 +38,11 @@ pub use followed::Followed;
 pub use measures::{Measure, measure};
 pub use monodromy::carried;
 pub use plane::PlanePoint;
+pub use poincare::{PoincareRequest, SectionPoint, poincare, section_of};
 pub use quantity::QuantityName;
 pub use section::{Section, SectionRule, common_period, is_steady};
 pub use settled::{Settled, discard, settled};
-
+pub use spectrum::{Spectrum, spectrum};
 pub use timescales::{runs_on, settle};
 pub use watch::{Extent, Watcher};
 

@@ -69,7 +69,7 @@ impl Metric {
 
 /// Removes the components of a variation that contacts constrain. A variation without other
 /// components becomes zero.
-fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
+pub(super) fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
     if basis.is_empty() {
         return;
     }
@@ -81,7 +81,7 @@ fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
 }
 
 /// Applies the derivative of an event to some variations.
-fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
+pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
     // Two functionals may have the same `Watch`. The one that is zero here is taken.

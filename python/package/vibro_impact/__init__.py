@@ -18,6 +18,7 @@ from ._assembly import Assembly
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition, Sketch
 from ._assembly_start import AssemblyStart
+from ._assembly_studies import AssemblyAttractor, AssemblyBasins, AssemblySection, AssemblySpectrum
 from ._deprecated import basins, bifurcation
 from ._fmu import fmu_path
 from ._machine import Machine
@@ -38,12 +39,16 @@ __all__ = [
     "PARAMETERS",
     "SI_NAMES",
     "Assembly",
+    "AssemblyAttractor",
+    "AssemblyBasins",
     "AssemblyBranch",
     "AssemblyDiagram",
     "AssemblyDirection",
     "AssemblyEnds",
     "AssemblyOrbit",
     "AssemblyRun",
+    "AssemblySection",
+    "AssemblySpectrum",
     "AssemblyStart",
     "AssemblyTransition",
     "Attractor",

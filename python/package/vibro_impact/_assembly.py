@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
@@ -26,6 +25,7 @@ from ._assembly_results import (
     transition_of,
 )
 from ._assembly_start import AssemblyStart, Start, numbers_of, time_of
+from ._assembly_studies import AssemblyBasins, AssemblySection, AssemblySpectrum, basins_of, poincare_of, spectrum_of
 from ._fmu import kit_path
 from ._progress import Bar
 from ._result import direction
@@ -198,8 +198,8 @@ class Assembly(AssemblyDescription):
     def largest_exponent(self, *, settle: int = 300, section: Section = None, start: Start = None) -> Optional[float]:
         """The largest Lyapunov exponent, 1/s, through impacts, sticking and sliding; None where the motion has none.
 
-        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``. All exponents of a motion, the spectrum,
-        are known of the 3-DOF machine alone: :meth:`Machine.lyapunov`.
+        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``. All exponents of a motion, the spectrum:
+        :meth:`lyapunov`.
 
         Parameters
         ----------
@@ -209,11 +209,77 @@ class Assembly(AssemblyDescription):
         found = self.measure(["exponent"], settle=settle, section=section, start=start)["exponent"]
         return None if found is None else float(found)
 
-    def lyapunov(self, *, settle: int = 300, section: Section = None) -> Optional[float]:
-        """Deprecated name of :meth:`largest_exponent`."""
-        text = "Assembly.lyapunov is deprecated and goes with the next version: largest_exponent(...) is the same"
-        warnings.warn(text, DeprecationWarning, stacklevel=2)
-        return self.largest_exponent(settle=settle, section=section)
+    def lyapunov(
+        self, *, periods: int = 400, settle: int = 300, section: Section = None, start: Start = None, progress: bool = False
+    ) -> AssemblySpectrum:
+        """All Lyapunov exponents of the settled motion, exactly through impacts, sticking and sliding: ``vibro lyapunov FILE --spectrum``.
+
+        Parameters
+        ----------
+        periods, settle
+            Returns to the section that are counted, and those before in which the transient dies out.
+        section, start
+            As of :meth:`measure`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        return spectrum_of(self, periods, settle, section, start, progress)
+
+    def poincare(
+        self,
+        section: Section = None,
+        *,
+        phase: float = 0.0,
+        periods: int = 1000,
+        settle: int = 300,
+        start: Start = None,
+        progress: bool = False,
+    ) -> AssemblySection:
+        """A Poincaré section of the settled motion: ``vibro section FILE``.
+
+        Parameters
+        ----------
+        section
+            As of :meth:`measure`: at an element's events the columns are those just after.
+        phase
+            Phase of a section of whole periods, rad.
+        periods, settle
+            Points of the section, and returns before in which the transient dies out.
+        start
+            As of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        return poincare_of(self, section, phase, (start, periods, settle), progress)
+
+    def basins(
+        self, *, settle: int = 300, section: Section = None, start: Start = None, progress: bool = False, **ranges: Any
+    ) -> AssemblyBasins:
+        """Basins of attraction over two numbers of the starts, on all cores: bit-identical to ``vibro basin FILE``.
+
+        ``damper.basins(**{"block.s": ("-4 mm", "4 mm", 60), "block.v": (-1.0, 1.0, 60)})``
+
+        Parameters
+        ----------
+        **ranges
+            Two of ``time`` and the bodies' coordinates and rates with (from, to, cells), in SI or as texts with units; the first across.
+        settle, section
+            As of :meth:`measure`.
+        start
+            The other numbers of the starts, as of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        """
+        return basins_of(self, ranges, start, settle, section, progress)
 
     def bifurcation(
         self,

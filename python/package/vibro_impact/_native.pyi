@@ -21,9 +21,12 @@ __all__ = [
     "Orbit",
     "System",
     "__version__",
+    "assembly_basins",
     "assembly_branches",
     "assembly_diagram",
     "assembly_orbit",
+    "assembly_section",
+    "assembly_spectrum",
     "assembly_transition",
     "basins",
     "bifurcation",
@@ -160,6 +163,32 @@ def assembly_branches(
     section: float | str | None,
     progress: _Progress = None,
 ) -> list[_Parts]: ...
+def assembly_basins(
+    machine: Described,
+    x: tuple[str, float, float, int],
+    y: tuple[str, float, float, int],
+    start: _Numbers,
+    discard: int,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> _Parts: ...
+def assembly_section(
+    machine: Described,
+    start: _Numbers,
+    phase: float,
+    settle: int,
+    keep: int,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> _Parts: ...
+def assembly_spectrum(
+    machine: Described,
+    start: _Numbers,
+    settle: int,
+    periods: int,
+    section: float | str | None,
+    progress: _Progress = None,
+) -> _Parts: ...
 def assembly_transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
 def measure_assemblies(
     machines: Sequence[Described],

@@ -3,7 +3,7 @@
 ``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
 pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
 the gap is under 0.1 m; the numbers of the results stay in SI. Results of an :class:`Assembly` are drawn in SI, in matplotlib's colours:
-`history`, `portrait` and `bifurcation` take them too.
+`history`, `portrait`, `bifurcation`, `branch`, `basins` and `section` take them too.
 
 >>> from vibro_impact import Machine, plot
 >>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
@@ -25,7 +25,9 @@ from numpy.typing import NDArray
 
 from ._arguments import Floats, choice
 from ._assembly_description import AssemblyDescription
+from ._assembly_orbits import AssemblyBranch
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
+from ._assembly_studies import AssemblyBasins, AssemblySection
 from ._motion import Run, Section
 from ._orbits import Branch
 from ._parameters import PARAMETERS
@@ -151,9 +153,7 @@ def _history_of_assembly(run: AssemblyRun, axes: Axes, names: list[str]) -> Axes
 
 
 def _portrait_of_assembly(run: AssemblyRun, axes: Axes, of: str) -> Axes:
-    rates = {".s": ".v", ".e": ".rate"}
-    pairs = {name: name[:-2] + rates[name[-2:]] for name in run.columns if name[-2:] in rates}
-    pairs = {place: rate for place, rate in pairs.items() if rate in run.columns}
+    pairs = _rates(run.columns)
     rate = pairs[choice("of", of, tuple(pairs))]
     jumps = np.unique(np.searchsorted(run.t, run.events["t"][run.events["kind"] == "impact"]))
     jumps = jumps[(jumps > 0) & (jumps < len(run.t))]
@@ -196,10 +196,26 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     return axes
 
 
-def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") -> Axes:
-    """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop."""
-    _require("section", section, Section)
+def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
+    """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop.
+
+    Parameters
+    ----------
+    of
+        One of x1, x2, x3 and w = x2 - x1, x2 unless given. Of a machine of your own the displacement of a body or the elongation of an
+        element; at a driven machine's stop the closing speed over the phase unless given.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and names that it has not.
+    """
+    _require("section", section, Section, AssemblySection)
     axes = axes or plt.gca()
+    if isinstance(section, AssemblySection):
+        place, rate = _section_of_assembly(section, axes, of)
+        return _points(axes, place, rate, "C0")
+    of = "x2" if of is None else of
     if section.at == "phase":
         scale, unit = _length(section.machine)
         place, rate = _columns(section, of)
@@ -208,12 +224,40 @@ def section(section: Section, axes: Optional[Axes] = None, *, of: str = "x2") ->
         axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
     else:
         place, rate = section.phase, section.speed
-        axes.set_xlim(0, 2 * np.pi)
-        axes.set_xticks(np.pi / 2 * np.arange(5), ["0", "π/2", "π", "3π/2", "2π"])
-        axes.set_xlabel("phase of the drive (rad)")
+        _phases(axes)
         axes.set_ylabel(f"speed of impact at the {section.at} stop (m/s)")
-    axes.plot(place, rate, linestyle="none", marker=".", markersize=2, markeredgewidth=0, color=COLOURS[of], rasterized=True)
+    return _points(axes, place, rate, COLOURS[of])
+
+
+def _phases(axes: Axes) -> None:
+    axes.set_xlim(0, 2 * np.pi)
+    axes.set_xticks(np.pi / 2 * np.arange(5), ["0", "π/2", "π", "3π/2", "2π"])
+    axes.set_xlabel("phase of the drive (rad)")
+
+
+def _points(axes: Axes, x: Floats, y: Floats, colour: str) -> Axes:
+    axes.plot(x, y, linestyle="none", marker=".", markersize=2, markeredgewidth=0, color=colour, rasterized=True)
     return axes
+
+
+def _section_of_assembly(section: AssemblySection, axes: Axes, of: Optional[str]) -> tuple[Floats, Floats]:
+    """The points, with the axes' labels."""
+    if of is None and section.phase is not None and section.speed is not None:
+        _phases(axes)
+        axes.set_ylabel(f"closing speed of {section.at}, SI")
+        return section.phase, section.speed
+    pairs = _rates(section.machine.columns)
+    of = next(iter(pairs)) if of is None else choice("of", of, tuple(pairs))
+    axes.set_xlabel(f"{of} ({_unit(section.machine, of)})")
+    axes.set_ylabel(f"{pairs[of]} ({_unit(section.machine, pairs[of])})")
+    return section[of], section[pairs[of]]
+
+
+def _rates(columns: Sequence[str]) -> dict[str, str]:
+    """Displacements and elongations with their rates."""
+    rates = {".s": ".v", ".e": ".rate"}
+    pairs = {name: name[:-2] + rates[name[-2:]] for name in columns if name[-2:] in rates}
+    return {place: rate for place, rate in pairs.items() if rate in columns}
 
 
 def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
@@ -266,10 +310,15 @@ def _dots(axes: Axes, shown: Union[Direction, AssemblyDirection], colour: str, l
     )
 
 
-def basins(basins: Basins, axes: Optional[Axes] = None) -> Axes:
-    """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white."""
-    _require("basins", basins, Basins)
+def basins(basins: Union[Basins, AssemblyBasins], axes: Optional[Axes] = None) -> Axes:
+    """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white.
+
+    Of a machine of your own cells whose motion was not decided are grey, and those whose motion ends are black.
+    """
+    _require("basins", basins, Basins, AssemblyBasins)
     axes = axes or plt.gca()
+    if isinstance(basins, AssemblyBasins):
+        return _basins_of_assembly(basins, axes)
     colours, handles = ["white"], []
     for number, attractor in enumerate(basins.attractors):
         colour = _AREAS[number % len(_AREAS)]
@@ -281,19 +330,47 @@ def basins(basins: Basins, axes: Optional[Axes] = None) -> Axes:
         if basins.mirror[basins.cells == number].any():
             handles.append(Patch(facecolor=light, label="its mirror image"))
     shown = np.where(basins.cells < 0, 0, 1 + 2 * basins.cells + basins.mirror)
+    labels = [f"start of {_start(name)}" for name in basins.names]
+    return _areas(axes, shown, colours, handles, (basins.edges, labels[0], labels[1]))
+
+
+def _basins_of_assembly(basins: AssemblyBasins, axes: Axes) -> Axes:
+    colours, handles = ["black", "#8c8c8c", "white"], []
+    for number, attractor in enumerate(basins.attractors):
+        turn, index = divmod(number, len(_AREAS))
+        colour = _AREAS[index] if turn % 2 == 0 else _lighter(_AREAS[index])
+        colours.append(colour)
+        word = attractor.word if len(attractor.word) <= 48 else f"{attractor.word.count(',') + 1} events"
+        handles.append(Patch(facecolor=colour, label=f"{attractor.kind} {word}".strip()))
+
+    def label(name: str) -> str:
+        unit = "s" if name == "time" else _unit(basins.machine, name)
+        return f"start of {name} ({unit})"
+
+    return _areas(axes, basins.cells + 3, colours, handles, (basins.edges, label(basins.names[0]), label(basins.names[1])))
+
+
+def _areas(
+    axes: Axes,
+    shown: NDArray[np.int32],
+    colours: list[str],
+    handles: list[Patch],
+    place: tuple[tuple[float, float, float, float], str, str],
+) -> Axes:
+    """A plane of coloured cells with its legend."""
+    edges, across, up = place
     axes.imshow(
         shown,
         cmap=ListedColormap(colours),
         vmin=-0.5,
         vmax=len(colours) - 0.5,
-        extent=basins.edges,
+        extent=edges,
         origin="lower",
         aspect="auto",
         interpolation="nearest",
     )
-    labels = [f"start of {_start(name)}" for name in basins.names]
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, fontsize="small")
     return axes
 
@@ -309,13 +386,23 @@ def _lighter(colour: str) -> str:
     return "#" + "".join(f"{(part + 255) // 2:02x}" for part in parts)
 
 
-def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
-    """The largest maximum along a branch of periodic orbits: solid where stable, dashed where not, special points with labels."""
-    _require("branch", branch, Branch)
+def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -> Axes:
+    """What is kept along a branch of periodic orbits: solid where stable, dashed where not, special points with labels.
+
+    It is the largest maximum; of a machine of your own the branch's measure, in SI.
+    """
+    _require("branch", branch, Branch, AssemblyBranch)
     axes = axes or plt.gca()
-    scale, unit = _length(branch.machine)
-    top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
-    colour = COLOURS[branch.of]
+    if isinstance(branch, AssemblyBranch):
+        machine, colour, top = branch.machine, "C0", branch.measure
+        unit, parameter = machine.measures[branch.of].split(":")[0] if branch.of in machine.measures else "", machine.units[branch.name]
+        across = branch.name if parameter == "1" else f"{branch.name} ({parameter})"
+        up = branch.of if unit in ("", "1") else f"{branch.of} ({unit})"
+    else:
+        scale, symbol = _length(branch.machine)
+        top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
+        colour, across = COLOURS[branch.of], PARAMETERS[branch.name][0]
+        up = f"largest maximum of {_SYMBOLS[branch.of]} ({symbol})"
     # A piece goes from a point to the next, whose stability is that of its first point.
     for stable, style in ((True, "-"), (False, (0, (3, 2)))):
         begins = np.flatnonzero(branch.stable[:-1] == stable)
@@ -336,7 +423,9 @@ def branch(branch: Branch, axes: Optional[Axes] = None) -> Axes:
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
         )
     axes.margins(y=0.1)
-    axes.set_xlabel(PARAMETERS[branch.name][0])
-    axes.set_ylabel(f"largest maximum of {_SYMBOLS[branch.of]} ({unit})")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
+    handles, labels = axes.get_legend_handles_labels()
+    own = dict(zip(reversed(labels), reversed(handles)))  # several branches in one picture have one entry each
+    axes.legend([own[key] for key in sorted(own)], sorted(own), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     return axes

@@ -90,9 +90,7 @@ impl Listed {
     fn new(machine: &Machine, basins: &Basins, number: usize, attractor: &BasinAttractor) -> Self {
         let (word, stability) = match attractor.settled.class {
             MotionClass::Periodic(_) => match Orbit::settled(machine, &attractor.start, 0) {
-                Ok(orbit) => {
-                    (orbit.word().in_words(&orbit.place().assembly), orbit.stability().to_string())
-                }
+                Ok(orbit) => (orbit.word().in_words(&orbit.place().assembly), orbit.stability().to_string()),
                 Err(_) => (String::new(), "orbit not found".into()),
             },
             _ => (String::new(), String::new()),

@@ -21,7 +21,7 @@ use crate::ranges::{in_option, texts};
 use crate::run::RunArguments;
 use crate::study_arguments::{
     Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
-    Stability, Template,
+    SectionOfFile, Stability, Template,
 };
 use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
 use clap::parser::ValueSource;
@@ -32,8 +32,8 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `orbit` and `orbits` take a machine's FILE. Without
-it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit` and `orbits` take a machine's FILE.
+Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
@@ -90,9 +90,11 @@ pub fn command() -> clap::Command {
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
     let all = all.mut_subcommands(|command| {
         let notes: &[&str] = match command.get_name() {
-            "check" | "draw" => &[NUMBERS],
+            "check" | "draw" | "section" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" => &[NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" => {
+                &[NUMBERS, LIMITS]
+            }
             _ => &[LIMITS],
         };
         with_notes(with_shared(command, &shared), notes)
@@ -107,6 +109,7 @@ fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
         "draw" => &["config", "replace", "discard_unfinished", "threads"],
+        "section" => &["config", "discard_unfinished", "threads"],
         "template" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
@@ -124,7 +127,7 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "set" if ["check", "draw"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
+        "set" if ["check", "draw", "section"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
         "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
         "set" => Some(arg.clone()),
         _ => None,
@@ -239,7 +242,7 @@ pub enum Command {
     /// --period and --section say otherwise.
     Bifurcation(Bifurcation),
     /// Bifurcation diagram with Lyapunov exponents (figure 14, table 2): all of them, or with FILE
-    /// the largest, and without --vary of the machine as it is
+    /// the largest (--spectrum: all), and without --vary of the machine as it is
     ///
     /// With FILE one variation is carried exactly through flights and events (saltation matrices).
     Lyapunov(Lyapunov),
@@ -265,6 +268,9 @@ pub enum Command {
     /// With FILE attractors are told apart by class, period and states at the section, and named by
     /// the events of their orbits. Motions without a period count as one attractor of their class.
     Basin(Basin),
+    /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of an
+    /// element
+    Section(SectionOfFile),
     /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),
     /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations

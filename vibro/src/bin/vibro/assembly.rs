@@ -37,6 +37,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
         Command::Basin(a) => assembly_basin::basin(file, common, a)?,
+        Command::Section(a) => assembly_studies::section(file, common, a)?,
         Command::Response(a) => assembly_orbits::response(file, common, a)?,
         Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
         Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,

@@ -6,16 +6,19 @@ use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
+use crate::progress::Progress;
 use crate::ranges::{ParameterRange, ParameterValues, in_option, texts};
-use crate::study_arguments::{Bifurcation, Lyapunov};
+use crate::study_arguments::{Bifurcation, Lyapunov, SectionOfFile};
 use crate::sweep::{in_words, request};
 use crate::sweep_arguments::{AxisArgument, Sweep};
 use std::path::Path;
 use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::manifest::Invocation;
-use vibro::studies::assembly_exponent;
+use vibro::studies::{SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum};
 use vibro::{Error, Result, assembly};
-use vibro_analysis::assembly::{Machine, Measure, QuantityName, Section, SectionRule, diagram};
+use vibro_analysis::assembly::{
+    Machine, Measure, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare, section_of,
+};
 use vibro_analysis::isoperiodic;
 use vibro_analysis::plane::ParameterAxis;
 use vibro_assembly::Start;
@@ -201,7 +204,11 @@ pub fn bifurcation(file: &Path, common: &Common, a: &Bifurcation) -> Result<()> 
     draw(file, common, a, None)
 }
 
-pub fn lyapunov(file: &Path, common: &Common, Lyapunov { sweep: a, periods, .. }: &Lyapunov) -> Result<()> {
+pub fn lyapunov(
+    file: &Path,
+    common: &Common,
+    Lyapunov { sweep: a, periods, spectrum, .. }: &Lyapunov,
+) -> Result<()> {
     if !EXPONENT_PERIODS.contains(periods) {
         let problem = format!("allowed are {} to {}", EXPONENT_PERIODS.start(), EXPONENT_PERIODS.end());
         return Err(Error::Refused { what: format!("--periods {periods}"), problem });
@@ -211,17 +218,64 @@ pub fn lyapunov(file: &Path, common: &Common, Lyapunov { sweep: a, periods, .. }
     }
     let machine = machine(file, &a.of_file.section, common)?;
     let start = start_of(&machine, &a.start)?;
-    let options =
-        [("start", start.to_string()), ("discard", a.discard.to_string()), ("periods", periods.to_string())];
+    let mut options = vec![
+        ("start", start.to_string()),
+        ("discard", a.discard.to_string()),
+        ("periods", periods.to_string()),
+    ];
+    options.extend(spectrum.then(|| ("spectrum", true.to_string())));
     let invocation = invocation(common, &options);
-    let destination = Destination::new(common, &invocation, &machine);
-    // The folder is checked before work begins.
-    destination.place(&[destination.result(&invocation.command)])?;
-    let study = assembly_exponent(&machine, &start, (a.discard, *periods), &invocation.command)?;
+    short(&machine, common, &invocation, &invocation.command, &mut || match spectrum {
+        true => {
+            let progress = Progress::new(*periods as usize, "periods");
+            let mut step = || progress.step();
+            assembly_spectrum(&machine, &start, (a.discard, *periods), &mut step, &invocation.command)
+        }
+        false => assembly_exponent(&machine, &start, (a.discard, *periods), &invocation.command),
+    })
+}
+
+/// Computes and writes one study of a machine, after its folder has been checked.
+fn short(
+    machine: &Machine,
+    common: &Common,
+    invocation: &Invocation,
+    name: &str,
+    study: &mut dyn FnMut() -> Result<Study>,
+) -> Result<()> {
+    let destination = Destination::new(common, invocation, machine);
+    destination.place(&[destination.result(name)])?;
+    let study = study()?;
     let held = destination::hold(&common.out);
     let out = destination.write(std::slice::from_ref(&study))?;
     drop(held);
-    output::print(&[study], &machine, &out, common)
+    output::print(&[study], machine, &out, common)
+}
+
+/// Poincaré section of a settled motion.
+pub fn section(file: &Path, common: &Common, a: &SectionOfFile) -> Result<()> {
+    let machine = machine(file, &a.section, common)?;
+    let start = start_of(&machine, &a.start)?;
+    let request = PoincareRequest { start, phase: a.phase, discard: a.discard, keep: a.keep };
+    section_of(&machine, a.phase)?;
+    let shown = SectionAxes::new(&machine, a.of.as_deref())?;
+    let options = [
+        ("start", request.start.to_string()),
+        ("phase", a.phase.to_string()),
+        ("discard", a.discard.to_string()),
+        ("keep", a.keep.to_string()),
+        ("of", shown.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    short(&machine, common, &invocation, "section", &mut || {
+        let progress = Progress::new(a.keep as usize, "points");
+        let mut go_on = || {
+            progress.step();
+            true
+        };
+        let points = poincare(&machine, &request, &mut go_on)?;
+        assembly_section(&machine, &request, &points, &shown, "section")
+    })
 }
 
 pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {

@@ -115,6 +115,12 @@ pub fn time(text: &str) -> std::result::Result<f64, String> {
     })
 }
 
+/// An angle, in rad.
+pub fn angle(text: &str) -> std::result::Result<f64, String> {
+    let found = quantity_in("rad", text.trim()).map(|q| q.value).filter(|x| x.is_finite());
+    found.ok_or_else(|| "allowed is a finite angle, in rad or with a unit of rad, deg, e.g. 90deg".into())
+}
+
 /// Constant loads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {

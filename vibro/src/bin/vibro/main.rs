@@ -119,7 +119,9 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
-        Command::Check { .. } | Command::Draw { .. } | Command::Template(_) => return Ok(()),
+        Command::Check { .. } | Command::Draw { .. } | Command::Section(_) | Command::Template(_) => {
+            return Ok(());
+        }
         Command::Reproduce(a) => {
             let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
                            machine by the other commands";

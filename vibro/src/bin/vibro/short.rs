@@ -3,7 +3,9 @@
 use crate::arguments::Command;
 use crate::progress::Progress;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, shown};
-use crate::study_arguments::{Compare, Manifold, Plane, Planes, Response, ResponseKind, ResponseOfPaper, Stability};
+use crate::study_arguments::{
+    Compare, Manifold, Plane, Planes, Response, ResponseKind, ResponseOfPaper, Stability,
+};
 use crate::sweep_arguments::AxisArgument;
 use std::ops::RangeInclusive;
 use vibro::studies::{self, Study};

@@ -2,7 +2,7 @@
 //! own.
 
 use crate::common_arguments::{
-    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, angle, start_help,
 };
 use crate::orbits_arguments::ResponseOfFile;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
@@ -110,6 +110,10 @@ pub struct Lyapunov {
     /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
+    /// Tell all exponents of the machine as it is: every variation is carried through flights and
+    /// events, over --periods returns
+    #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
+    pub spectrum: bool,
     /// End a spectrum once the standard deviation of the running exponents over 200 periods is
     /// below this, per unit of tau
     #[arg(long, value_name = "X", default_value_t = 0.0)]
@@ -172,6 +176,34 @@ pub struct BasinOfPaper {
     /// The parsed start.
     #[arg(skip)]
     pub start: Option<StartRule>,
+}
+
+/// Arguments of `section`.
+#[derive(Args, Debug)]
+pub struct SectionOfFile {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
+    /// Where the motion is looked at.
+    #[command(flatten)]
+    pub section: SectionArguments,
+    /// Look at the motion at this phase of each period, in rad or with a unit, e.g. 90deg
+    #[arg(long, value_name = "ANGLE", default_value = "0", value_parser = angle, allow_hyphen_values = true)]
+    pub phase: f64,
+    /// Periods discarded, unless the motion has settled before
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
+    pub discard: u32,
+    /// Points of the section
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(1..=10_000_000))]
+    pub keep: u32,
+    /// What is drawn across and up: two of the columns, such as box.s,box.v, of time and phase, and
+    /// at an element's events of speed, with which it closes
+    /// [default: the first free body's place and rate; at an element's events phase,speed]
+    #[arg(long, value_name = "NAME,NAME")]
+    pub of: Option<String>,
 }
 
 /// Arguments of `isoperiodic`.

@@ -45,7 +45,17 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         let takes = |commands: &[&str]| path.iter().any(|word| commands.contains(&word.as_str()));
         let of_both = AXES.contains(&option) && takes(&["sweep", "bifurcation", "lyapunov", "orbits"])
             || option == "range" && takes(&["response"])
-            || option == "start" && takes(&["run", "sweep", "bifurcation", "lyapunov", "orbit", "orbits", "response", "basin"]);
+            || option == "start"
+                && takes(&[
+                    "run",
+                    "sweep",
+                    "bifurcation",
+                    "lyapunov",
+                    "orbit",
+                    "orbits",
+                    "response",
+                    "basin",
+                ]);
         let later = READ_LATER.contains(&option) || of_both;
         if !number && (later || !FORMS.contains(&form.as_str())) {
             return;
