@@ -9,7 +9,10 @@ use pyo3::prelude::*;
 use vibro_analysis::assembly::{Machine, Measure, QuantityName, named};
 use vibro_assembly::Start;
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Branch, Family, Orbit, Stability, TreeOptions, branch, check_measure, tree};
+use vibro_orbits::assembly::{
+    Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    check_measure, tree,
+};
 
 /// A periodic orbit of a described machine.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -80,6 +83,17 @@ impl AssemblyOrbit {
         Ok(self.orbit.measure(&measure).map_err(Failure::from)?)
     }
 
+    /// Name, derivative and reason for which there is none, of a measure by each parameter.
+    fn gradient(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Option<f64>, String)>> {
+        let measure = measure_of(name)?;
+        let found = py.detach(|| self.orbit.gradient(&measure)).map_err(Failure::from)?;
+        let row = |row: vibro_orbits::assembly::ParameterDerivative| match row.derivative {
+            Ok(derivative) => (row.parameter, Some(derivative), String::new()),
+            Err(reason) => (row.parameter, None, reason),
+        };
+        Ok(found.into_iter().map(row).collect())
+    }
+
     /// Energies a period by element, J; none where no motion stays on the orbit.
     fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
         Ok(self.orbit.energies().map_err(Failure::from)?)
@@ -94,20 +108,37 @@ fn measure_of(name: &str) -> Result<Measure, Failure> {
     }
 }
 
-/// The orbit on which a motion settles.
+/// The orbit on which a motion settles, or one with a given word or period: so many common periods
+/// of the drive, or a time, s.
 #[pyfunction]
-#[pyo3(signature = (machine, start, settle, section, progress = None))]
+#[pyo3(signature = (machine, start, settle, section, word, periods, time, starts, progress = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
 pub fn assembly_orbit(
     py: Python<'_>,
     machine: &Described,
     start: Numbers,
     settle: u32,
     section: Option<SectionChoice>,
+    word: Option<String>,
+    periods: Option<u32>,
+    time: Option<f64>,
+    starts: u32,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyOrbit> {
+    let assembly = machine.assembly()?;
     let (start, machine) = (machine.start_of(&start)?, machine.machine(section));
-    compute(py, progress, move |_| {
-        Ok(AssemblyOrbit { orbit: Orbit::settled(&machine, &start, settle)?, machine })
+    let word = word.map(|word| WantedWord::parse(&word, &assembly)).transpose().map_err(Failure::from)?;
+    let period = periods.map(WantedPeriod::Drive).or_else(|| time.map(WantedPeriod::Time));
+    compute(py, progress, move |control| {
+        let orbit = if word.is_none() && period.is_none() {
+            Orbit::settled(&machine, &start, settle)?
+        } else {
+            let wanted = WordSearch { start, word, period, starts, discard: settle };
+            let found = Orbit::search(&machine, &wanted, &|| !control.is_cancelled());
+            control.check()?;
+            found?
+        };
+        Ok(AssemblyOrbit { orbit, machine })
     })
 }
 

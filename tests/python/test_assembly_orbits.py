@@ -99,6 +99,31 @@ def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
         section["boz.s"]
 
 
+def test_second_method_a_gradient_is_the_slope_of_followed_branches():
+    damper = example("damper_with_buffer.toml")
+    orbit = damper.orbit()
+    gradient = orbit.gradient("amplitude.box.s")
+    assert not any(".start." in name for name in gradient) and len(gradient) > 20
+    for name in ("stop.steel.gap", "body.box.mass", "load.shaker.frequency", "friction.guide.force"):
+        value = damper.parameters[name]
+        branch = orbit.follow(name, value * (1 - 1e-4), value * (1 + 1e-4), of="amplitude.box.s")
+        slope = (branch.measure[-1] - branch.measure[0]) / (branch.value[-1] - branch.value[0])
+        # The curvature over a ten-thousandth, and the rounding of amplitudes over it.
+        assert abs(gradient[name] - slope) < 1e-5 * abs(slope), name
+
+
+def test_an_unstable_orbit_is_found_by_its_word_and_period():
+    machine = vi.Assembly(OSCILLATOR)
+    assert machine.orbit().periods == 2
+    for wanted in ({"word": "impact wall", "period": "1T"}, {"period": 1 / 3}):
+        orbit = machine.orbit(**wanted)
+        assert (orbit.word, orbit.periods, orbit.stability) == ("impact wall", 1, "unstable")
+    # The branch of the stable one at a lower frequency leads there.
+    slower = machine.replace(**{"load.shaker.frequency": 2.55}).orbit("impact wall", period="1T")
+    branch = slower.follow("load.shaker.frequency", 2.5, 3.0, of="impact.speed.wall")
+    assert abs(branch.measure[-1] - orbit.measure("impact.speed.wall")) < 1e-11
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -107,8 +132,12 @@ def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
         (lambda: example("relay_bounce.toml").orbit(), "load.magnet has a step"),
         (lambda: example("impact_pair.toml").orbit().follow("stop.left.gap", 2, 3), "must lie in the range 2 to 3"),
         (lambda: example("impact_pair.toml").orbit().measure("power.lost"), "no measure of an orbit"),
+        (lambda: example("impact_pair.toml").orbit().gradient("class"), "no measure of an orbit"),
         (lambda: vi.Assembly(OSCILLATOR).poincare("wall", phase=1.0), "allowed is 0 at a section of an element's events"),
         (lambda: vi.Assembly(OSCILLATOR).lyapunov(periods=7), "periods = 7"),
+        (lambda: vi.Assembly(OSCILLATOR).orbit("open wall"), "it cannot close"),
+        (lambda: vi.Assembly(OSCILLATOR).orbit(period="0T"), "allowed are '1T' to '32T'"),
+        (lambda: vi.Assembly(OSCILLATOR).orbit(period=0.1), "a multiple of the drive's period"),
         (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (1, 0, 3), "box.v": (0, 1, 3)}), "allowed is from < to"),
         (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (0, 1, 3), "boz.v": (0, 1, 3)}), "box.v"),
         (lambda: vi.Assembly(OSCILLATOR).response("load.shaker.frequency", 3, 1), "allowed is a range with length"),

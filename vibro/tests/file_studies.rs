@@ -236,3 +236,129 @@ fn second_method_a_spectrum_has_the_multipliers_of_the_orbit() {
     let (_, error) = refused(&["lyapunov", "--spectrum"]);
     assert!(error.contains("an option of a machine's file"), "{error}");
 }
+
+#[test]
+fn closed_form_the_gradient_of_the_rattles_closing_speed() {
+    /// Differences of fourth order, relative.
+    const DIFFERENCES: f64 = 1e-9;
+    let (out, file) = file("file-gradient", RATTLE);
+    let said = drawn(&out.join("g"), &["orbit", &file, "--gradient", "impact.speed.right"]);
+    assert!(
+        said.contains("changes, for 1 % more of a parameter, most by body.joint.motion.frequency 1 %"),
+        "{said}"
+    );
+    // F(V, d, r) = (π V/w - d)²/4 + (r V/w)² - A² = 0, and the flanks close at V (1 + r).
+    let (a, d, epsilon, omega): (f64, f64, f64, f64) = (1e-3, 3e-3, 0.6, TAU * 25.0);
+    let r = (1.0 - epsilon) / (1.0 + epsilon);
+    let (square, linear, rest) = (PI * PI / 4.0 + r * r, -PI * d / 2.0, d * d / 4.0 - a * a);
+    let flight = omega * (-linear + (linear * linear - 4.0 * square * rest).sqrt()) / (2.0 * square);
+    let by_speed = (PI * flight / omega - d) * PI / (2.0 * omega) + 2.0 * r * r * flight / (omega * omega);
+    let by_amplitude = (1.0 + r) * 2.0 * a / by_speed;
+    let by_gap = (1.0 + r) * 0.5 * (PI * flight / omega - d) / by_speed;
+    let by_r = flight - (1.0 + r) * 2.0 * r * flight * flight / (omega * omega) / by_speed;
+    let by_restitution = -by_r * 2.0 / (1.0 + epsilon).powi(2);
+    let rows = table(&out.join("g"), "gradient.csv");
+    let found = |name: &str| {
+        let row = rows.iter().find(|row| row["parameter"] == name).expect("a parameter");
+        number(row, "d impact.speed.right")
+    };
+    for (own, expected) in [
+        (found("body.joint.motion.amplitude"), by_amplitude),
+        (found("stop.right.gap"), by_gap),
+        (found("stop.left.gap"), by_gap),
+        (found("stop.right.restitution") + found("stop.left.restitution"), by_restitution),
+        (found("body.joint.motion.frequency"), flight * (1.0 + r) / 25.0),
+    ] {
+        assert!((own / expected - 1.0).abs() < DIFFERENCES, "{own} {expected}");
+    }
+    // Neither the phase nor the mass nor a slow drift of both moves the closing speed.
+    for name in ["body.joint.motion.phase", "body.part.mass", "body.joint.motion.rate"] {
+        assert!(found(name).abs() < DIFFERENCES, "{name}: {}", found(name));
+    }
+    assert!(rows.iter().all(|row| !row["parameter"].contains(".start.")));
+    let (_, error) = refused(&["orbit", &file, "--gradient", "class"]);
+    assert!(error.contains("no measure of an orbit"), "{error}");
+}
+
+#[test]
+fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_close_are_refused() {
+    let (out, file) = file("file-word", OSCILLATOR);
+    // At 3 Hz the motion settles on 2T; the orbit with one impact a period is unstable.
+    let line = ["orbit", &file, "--word", "impact wall", "--period", "1T"];
+    let said = drawn(&out.join("o"), &line);
+    assert!(said.contains("1 period of the drive") && said.contains("unstable"), "{said}");
+    let events = table(&out.join("o"), "orbit-events.csv");
+    // Between impacts x = R sin(w t + th) + e^(-d t) (a cos + b sin), with x = g at both and
+    // v(0) = -ε v(T): b = κ a, R sin th = g - a and R cos th = -a L/(w (1 + ε)).
+    let (omega, d, g, epsilon): (f64, f64, f64, f64) = (TAU * 3.0, 1.0, 0.01, 0.8);
+    let (own, period) = ((400.0f64 - d * d).sqrt(), 1.0 / 3.0);
+    let (e, c, s) = ((-d * period).exp(), (own * period).cos(), (own * period).sin());
+    let kappa = (1.0 - e * c) / (e * s);
+    let end = e * (-d * (c + kappa * s) + own * (-s + kappa * c));
+    let l = (-d + own * kappa) + epsilon * end;
+    let square = 1.0 + (l / (omega * (1.0 + epsilon))).powi(2);
+    let r = amplitude(3.0);
+    let root = (g * g - square * (g * g - r * r)).sqrt();
+    let speeds = [-1.0, 1.0].map(|sign| {
+        let a = (g + sign * root) / square;
+        a * end - a * l / (1.0 + epsilon)
+    });
+    let speed = number(&events[0], "value");
+    assert!(speeds.iter().any(|own| (speed / own - 1.0).abs() < ROUNDING), "{speed} {speeds:?}");
+
+    for (words, named) in [
+        (
+            &["--word", "impact wall, impact wall", "--period", "1T", "--starts", "2"][..],
+            "found were: 2T [impact wall]",
+        ),
+        (&["--word", "press wall"], "allowed with press: none in this machine"),
+        (&["--word", "open wall, impact wall"], "it cannot close: open wall comes without close wall"),
+        (&["--word", "close wall, close wall, open wall"], "close wall comes again without open wall"),
+        (&["--word", "hit wall"], "`hit` is no kind of event"),
+        (&["--word", "wall"], "`wall` is no event"),
+        (&["--period", "0.1s"], "a multiple of the drive's period"),
+        (&["--period", "33T"], "allowed are 1T to 32T"),
+        (&["--period", "2m"], "allowed is a finite time above 0"),
+        (&["--load", "box=1N"], "an option of the paper's machine"),
+    ] {
+        let (_, error) = refused(&[&["orbit", &file][..], words].concat());
+        assert!(error.contains(named), "{words:?}: {error}");
+    }
+    let (_, error) = refused(&["orbit", "--period", "40"]);
+    assert!(error.contains("--period: 40 is not in 1..=32"), "{error}");
+}
+
+#[test]
+fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
+    let (out, file) = file("file-diagram", OSCILLATOR);
+    let vary = "load.shaker.frequency=3.4Hz:6Hz:14";
+    let line = ["bifurcation", &file, "--vary", vary, "--orbits", "--keep", "20"];
+    let said = drawn(&out.join("d"), &line);
+    assert!(said.contains("28 of 28 periodic rows of both directions lie on a stable branch"), "{said}");
+    let rows = table(&out.join("d"), "assembly-bifurcation-orbits-rows.csv");
+    assert!(rows.len() == 28 && rows.iter().all(|row| row["not_covered"].is_empty()));
+    // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not; in between a
+    // motion may do either, and rising it hits.
+    for row in &rows {
+        let (value, hits) = (number(row, "load.shaker.frequency"), row["word"] == "impact wall");
+        let rising = row["direction"] == "rising";
+        assert!(hits || row["word"].is_empty(), "{row:?}");
+        assert!(
+            if value < 3.879 || (rising && value < 5.002) { hits } else { !hits || value < 5.002 },
+            "{row:?}"
+        );
+    }
+    assert!(rows.iter().filter(|row| row["word"].is_empty()).count() > 10);
+    let curves = table(&out.join("d"), "assembly-bifurcation-orbits.csv");
+    let free: Vec<_> = curves.iter().filter(|row| number(row, "load.shaker.frequency") > 5.1).collect();
+    assert!(free.len() > 5);
+    for row in free {
+        let expected = amplitude(number(row, "load.shaker.frequency"));
+        // Maxima are told to seven digits.
+        assert!((number(row, "box.s_maxima") / expected - 1.0).abs() < 1e-6, "{row:?} {expected}");
+    }
+    for words in [&["--at-section"][..], &["--pair", "stop.wall.gap,stop.wall.restitution"]] {
+        let (_, error) = refused(&[&line[..], words].concat());
+        assert!(error.contains("'--orbits' cannot be used with"), "{error}");
+    }
+}

@@ -11,15 +11,18 @@
 mod branch;
 mod cycle;
 mod examined;
+mod gradient;
 mod location;
 mod orbit;
 mod parameter;
 mod path;
 mod place;
 mod problem;
+mod search;
 mod seed;
 mod switching;
 mod tree;
+mod wanted;
 mod word;
 
 #[cfg(test)]
@@ -28,7 +31,10 @@ mod tests;
 pub use branch::{Branch, Kind, OrbitPoint, Special};
 pub use cycle::{Condition, Leg};
 pub use examined::check_measure;
+pub use gradient::ParameterDerivative;
 pub use orbit::{Orbit, Stability};
 pub use place::{Family, Place};
+pub use search::{WantedPeriod, WordSearch};
 pub use tree::{TreeOptions, branch, tree};
+pub use wanted::WantedWord;
 pub use word::{Letter, Word};

@@ -215,6 +215,18 @@ pub(super) fn seed(
     Ok(Seed { problem, numbers: Numbers { state, times, period, drifts }, value })
 }
 
+/// Least and largest value of each number of the state of a motion over some returns, or as far as it
+/// goes on.
+pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> Vec<(f64, f64)> {
+    let (mut record, mut flows) = (Record::default(), Flows::default());
+    for _ in 0..returns {
+        if section.follow(motion, &mut flows, &mut [&mut record]).is_err() {
+            break;
+        }
+    }
+    record.extents
+}
+
 /// The state that uniformly moving bodies have at an earlier time, with what they carry along.
 fn move_back(system: &System, state: &mut [f64], time: f64, by: f64) -> Result<()> {
     let mut earlier = state.to_vec();

@@ -337,13 +337,30 @@ class Assembly(AssemblyDescription):
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
 
-    def orbit(self, *, start: Start = None, settle: int = 400, section: Section = None, progress: bool = False) -> AssemblyOrbit:
-        """The periodic orbit on which a motion settles: ``vibro orbit FILE``.
+    def orbit(
+        self,
+        word: Optional[str] = None,
+        *,
+        period: Union[None, float, str] = None,
+        start: Start = None,
+        starts: int = 32,
+        settle: int = 400,
+        section: Section = None,
+        progress: bool = False,
+    ) -> AssemblyOrbit:
+        """The periodic orbit on which a motion settles, or one with a given word or period, stable or not: ``vibro orbit FILE``.
 
         Parameters
         ----------
+        word
+            Its events in order, ``"impact steel, press buffer"``, from any of them on; kinds of events other than impact, chatter and press
+            that it does not mention are left out.
+        period
+            Its period: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
         start
             As of :meth:`simulate`: where the motion begins.
+        starts
+            Number of random starts from which an orbit with a word or period is sought, where the first motion does not pass near one.
         settle
             Returns to the section before the motion counts as settled, unless it has settled before.
         section
@@ -352,11 +369,10 @@ class Assembly(AssemblyDescription):
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
-        RuntimeError
-            For a motion that settles on no periodic orbit, with its class, and where none is found, with how far the search came.
+            For arguments out of their range, a word that cannot close, a motion that settles on no periodic orbit, with its class, and where
+            none is found, with those that were.
         """
-        return find_orbit(self, start, settle, section, progress)
+        return find_orbit(self, (word, period, starts), start, settle, section, progress)
 
     def branches(
         self,

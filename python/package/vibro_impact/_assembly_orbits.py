@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, number, whole
-from ._assembly_many import Section, section_of
+from ._assembly_many import Section, positive, section_of
 from ._assembly_start import AssemblyStart, Start, numbers_of
 from ._progress import Bar
 from ._result import Result
@@ -70,6 +70,17 @@ class AssemblyOrbit(Result):
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
         return self._handle.measure(name)
+
+    def gradient(self, name: str) -> dict[str, Optional[float]]:
+        """The derivatives of an output, as of :meth:`measure`, by every number of the machine but those of its start, by name, in SI.
+
+        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. All flights and events are those of the orbit's word. None where there is no
+        derivative: at a fold, and where neither a larger nor a smaller value leaves an orbit, such as a frequency of which the others are
+        multiples.
+        """
+        if not isinstance(name, str):
+            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+        return {parameter: value for parameter, value, _ in self._handle.gradient(name)}
 
     def energies(self) -> Optional[dict[str, float]]:
         """The energy that each load puts in and each other element takes, J a period; none where no motion stays on the orbit."""
@@ -168,16 +179,43 @@ def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, A
     return AssemblyBranch(machine=machine, name=name, of=of, **found)
 
 
-def find_orbit(machine: AssemblyDescription, start: Start, settle: int, section: Section, progress: bool) -> AssemblyOrbit:
-    """The orbit on which a motion settles."""
+def find_orbit(
+    machine: AssemblyDescription,
+    wanted: tuple[Optional[str], Union[None, float, str], int],
+    start: Start,
+    settle: int,
+    section: Section,
+    progress: bool,
+) -> AssemblyOrbit:
+    """The orbit on which a motion settles, or one with a word or period."""
+    word, period, starts = wanted
     numbers = numbers_of(machine, start)
-    settle = whole("settle", settle, 0, _MOST_RETURNS)
+    settle, starts = whole("settle", settle, 0, _MOST_RETURNS), whole("starts", starts, 0, 100_000)
+    if word is not None and not isinstance(word, str):
+        raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
+    periods, time = _period(machine, period)
     with Bar(progress, 1, "orbits") as bar:
-        found = _native.assembly_orbit(machine._described, numbers, settle, section_of(section), bar.report)
+        found = _native.assembly_orbit(
+            machine._described, numbers, settle, section_of(section), word, periods, time, starts, bar.report
+        )
     own = AssemblyStart(dict(found.start))
     return AssemblyOrbit(
         machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
     )
+
+
+def _period(machine: AssemblyDescription, period: Union[None, float, str]) -> tuple[Optional[int], Optional[float]]:
+    """A period as a number of common periods of the drive, or as a time, s."""
+    if period is None:
+        return None, None
+    if not isinstance(period, str):
+        return None, positive("period", period)
+    turns = period.strip()
+    if turns.endswith("T"):
+        if not turns[:-1].strip().isdecimal() or not 1 <= int(turns[:-1]) <= 32:
+            raise ValueError(f"period = {period!r}: allowed are '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
+        return int(turns[:-1]), None
+    return None, positive("period", dict(numbers_of(machine, {"time": period}))["time"])
 
 
 def find_branches(

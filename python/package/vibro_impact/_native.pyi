@@ -143,10 +143,19 @@ class AssemblyOrbit:
     @property
     def start(self) -> _Numbers: ...
     def measure(self, name: str) -> float: ...
+    def gradient(self, name: str) -> list[tuple[str, float | None, str]]: ...
     def energies(self) -> list[tuple[str, float]] | None: ...
 
 def assembly_orbit(
-    machine: Described, start: _Numbers, settle: int, section: float | str | None, progress: _Progress = None
+    machine: Described,
+    start: _Numbers,
+    settle: int,
+    section: float | str | None,
+    word: str | None,
+    periods: int | None,
+    time: float | None,
+    starts: int,
+    progress: _Progress = None,
 ) -> AssemblyOrbit: ...
 def follow_assembly_orbit(
     orbit: AssemblyOrbit, name: str, ends: tuple[float, float], of: str, progress: _Progress = None

@@ -81,11 +81,23 @@ impl Guide {
     }
 }
 
+/// The words of a command; double quotes keep several together.
+fn words(line: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for (k, part) in line.split('"').enumerate() {
+        match k % 2 {
+            0 => words.extend(part.split_whitespace().map(str::to_owned)),
+            _ => words.push(part.to_owned()),
+        }
+    }
+    words
+}
+
 /// Standard output of a command that must succeed; `> file` writes it to a file.
 fn vibro(home: &Path, line: &str) -> String {
     let (line, file) = line.split_once(" > ").map_or((line, None), |(line, file)| (line, Some(file)));
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    let output = command.args(line.split_whitespace()).current_dir(home).output().expect("vibro runs");
+    let output = command.args(words(line)).current_dir(home).output().expect("vibro runs");
     assert!(output.status.success(), "vibro {line}: {}", String::from_utf8_lossy(&output.stderr));
     let said = String::from_utf8(output.stdout).expect("text");
     if let Some(file) = file {

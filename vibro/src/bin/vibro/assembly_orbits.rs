@@ -1,11 +1,12 @@
 //! `orbit`, `orbits` and `response` with a machine's file: from arguments to the library's studies.
 
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
-use crate::common_arguments::Common;
+use crate::common_arguments::{Common, time};
 use crate::destination::{self, Destination};
 use crate::orbits_arguments::{OneOrbit, Orbits, ResponseOfFile};
 use crate::output;
 use crate::progress::Progress;
+use crate::ranges::in_option;
 use crate::study_arguments::Response;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,8 +15,14 @@ use vibro::part_folder::write_whole;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_analysis::assembly::{Machine, Measure};
+use vibro_assembly::{Assembly, Start};
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Branch, Family, Orbit, TreeOptions, branch, check_measure, tree};
+use vibro_orbits::assembly::{
+    Branch, Family, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, check_measure, tree,
+};
+
+/// Longest period in common periods of the drive.
+const MOST_PERIODS: u32 = 32;
 
 /// The measure of `--of`: a measure, or the largest value of a quantity.
 fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
@@ -35,17 +42,57 @@ fn written(studies: &[Study], machine: &Machine, destination: &Destination, comm
     output::print(studies, machine, &out, common)
 }
 
-/// The orbit on which a motion settles.
-pub fn orbit(file: &Path, common: &Common, OneOrbit { settling, .. }: &OneOrbit) -> Result<()> {
+/// The period of `--period`: `2T`, or a time.
+fn period(text: &String) -> Result<WantedPeriod> {
+    let turns = text.trim().strip_suffix('T').map(|n| n.trim().parse::<u32>());
+    match turns {
+        Some(Ok(n @ 1..=MOST_PERIODS)) => Ok(WantedPeriod::Drive(n)),
+        None => time(text).map(WantedPeriod::Time).map_err(in_option("--period")),
+        Some(_) => {
+            let problem = format!("allowed are 1T to {MOST_PERIODS}T, or a time, e.g. 0.1s");
+            Err(Error::Refused { what: format!("--period {text}"), problem })
+        }
+    }
+}
+
+/// What is asked of an orbit; `None` for that of the settled motion.
+fn wanted(machine: &Machine, a: &OneOrbit, start: &Start) -> Result<Option<WordSearch>> {
+    if a.word.is_none() && a.period.is_none() {
+        return Ok(None);
+    }
+    let assembly = Assembly::new(machine.description.clone())?;
+    let word = a.word.as_ref().map(|word| WantedWord::parse(word, &assembly)).transpose()?;
+    let period = a.period.as_ref().map(period).transpose()?;
+    let (start, starts, discard) = (start.clone(), a.starts, a.settling.discard);
+    Ok(Some(WordSearch { start, word, period, starts, discard }))
+}
+
+/// One orbit: that on which a motion settles, or one with a given word or period.
+pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
+    let settling = &a.settling;
     let machine = machine(file, &settling.section(), common)?;
     let start = start_of(&machine, &settling.start)?;
-    let options = [("start", start.to_string()), ("discard", settling.discard.to_string())];
+    let of = a.gradient.as_ref().map(|of| measure(&machine, Some(of))).transpose()?;
+    let wanted = wanted(&machine, a, &start)?;
+    let mut options = vec![("start", start.to_string()), ("discard", settling.discard.to_string())];
+    options.extend(of.as_ref().map(|of| ("gradient", of.to_string())));
+    if let Some(WordSearch { word, period, starts, .. }) = &wanted {
+        options.extend(word.as_ref().map(|word| ("word", word.to_string())));
+        options.extend(period.map(|period| ("period", format!("{period:?}"))));
+        options.push(("starts", starts.to_string()));
+    }
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result("orbit")])?;
-    let orbit = Orbit::settled(&machine, &start, settling.discard)?;
-    let study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
+    let orbit = match &wanted {
+        None => Orbit::settled(&machine, &start, settling.discard)?,
+        Some(wanted) => Orbit::search(&machine, wanted, &|| true)?,
+    };
+    let mut study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
+    if let Some(of) = of {
+        studies::add_gradient(&mut study, &machine, &orbit, &of)?;
+    }
     written(&[study], &machine, &destination, common)?;
     write_whole(&out.join("start.toml"), orbit.start().to_toml().as_bytes())
 }

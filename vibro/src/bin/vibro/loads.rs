@@ -19,7 +19,7 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
         Command::Isoperiodic(a) => &a.loads,
         Command::Sweep(a) => &a.of_paper.loads,
         Command::Orbits(a) => &a.of_paper.which.loads,
-        Command::Orbit(a) => &a.which.loads,
+        Command::Orbit(a) => &a.loads,
         Command::Locus(a) => &a.loads,
         _ => return Ok(Vec::new()),
     };

@@ -123,7 +123,7 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
 
 pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
     let system = System::new(set.parameters())?;
-    studies::orbit(set, &a.which.orbits(&system)?)
+    studies::orbit(set, &a.which()?.orbits(&system)?)
 }
 
 pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {

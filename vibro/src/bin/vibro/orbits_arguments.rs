@@ -3,7 +3,7 @@
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
 };
-use crate::ranges::{ParameterRange, real, whole};
+use crate::ranges::{ParameterRange, in_option, real, whole};
 use clap::Args;
 use clap::builder::ArgPredicate::IsPresent;
 use std::path::PathBuf;
@@ -58,12 +58,43 @@ pub struct OneOrbit {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
+    /// Events of the orbit in order [default: the orbit of the settled motion]. With FILE kinds and
+    /// elements, "impact steel, press buffer"; kinds of events other than impact, chatter and press
+    /// that are not mentioned are left out. Without FILE impacts as U (upper stop) and L (lower
+    /// stop); a word that ends in "-" is half of a symmetric orbit: U- is the motion with two
+    /// symmetric impacts a period
+    #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
+    pub word: Option<String>,
+    /// Period of the orbit: with FILE in common periods of the drive, 2T, or a time, 0.1s; without
+    /// FILE the number of drive periods, with --word [default without FILE: 1]
+    #[arg(long, value_name = "PERIOD", allow_hyphen_values = true)]
+    pub period: Option<String>,
     /// Of a machine's file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub settling: Settling,
-    /// The orbit of the paper's machine.
+    /// With --word or --period, number of random starts from which the orbit is sought where the
+    /// motion from the start does not pass near it
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = whole::<u32>(0..=100_000), help_heading = WITH_FILE)]
+    pub starts: u32,
+    /// Also write gradient.csv: the derivatives of this output of the orbit, such as amplitude.box.s
+    /// or impact.speed.steel, by every number of the file
+    #[arg(long, value_name = "NAME", help_heading = WITH_FILE)]
+    pub gradient: Option<String>,
+    /// Constant loads.
     #[command(flatten, next_help_heading = WITHOUT_FILE)]
-    pub which: Which,
+    pub loads: ConstantLoads,
+}
+
+impl OneOrbit {
+    /// Which orbit of the paper's machine.
+    ///
+    /// # Errors
+    /// [`Error::Refused`](vibro::Error::Refused) for another period than 1 to 32.
+    pub fn which(&self) -> vibro::Result<Which> {
+        let read = |text: &String| whole::<u32>(1..=32)(text).map_err(in_option("--period"));
+        let period = self.period.as_ref().map(read).transpose()?.unwrap_or(1);
+        Ok(Which { word: self.word.clone(), period, loads: self.loads.clone() })
+    }
 }
 
 /// Arguments of `orbits`.
