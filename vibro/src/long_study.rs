@@ -74,6 +74,8 @@ pub enum AssemblyStudy {
     DesignSweep(design_sweep::SweepRequest<assembly::Machine>),
     /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::IsoperiodicRequest<assembly::Machine>),
+    /// A diagram with the branches of periodic orbits over it.
+    DiagramWithOrbits(assembly::diagram::DiagramRequest),
     /// Basins over two numbers of the starts.
     Basin(assembly::basin::BasinRequest),
 }
@@ -137,6 +139,9 @@ impl LongStudy {
     /// Stems of the files of its results.
     pub fn results(&self) -> Vec<String> {
         let mut names = vec![self.name.clone()];
+        if let StudyOfMachine::Assembly { kind: AssemblyStudy::DiagramWithOrbits(_), .. } = &self.work {
+            names.push(format!("{}-orbits", self.name));
+        }
         let StudyOfMachine::ThreeDof { kind, .. } = &self.work else { return names };
         if let StudyKind::Sweep { orbits: Some(_), .. } = kind {
             names.push(format!("{}-orbits", self.name));
@@ -153,7 +158,10 @@ impl LongStudy {
     pub fn count(&self) -> usize {
         let kind = match &self.work {
             StudyOfMachine::ThreeDof { kind, .. } => kind,
-            StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), .. } => return request.count(),
+            StudyOfMachine::Assembly {
+                kind: AssemblyStudy::Diagram(request) | AssemblyStudy::DiagramWithOrbits(request),
+                ..
+            } => return request.count(),
             StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), .. } => {
                 return request.count();
             }
@@ -287,6 +295,15 @@ impl LongStudy {
             AssemblyStudy::Diagram(request) => {
                 let found = assembly::diagram::diagram(machine, request, task)?;
                 found.map(|d| studies::assembly_diagram(machine, request, &d, &self.name)).transpose()
+            }
+            AssemblyStudy::DiagramWithOrbits(request) => {
+                let Some(diagram) = assembly::diagram::diagram(machine, request, task)? else {
+                    return Ok(None);
+                };
+                let own = studies::assembly_diagram(machine, request, &diagram, &self.name)?;
+                let name = format!("{}-orbits", self.name);
+                let orbits = studies::assembly_diagram_orbits(machine, request, &diagram, &name)?;
+                return Ok(Some(vec![own, orbits]));
             }
             AssemblyStudy::DesignSweep(request) => {
                 let is_complete = design_sweep::fill(machine, request, task)?;

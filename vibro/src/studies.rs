@@ -2,6 +2,7 @@
 
 mod assembly_basin;
 mod assembly_diagram;
+mod assembly_diagram_orbits;
 mod assembly_gradient;
 mod assembly_orbits;
 mod assembly_response;
@@ -30,6 +31,7 @@ mod sweep;
 
 pub use assembly_basin::{assembly_basins, check_assembly_basins};
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
+pub use assembly_diagram_orbits::{assembly_diagram_orbits, diagram_family};
 pub use assembly_gradient::add_gradient;
 pub use assembly_orbits::{assembly_orbit, assembly_orbits};
 pub use assembly_response::assembly_response;

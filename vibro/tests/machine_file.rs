@@ -18,7 +18,7 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
     for (command, with, without) in [
         ("run", ["--until", "--knots"], ["--config", "--duration"]),
         ("sweep", ["--period ", "--section"], ["--config", "--design"]),
-        ("bifurcation", ["--at-section", "--pair"], ["--config", "--orbits"]),
+        ("bifurcation", ["--at-section", "--pair"], ["--config", "--load"]),
         ("lyapunov", ["--section", "--anew"], ["--threshold", "--at <"]),
     ] {
         let text = help(&[command]);
@@ -68,9 +68,18 @@ fn help_names_what_a_command_takes_with_a_file_and_without() {
     for command in ["check", "draw", "run", "sweep", "bifurcation", "lyapunov"] {
         let text = help(&["assembly", command]);
         assert!(text.contains("<FILE>") && text.contains("NUMBERS"), "{text}");
-        for word in
-            ["with FILE", "paper", "LIMITS", "f10", "kappa", "box.k", "x1", "figure", "--config", "orbit"]
-        {
+        for word in [
+            "with FILE",
+            "paper",
+            "LIMITS",
+            "f10",
+            "kappa",
+            "box.k",
+            "x1",
+            "figure",
+            "--config",
+            "exact orbit",
+        ] {
             assert!(!text.contains(word), "{command} {word}: {text}");
         }
     }
@@ -94,7 +103,10 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, and "),
         ("run FILE --discard 1", "of such options allowed here: --until, --times, --knots"),
         ("run --start v2=1 --start x1=1", "allowed is one start, with commas between its numbers"),
-        ("bifurcation FILE --orbits --vary body.a.mass=1:2", "--orbits: is an option of the paper's machine"),
+        (
+            "bifurcation FILE --load block=1N --vary body.a.mass=1:2",
+            "--load: is an option of the paper's machine",
+        ),
         ("sweep FILE --design rows.csv", "--design: is an option of the paper's machine"),
         ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
@@ -108,7 +120,8 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("run --samples 10001", "--samples 10001: allowed are 1 to 10000"),
         ("run FILE", "needs the end of the motion, --until TIME, or --times FILE"),
         ("assembly run", "required arguments were not provided"),
-        ("basin FILE", "unexpected argument"),
+        ("basin FILE", "0 ranges of --start: allowed are two"),
+        ("isoperiodic FILE", "unexpected argument"),
     ] {
         let line = line.replace("FILE", &cradle);
         let (code, error) = refused(&line.split(' ').collect::<Vec<_>>());

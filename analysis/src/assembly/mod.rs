@@ -44,7 +44,7 @@ pub use section::{Section, SectionRule, common_period, is_steady};
 pub use settled::{Settled, discard, settled};
 pub use spectrum::{Spectrum, spectrum};
 pub use timescales::{runs_on, settle};
-pub use watch::{Extent, Watcher};
+pub use watch::{Extent, Maxima, Watcher};
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -159,7 +159,8 @@ fn branch_table(
     table.text()
 }
 
-fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
+/// Table of the special points.
+pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "label",
         "branch",
@@ -197,12 +198,13 @@ fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
     table.text()
 }
 
-struct SpecialMarks {
-    layers: Vec<Layer>,
+/// The marks of special points.
+pub(super) struct SpecialMarks {
+    pub layers: Vec<Layer>,
     of_stable_only: bool,
 }
 
-fn marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
+pub(super) fn marks(branches: &[Branch], tops: &[Vec<f64>]) -> SpecialMarks {
     let marked = |kind: Kind, all: bool| -> Path {
         let mut points = Path::new();
         for (branch, tops) in branches.iter().zip(tops) {

@@ -17,11 +17,12 @@
 use crate::alias;
 use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
+use crate::plane_arguments::{Basin, SectionOfFile};
 use crate::ranges::{in_option, texts};
 use crate::run::RunArguments;
 use crate::study_arguments::{
-    Basin, Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response,
-    SectionOfFile, Stability, Template,
+    Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response, Stability,
+    Template,
 };
 use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
 use clap::parser::ValueSource;

@@ -3,7 +3,7 @@
 use crate::assembly_studies::{invocation, machine, start_of};
 use crate::common_arguments::Common;
 use crate::long::perform_as;
-use crate::study_arguments::Basin;
+use crate::plane_arguments::Basin;
 use std::path::Path;
 use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::{Error, Result, assembly};

@@ -6,15 +6,18 @@ use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
+use crate::plane_arguments::SectionOfFile;
 use crate::progress::Progress;
 use crate::ranges::{ParameterRange, ParameterValues, in_option, texts};
-use crate::study_arguments::{Bifurcation, Lyapunov, SectionOfFile};
+use crate::study_arguments::{Bifurcation, Lyapunov};
 use crate::sweep::{in_words, request};
 use crate::sweep_arguments::{AxisArgument, Sweep};
 use std::path::Path;
 use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
 use vibro::manifest::Invocation;
-use vibro::studies::{SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum};
+use vibro::studies::{
+    SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum, diagram_family,
+};
 use vibro::{Error, Result, assembly};
 use vibro_analysis::assembly::{
     Machine, Measure, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare, section_of,
@@ -143,7 +146,7 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         return Err(Error::Refused { what, problem });
     };
     let request = diagram_request(&mut machine, vary, a, exponents)?;
-    let options = [
+    let mut options = vec![
         ("vary", counted(&request.axis)),
         ("of", request.of.to_string()),
         ("at-section", request.at_section.to_string()),
@@ -153,8 +156,15 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         ("start", request.start.to_string()),
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
+    let kind = if a.orbits {
+        options.push(("orbits", true.to_string()));
+        diagram_family(&machine, &request)?;
+        AssemblyStudy::DiagramWithOrbits(request)
+    } else {
+        AssemblyStudy::Diagram(request)
+    };
     let invocation = invocation(common, &options);
-    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::Diagram(request), machine };
+    let work = StudyOfMachine::Assembly { kind, machine };
     perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
 }
 

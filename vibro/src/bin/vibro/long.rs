@@ -3,9 +3,10 @@
 
 use crate::common_arguments::Common;
 use crate::destination::{Claim, Destination};
+use crate::plane_arguments::Basin;
 use crate::progress::Progress;
 use crate::ranges::{self, in_option};
-use crate::study_arguments::{Basin, Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
+use crate::study_arguments::{Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::{interruption, output};
 use std::path::{Path, PathBuf};
 use vibro::long_study::{LongStudy, StudyKind};
@@ -42,7 +43,7 @@ fn kind(
 ) -> Result<StudyKind> {
     let of = displacement(a)?;
     let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of, start: a.of_paper.start };
-    Ok(StudyKind::Sweep { sweep, at, orbits: a.of_paper.orbits.then(TreeOptions::default) })
+    Ok(StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) })
 }
 
 fn displacement(a: &Bifurcation) -> Result<Displacement> {

@@ -15,6 +15,7 @@ mod long;
 mod orbits;
 mod orbits_arguments;
 mod output;
+mod plane_arguments;
 mod progress;
 mod ranges;
 mod run;
