@@ -337,8 +337,8 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
     assert!(said.contains("28 of 28 periodic rows of both directions lie on a stable branch"), "{said}");
     let rows = table(&out.join("d"), "assembly-bifurcation-orbits-rows.csv");
     assert!(rows.len() == 28 && rows.iter().all(|row| row["not_covered"].is_empty()));
-    // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not; in between a
-    // motion may do either, and rising it hits.
+    // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not; in between
+    // a motion may do either, and rising it hits.
     for row in &rows {
         let (value, hits) = (number(row, "load.shaker.frequency"), row["word"] == "impact wall");
         let rising = row["direction"] == "rising";

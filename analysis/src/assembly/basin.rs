@@ -90,9 +90,9 @@ impl BasinRequest {
     ///
     /// # Errors
     /// [`Error::Refusal`] for an unknown name and for a body whose coordinate follows from others;
-    /// [`Error::Form`] for two axes of one number, a range that is empty or not finite, and no cells;
-    /// [`Error::TooMany`]; [`Error::Described`] for a machine without a section, and for one that
-    /// does not repeat after the discarded returns.
+    /// [`Error::Form`] for two axes of one number, a range that is empty or not finite, and no
+    /// cells; [`Error::TooMany`]; [`Error::Described`] for a machine without a section, and for one
+    /// that does not repeat after the discarded returns.
     pub fn check(&self, machine: &Machine) -> Result<()> {
         let (x, y) = (&self.x, &self.y);
         if x.name == y.name {

@@ -36,8 +36,8 @@ pub struct SectionPoint {
 /// The section of a request.
 ///
 /// # Errors
-/// As [`Section::of`]; [`Error::Described`] for a phase that is not finite, and for one at a section
-/// of events.
+/// As [`Section::of`]; [`Error::Described`] for a phase that is not finite, and for one at a
+/// section of events.
 pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
     let section = Section::of(&machine.description, &machine.section)?;
     let refused = |allowed: &str| {

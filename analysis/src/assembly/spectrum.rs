@@ -116,9 +116,9 @@ impl Observer for Orthogonal {
     }
 }
 
-/// The exponents of a machine's motion from a start: over `keep` returns, after `discard` returns in
-/// which it settles and 32 in which the variations turn into their directions. `go_on` is called at
-/// each return, and ends the count by returning false.
+/// The exponents of a machine's motion from a start: over `keep` returns, after `discard` returns
+/// in which it settles and 32 in which the variations turn into their directions. `go_on` is called
+/// at each return, and ends the count by returning false.
 ///
 /// # Errors
 /// As [`Machine::motion`] and [`Section::advance`](super::Section::advance).

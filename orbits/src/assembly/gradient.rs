@@ -1,15 +1,15 @@
 //! Derivatives of an orbit's measures by every parameter of its machine.
 //!
 //! With the equations F(u, p) = 0 of the orbit's word, a parameter p moves its unknowns u by
-//! u' = -F_u⁻¹ F_p, and a measure m(u, p) by its derivative along (u', 1). F_u is exact; derivatives
-//! by a single number are taken by a difference of fourth order.
+//! u' = -F_u⁻¹ F_p, and a measure m(u, p) by its derivative along (u', 1), a difference of fourth
+//! order.
 
-use super::cycle::With;
 use super::orbit::Orbit;
 use super::place::Family;
 use super::problem::Problem;
+use crate::curve::Equations;
 use crate::obstacle::Obstacle;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_analysis::Result;
@@ -43,8 +43,8 @@ pub struct ParameterDerivative {
     pub derivative: std::result::Result<f64, String>,
 }
 
-/// The derivative at 0 of a function of a number of steps; the function is asked on both sides, then
-/// on each.
+/// The derivative at 0 of a function of a number of steps; the function is asked on both sides,
+/// then on each.
 fn difference(
     step: f64,
     at: impl Fn(f64) -> std::result::Result<Vec<f64>, Obstacle>,
@@ -61,8 +61,8 @@ fn difference(
 }
 
 impl Orbit {
-    /// The derivatives of a measure of the orbit by every parameter but those of the machine's start,
-    /// on which no orbit depends. All flights and events are those of its word.
+    /// The derivatives of a measure of the orbit by every parameter but those of the machine's
+    /// start, on which no orbit depends. All flights and events are those of its word.
     ///
     /// # Errors
     /// As [`measure`](Self::measure).
@@ -91,19 +91,15 @@ impl Orbit {
         let step = if problem.has_run() { CHATTER_STEP } else { STEP };
         let u = problem.point(&self.place, &self.numbers, value);
         let last = problem.size();
-        let here = problem.residual(&self.place, &u, With::Derivatives)?;
-        // By the parameter alone. An event's scale has kinks, and stays that of the orbit.
-        let column = difference(step, |by| {
-            let mut moved = u.clone();
-            moved[last] += by;
-            let mut there = problem.residual(&problem.place(&moved)?, &moved, With::States)?;
-            for k in 0..problem.word.len() {
-                let scales = [&there.cycle, &here.cycle].map(|cycle| problem.scale(cycle, k));
-                there.value[problem.units.state.len() + k] *= scales[0] / scales[1];
+        let (matrix, column) = match self.is_of_one_structure(&problem, &u, step) {
+            true => {
+                let whole = problem.linearize(&u, None)?.matrix;
+                let column = whole.column(last).into_owned();
+                (whole.remove_column(last), column)
             }
-            Ok(there.value.as_slice().to_vec())
-        })?;
-        let along = here.matrix.and_then(|m| m.lu().solve(&-column)).ok_or(Obstacle::Singular)?;
+            false => self.by_whole_motions(&problem, &u, step)?,
+        };
+        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
         if along.iter().any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
         }
@@ -116,6 +112,43 @@ impl Orbit {
             Ok(vec![orbit.measure(measure)?])
         })?;
         Ok(found[0] / unit)
+    }
+}
+
+impl Orbit {
+    /// Whether the machines beside this one have signals of its own size: a constant or a rate that
+    /// is zero is none of them.
+    fn is_of_one_structure(&self, problem: &Problem, u: &DVector<f64>, step: f64) -> bool {
+        let own = self.place.assembly.system().signals.size;
+        let is_same = |by: f64| {
+            let mut moved = u.clone();
+            moved[problem.size()] += by;
+            problem.place(&moved).is_ok_and(|place| place.assembly.system().signals.size == own)
+        };
+        is_same(step) && is_same(-step)
+    }
+
+    /// The derivatives of the equations by the unknowns, and by the parameter as a difference of
+    /// whole motions.
+    fn by_whole_motions(
+        &self,
+        problem: &Problem,
+        u: &DVector<f64>,
+        step: f64,
+    ) -> std::result::Result<(DMatrix<f64>, DVector<f64>), Obstacle> {
+        let here = problem.residual(&self.place, u, true)?;
+        // An event's scale has kinks, and stays that of the orbit.
+        let column = difference(step, |by| {
+            let mut moved = u.clone();
+            moved[problem.size()] += by;
+            let mut there = problem.residual(&problem.place(&moved)?, &moved, false)?;
+            for k in 0..problem.word.len() {
+                let scales = [&there.cycle, &here.cycle].map(|cycle| problem.scale(cycle, k));
+                there.value[problem.units.state.len() + k] *= scales[0] / scales[1];
+            }
+            Ok(there.value.as_slice().to_vec())
+        })?;
+        Ok((here.matrix.ok_or(Obstacle::NoConvergence)?, column))
     }
 }
 

@@ -65,13 +65,13 @@ struct Seeker<'a> {
 }
 
 impl Orbit {
-    /// An orbit with a given word, a given period, or both: that of the settled motion if it is one,
-    /// else one near which the motion from the start or from random starts passes. `go_on` ends the
-    /// search by returning false.
+    /// An orbit with a given word, a given period, or both: that of the settled motion if it is
+    /// one, else one near which the motion from the start or from random starts passes. `go_on`
+    /// ends the search by returning false.
     ///
     /// # Errors
-    /// [`Error::Described`] for a period that the machine cannot have, and where none is found, with
-    /// the orbits that were; as [`settled`](Self::settled).
+    /// [`Error::Described`] for a period that the machine cannot have, and where none is found,
+    /// with the orbits that were; as [`settled`](Self::settled).
     pub fn search(
         machine: &Machine,
         request: &WordSearch,
@@ -177,7 +177,8 @@ impl<'a> Seeker<'a> {
         None
     }
 
-    /// The motion from random start number `k`: states around those of the first motion, at any phase.
+    /// The motion from random start number `k`: states around those of the first motion, at any
+    /// phase.
     fn random(&self, machine: &Machine, bounds: &[(f64, f64)], k: u32) -> Option<Motion> {
         let mut seed = u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1);
         let mut uniform = || {

@@ -215,8 +215,8 @@ pub(super) fn seed(
     Ok(Seed { problem, numbers: Numbers { state, times, period, drifts }, value })
 }
 
-/// Least and largest value of each number of the state of a motion over some returns, or as far as it
-/// goes on.
+/// Least and largest value of each number of the state of a motion over some returns, or as far as
+/// it goes on.
 pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> Vec<(f64, f64)> {
     let (mut record, mut flows) = (Record::default(), Flows::default());
     for _ in 0..returns {

@@ -61,12 +61,12 @@ fn elements(kind: &str, assembly: &Assembly) -> Option<Vec<String>> {
 }
 
 impl WantedWord {
-    /// A word from its text: events with commas between, each as kind and element, with ` + ` between
-    /// those of one instant.
+    /// A word from its text: events with commas between, each as kind and element, with ` + `
+    /// between those of one instant.
     ///
     /// # Errors
-    /// [`Error::Described`] for an unknown kind or element, with what is allowed, and for a word that
-    /// no motion can pass again and again: what begins must end before it begins again.
+    /// [`Error::Described`] for an unknown kind or element, with what is allowed, and for a word
+    /// that no motion can pass again and again: what begins must end before it begins again.
     pub fn parse(text: &str, assembly: &Assembly) -> Result<Self> {
         let mut letters = Vec::new();
         for letter in text.split(',') {

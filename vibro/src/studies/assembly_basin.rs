@@ -199,7 +199,8 @@ fn cells(request: &BasinRequest, basins: &Basins) -> Shape {
     }
 }
 
-/// Entries of the legend: each attractor with a colour, all others together, then cells without one.
+/// Entries of the legend: each attractor with a colour, all others together, then cells without
+/// one.
 fn legend(basins: &Basins, listed: &[Listed]) -> Vec<Layer> {
     /// Longest list of events in an entry.
     const LONGEST: usize = 48;

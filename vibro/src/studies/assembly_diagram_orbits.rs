@@ -1,5 +1,5 @@
-//! The branches of periodic orbits over a bifurcation diagram of a described machine, and the rows of
-//! the diagram that lie on them.
+//! The branches of periodic orbits over a bifurcation diagram of a described machine, and the rows
+//! of the diagram that lie on them.
 
 use super::Study;
 use super::assembly_orbits::{marks, shown_unit, special_table, words};

@@ -17,8 +17,8 @@ const SPELLED: usize = 4;
 /// of a measure.
 ///
 /// # Errors
-/// [`Error::Described`] where no settled motion is periodic; [`Error::Output`](crate::Error::Output);
-/// an error if the machine does not have the measure.
+/// [`Error::Described`] where no settled motion is periodic;
+/// [`Error::Output`](crate::Error::Output); an error if the machine does not have the measure.
 pub fn assembly_response(
     machine: &Machine,
     family: &Family,

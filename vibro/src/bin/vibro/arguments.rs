@@ -252,8 +252,8 @@ pub enum Command {
     /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any of
     /// its numbers; of the paper's machine by theory (figures 10, 11)
     ///
-    /// With FILE motions are followed until they settle, rising and falling over the range, and each
-    /// orbit on which one settles is followed over the whole range, stable or not.
+    /// With FILE motions are followed until they settle, rising and falling over the range, and
+    /// each orbit on which one settles is followed over the whole range, stable or not.
     Response(Response),
     /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
     Manifold(Manifold),
@@ -269,8 +269,8 @@ pub enum Command {
     /// With FILE attractors are told apart by class, period and states at the section, and named by
     /// the events of their orbits. Motions without a period count as one attractor of their class.
     Basin(Basin),
-    /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of an
-    /// element
+    /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of
+    /// an element
     Section(SectionOfFile),
     /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
     Isoperiodic(Isoperiodic),

@@ -76,8 +76,8 @@ pub struct OneOrbit {
     /// motion from the start does not pass near it
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = whole::<u32>(0..=100_000), help_heading = WITH_FILE)]
     pub starts: u32,
-    /// Also write gradient.csv: the derivatives of this output of the orbit, such as amplitude.box.s
-    /// or impact.speed.steel, by every number of the file
+    /// Also write gradient.csv: the derivatives of this output of the orbit, such as
+    /// amplitude.box.s or impact.speed.steel, by every number of the file
     #[arg(long, value_name = "NAME", help_heading = WITH_FILE)]
     pub gradient: Option<String>,
     /// Constant loads.

@@ -1,4 +1,5 @@
-//! Arguments of `basin` and `section`: where motions from many starts settle, and the points of one.
+//! Arguments of `basin` and `section`: where motions from many starts settle, and the points of
+//! one.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, angle, start_help,
@@ -27,8 +28,8 @@ pub struct Basin {
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "60"))]
     #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=5_000))]
     pub resolution: u16,
-    /// Periods discarded; with FILE, unless the motion has settled before. A motion that is undecided
-    /// then is followed for up to 8192 more
+    /// Periods discarded; with FILE, unless the motion has settled before. A motion that is
+    /// undecided then is followed for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// For many machines.

@@ -190,14 +190,14 @@ pub struct Response {
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Range of the parameter along which the response is drawn: with FILE any of its numbers, such
-    /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force response)
-    /// or another parameter
+    /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
+    /// response) or another parameter
     #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
     pub range: Vec<String>,
     /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
-    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude of
-    /// x1 (the box), x2 (the block), x3, w = x2 - x1
-    /// [default: with FILE the amplitude of the first free body; without, the paper's C and A3]
+    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude
+    /// of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the
+    /// first free body; without, the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// Of a machine's file.
