@@ -51,14 +51,18 @@ pub struct Cycle {
     pub legs: Vec<Leg>,
     /// The augmented state after the last event's law.
     pub back: Vec<f64>,
+    /// The state (q, v) with which it arrives at each node but the first, after the event's law.
+    pub(super) arrivals: Vec<Vec<f64>>,
 }
 
-/// Derivatives of a cycle by the start's coordinates and rates, then by the times of its events.
+/// Derivatives of a cycle by the states at its nodes, then by the times of its events.
 pub(super) struct Derivatives {
     /// Of each leg's end functional.
     pub ends: Vec<Vec<f64>>,
     /// Of the state after the last event's law.
     pub back: DMatrix<f64>,
+    /// Of the states that arrive at the other nodes.
+    pub arrivals: Vec<DMatrix<f64>>,
 }
 
 /// A condition of an orbit on one of its flights or events.
@@ -125,35 +129,45 @@ fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
     own.map(|(place, _)| place).nth(letter.place).ok_or(Obstacle::Order)
 }
 
+impl Leg {
+    /// The augmented state after the event before it: its begin, or that of its run of impacts.
+    pub(super) fn entered(&self) -> &[f64] {
+        self.run.as_ref().map_or(&self.states[0], |(_, z)| z)
+    }
+}
+
 impl Cycle {
-    /// The motion from a start (q, v) over a word with events at `times`, s, of which the first is
-    /// the time of the start, until the period is over; with derivatives on request.
+    /// The motion from the states (q, v) at the nodes of a word, each to the next node, with events at
+    /// `times`, s, of which the first is the time of the start, until the period is over; with
+    /// derivatives on request.
     pub(super) fn follow(
         place: &Place,
         word: &Word,
-        start: &[f64],
+        starts: &[Vec<f64>],
         times: &[f64],
         period: f64,
         with_derivatives: bool,
     ) -> Result<(Self, Option<Derivatives>), Obstacle> {
         let system = place.assembly.system();
-        let (own, size, m) = (start.len(), system.signals.size, word.len());
+        let (own, size, m) = (starts[0].len(), system.signals.size, word.len());
+        let (nodes, first_time) = (word.nodes(), own * starts.len());
         let stay = Letter::staying(word);
         let mut z = vec![0.0; size];
-        z[..own].copy_from_slice(start);
+        z[..own].copy_from_slice(&starts[0]);
         with_signals(system, times[0], &mut z);
-        let columns = if with_derivatives { own + m } else { 0 };
+        let columns = if with_derivatives { first_time + m } else { 0 };
         let mut c = DMatrix::zeros(size, columns);
         if with_derivatives {
             (0..own).for_each(|i| c[(i, i)] = 1.0);
         }
         let mut next_c = DMatrix::zeros(size, columns);
         let (mut legs, mut ends) = (Vec::with_capacity(m.max(1)), Vec::new());
+        let (mut arrivals, mut arriving) = (Vec::new(), Vec::new());
         for k in 0..m.max(1) {
             let flow = place.flow(word.mode_after(k));
             if with_derivatives && k == 0 && m > 0 && place.period.is_some() {
                 let rate = place.flow(&word.letters[0].modes[1]).derivative(&z);
-                (0..own).for_each(|i| c[(i, own)] = -rate[i]);
+                (0..own).for_each(|i| c[(i, first_time)] = -rate[i]);
             }
             let time = times[k];
             let until = times.get(k + 1).copied().unwrap_or(times[0] + period);
@@ -176,7 +190,7 @@ impl Cycle {
                     let row = &flow.watched[place].1;
                     let mut by: Vec<f64> =
                         c.column_iter().map(|column| dot(row.as_slice(), column.as_slice())).collect();
-                    by[own + next] += dot(row.as_slice(), &rate);
+                    by[first_time + next] += dot(row.as_slice(), &rate);
                     ends.push(by);
                 }
             }
@@ -184,10 +198,20 @@ impl Cycle {
             let (mut after, mut jumped) = (end.clone(), rate.clone());
             letter.apply(system, c.as_mut_slice().chunks_mut(size).chain([&mut after[..], &mut jumped[..]]));
             if with_derivatives && m > 0 {
-                let leaving = (next > 0).then(|| place.flow(&letter.modes[1]).derivative(&after));
-                for i in 0..own {
-                    c[(i, own + next)] += jumped[i] - leaving.as_ref().map_or(0.0, |rate| rate[i]);
+                (0..own).for_each(|i| c[(i, first_time + next)] += jumped[i]);
+            }
+            if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
+                arrivals.push(after[..own].to_vec());
+                after[..own].copy_from_slice(&starts[node]);
+                if with_derivatives {
+                    arriving.push(c.rows(0, own).into_owned());
+                    c.fill(0.0);
+                    (0..own).for_each(|i| c[(i, node * own + i)] = 1.0);
                 }
+            }
+            if with_derivatives && next > 0 {
+                let leaving = place.flow(&letter.modes[1]).derivative(&after);
+                (0..own).for_each(|i| c[(i, first_time + next)] -= leaving[i]);
             }
             let states = [z, end];
             legs.push(Leg {
@@ -202,8 +226,9 @@ impl Cycle {
             });
             z = after;
         }
-        let derivatives = with_derivatives.then(|| Derivatives { ends, back: c.rows(0, own).into_owned() });
-        Ok((Self { legs, back: z }, derivatives))
+        let back = c.rows(0, if with_derivatives { own } else { 0 }).into_owned();
+        let derivatives = with_derivatives.then_some(Derivatives { ends, back, arrivals: arriving });
+        Ok((Self { legs, back: z, arrivals }, derivatives))
     }
 
     /// The state before event `k`'s law and its flight's linear system.
@@ -240,7 +265,7 @@ impl Cycle {
             let next = (k + 1) % self.legs.len();
             let letter = word.letters.get(next).unwrap_or(&stay);
             let state = match self.legs.get(k + 1) {
-                Some(leg) => leg.run.as_ref().map_or(&leg.states[0], |(_, z)| z),
+                Some(leg) => leg.entered(),
                 None => &self.back,
             };
             let after = place.flow(&letter.modes[1]);

@@ -9,7 +9,7 @@ use super::place::Family;
 use super::problem::Problem;
 use crate::curve::Equations;
 use crate::obstacle::Obstacle;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_analysis::Result;
@@ -91,14 +91,9 @@ impl Orbit {
         let step = if problem.has_run() { CHATTER_STEP } else { STEP };
         let u = problem.point(&self.place, &self.numbers, value);
         let last = problem.size();
-        let (matrix, column) = match self.is_of_one_structure(&problem, &u, step) {
-            true => {
-                let whole = problem.linearize(&u, None)?.matrix;
-                let column = whole.column(last).into_owned();
-                (whole.remove_column(last), column)
-            }
-            false => self.by_whole_motions(&problem, &u, step)?,
-        };
+        let whole = problem.linearize(&u, None)?.matrix;
+        let column = whole.column(last).into_owned();
+        let matrix = whole.remove_column(last);
         let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
         if along.iter().any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
@@ -112,43 +107,6 @@ impl Orbit {
             Ok(vec![orbit.measure(measure)?])
         })?;
         Ok(found[0] / unit)
-    }
-}
-
-impl Orbit {
-    /// Whether the machines beside this one have signals of its own size: a constant or a rate that
-    /// is zero is none of them.
-    fn is_of_one_structure(&self, problem: &Problem, u: &DVector<f64>, step: f64) -> bool {
-        let own = self.place.assembly.system().signals.size;
-        let is_same = |by: f64| {
-            let mut moved = u.clone();
-            moved[problem.size()] += by;
-            problem.place(&moved).is_ok_and(|place| place.assembly.system().signals.size == own)
-        };
-        is_same(step) && is_same(-step)
-    }
-
-    /// The derivatives of the equations by the unknowns, and by the parameter as a difference of
-    /// whole motions.
-    fn by_whole_motions(
-        &self,
-        problem: &Problem,
-        u: &DVector<f64>,
-        step: f64,
-    ) -> std::result::Result<(DMatrix<f64>, DVector<f64>), Obstacle> {
-        let here = problem.residual(&self.place, u, true)?;
-        // An event's scale has kinks, and stays that of the orbit.
-        let column = difference(step, |by| {
-            let mut moved = u.clone();
-            moved[problem.size()] += by;
-            let mut there = problem.residual(&problem.place(&moved)?, &moved, false)?;
-            for k in 0..problem.word.len() {
-                let scales = [&there.cycle, &here.cycle].map(|cycle| problem.scale(cycle, k));
-                there.value[problem.units.state.len() + k] *= scales[0] / scales[1];
-            }
-            Ok(there.value.as_slice().to_vec())
-        })?;
-        Ok((here.matrix.ok_or(Obstacle::NoConvergence)?, column))
     }
 }
 

@@ -135,7 +135,7 @@ impl Follower<'_> {
         if (&u - &guess).norm() > (&next.u - &last.u).norm() {
             return Err(Obstacle::NoConvergence);
         }
-        let (_, u) = half.repeated(&half.place(&u)?, &u, 2);
+        let (_, u) = half.repeated(&half.place(&u)?, &u, 2)?;
         let birth = self.look(CurvePoint { u, tangent: last.tangent.clone(), steps: 3 })?;
         // No test is examined at the birth itself.
         Ok(Some((

@@ -106,7 +106,7 @@ pub(super) fn newton(
     guess: &DVector<f64>,
 ) -> std::result::Result<DVector<f64>, (Obstacle, f64)> {
     let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
-    let (own, m, size) = (problem.units.state.len(), problem.word.len(), problem.size());
+    let (first, m, size) = (problem.first_time(), problem.word.len(), problem.size());
     for _ in 0..STEPS {
         let at = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
         let (value, matrix) = (at.value, at.matrix);
@@ -117,8 +117,8 @@ pub(super) fn newton(
         let mut part = (LONGEST_STEP / length).min(1.0);
         let is_autonomous = place.period.is_none();
         // Events keep their order.
-        let time = |u: &DVector<f64>, k: usize| if is_autonomous && k == 0 { 0.0 } else { u[own + k] };
-        let moved = |k: usize| if is_autonomous && k == 0 { 0.0 } else { step[own + k] };
+        let time = |u: &DVector<f64>, k: usize| if is_autonomous && k == 0 { 0.0 } else { u[first + k] };
+        let moved = |k: usize| if is_autonomous && k == 0 { 0.0 } else { step[first + k] };
         for k in 1..m {
             let (span, change) = (time(&u, k) - time(&u, k - 1), moved(k) - moved(k - 1));
             if span > 0.0 && change < 0.0 {
@@ -222,7 +222,7 @@ impl Orbit {
 
     /// The state (q, q') after its first event, or at its start where it has none.
     pub fn state(&self) -> &[f64] {
-        &self.numbers.state
+        &self.numbers.states[0]
     }
 
     /// The ways by which the neutral directions of the state drift in a period, SI.
@@ -304,7 +304,7 @@ impl Orbit {
     /// Time and state (q, q') in the middle of its longest flight.
     pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
         let (time, mut z) = middle(&self.place, self.longest());
-        z.truncate(self.numbers.state.len());
+        z.truncate(self.numbers.states[0].len());
         (time, z)
     }
 

@@ -9,6 +9,7 @@ use super::cycle::{Cycle, Leg, close, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::word::{Chatter, Letter};
+use crate::curve::slope;
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use vibro_analysis::assembly::flight::dot;
@@ -27,19 +28,26 @@ struct Beside {
 }
 
 impl Beside {
-    /// One machine is the present one where the other side is not allowed.
-    fn of(problem: &Problem, u: &DVector<f64>, step: f64) -> Result<Self, Obstacle> {
+    /// One machine is the present one where the other side is not allowed. `None` where the machines
+    /// have other signals, as beside a rate that is zero.
+    fn of(
+        problem: &Problem,
+        (place, u): (&Place, &DVector<f64>),
+        step: f64,
+    ) -> Result<Option<Self>, Obstacle> {
         let at = |by: f64| {
             let mut moved = u.clone();
             moved[problem.size()] += by;
             problem.place(&moved)
         };
+        let size = |place: &Place| place.assembly.system().signals.size;
         let (places, width) = match (at(-step), at(step)) {
             (Ok(below), Ok(above)) => ([below, above], 2.0 * step),
             (Ok(below), Err(_)) => ([below, at(0.0)?], step),
             (Err(_), above) => ([at(0.0)?, above?], step),
         };
-        Ok(Self { places, width })
+        let is_alike = places.iter().all(|beside| size(beside) == size(place));
+        Ok(is_alike.then_some(Self { places, width }))
     }
 
     /// Rate by which a number of the machine changes.
@@ -76,8 +84,12 @@ impl Problem {
         matrix: &DMatrix<f64>,
     ) -> Result<DVector<f64>, Obstacle> {
         let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
+        let (nodes, first) = (self.word.nodes(), self.first_time());
         let Numbers { times, period, .. } = self.numbers(place, u);
-        let beside = Beside::of(self, u, if self.has_run() { CHATTER_STEP } else { STEP })?;
+        let step = if self.has_run() { CHATTER_STEP } else { STEP };
+        let Some(beside) = Beside::of(self, (place, u), step)? else {
+            return self.by_whole_motions(u, cycle, step);
+        };
         let longer = beside.rate(|place| self.driven_period(place).unwrap_or(period));
         let mut column = DVector::zeros(last);
         let mut v = vec![0.0; cycle.back.len()];
@@ -99,7 +111,7 @@ impl Problem {
                 let moves = (row(&flows[1]) - row(&flows[0])) / beside.width;
                 let row = leg.flow.watched[i].1.as_slice();
                 let later = if next == 0 { longer * dot(row, &leg.rate) } else { 0.0 };
-                column[own + next] = (dot(row, &v) + moves + later) / self.scale(cycle, next);
+                column[first + next] = (dot(row, &v) + moves + later) / self.scale(cycle, next);
             }
             let stay = Letter::staying(&self.word);
             let letter = self.word.letters.get(next).unwrap_or(&stay);
@@ -112,6 +124,11 @@ impl Problem {
                 letter.apply(place.assembly.system(), [&mut after[..]]);
                 Ok(after)
             })?;
+            if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
+                for (i, v) in v.iter_mut().enumerate().take(own) {
+                    column[node * own + i] = -std::mem::take(v) / self.units.state[i];
+                }
+            }
         }
         let mut along = vec![0.0; own];
         beside.add(&mut along, |place| {
@@ -126,9 +143,26 @@ impl Problem {
         if self.driven_period(place).is_some() {
             let radian = self.radian(place);
             let slower = beside.rate(|place| self.radian(place)) / radian;
-            (0..m).for_each(|k| column.axpy(slower * u[own + k], &matrix.column(own + k), 1.0));
+            (0..m).for_each(|k| column.axpy(slower * u[first + k], &matrix.column(first + k), 1.0));
         }
         Ok(column)
+    }
+}
+
+impl Problem {
+    /// Derivative of the equations by the parameter as a difference of whole motions.
+    fn by_whole_motions(&self, u: &DVector<f64>, cycle: &Cycle, step: f64) -> Result<DVector<f64>, Obstacle> {
+        let first = self.first_time();
+        // An event's scale has kinks, and stays that of the orbit.
+        slope(step, |by| {
+            let mut moved = u.clone();
+            moved[self.size()] += by;
+            let mut there = self.residual(&self.place(&moved)?, &moved, false)?;
+            for k in 0..self.word.len() {
+                there.value[first + k] *= self.scale(&there.cycle, k) / self.scale(cycle, k);
+            }
+            Ok(there.value.as_slice().to_vec())
+        })
     }
 }
 

@@ -1,10 +1,11 @@
 //! The equations of an orbit with a given word, along a parameter.
 //!
-//! Unknowns, all of size one: the state after the first event, the times of the events in radians
-//! of the drive (the period in place of the first one where the machine is autonomous), a drift by
-//! period along each neutral direction, and the parameter. Equations: the state returns but for the
-//! drift, each event's functional is zero at its time, and the state has a given place along each
-//! neutral direction.
+//! Unknowns, all of size one: the state after the first event and at each further node of the word,
+//! the times of the events in radians of the drive (the period in place of the first one where the
+//! machine is autonomous), a drift by period along each neutral direction, and the parameter.
+//! Equations: the state returns but for the drift, the motion from each node arrives at the next,
+//! each event's functional is zero at its time, and the state has a given place along each neutral
+//! direction.
 
 use super::cycle::{Cycle, Derivatives, with_signals};
 use super::place::{Family, Place};
@@ -51,8 +52,8 @@ pub(super) struct Units {
 /// An orbit's numbers in SI.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
-    /// The state (q, q') after the first event.
-    pub state: Vec<f64>,
+    /// The state (q, q') at each node of the word: the first after the first event.
+    pub states: Vec<Vec<f64>>,
     /// Times of the events, s; of a word without events the time of the start.
     pub times: Vec<f64>,
     /// The period, s.
@@ -73,7 +74,12 @@ pub(super) struct Residual {
 impl Problem {
     /// Number of unknowns beside the parameter.
     pub fn size(&self) -> usize {
-        self.units.state.len() + self.word.len() + self.neutral.len()
+        self.first_time() + self.word.len() + self.neutral.len()
+    }
+
+    /// Place of the first event's time among the unknowns, and of its functional among the equations.
+    pub fn first_time(&self) -> usize {
+        self.units.state.len() * self.word.nodes().len()
     }
 
     /// The parameter's value at a point.
@@ -98,9 +104,10 @@ impl Problem {
 
     /// The numbers of a point.
     pub fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
-        let (own, m, radian) = (self.units.state.len(), self.word.len(), self.radian(place));
-        let state = self.units.state.iter().zip(u.iter()).map(|(unit, x)| unit * x).collect();
-        let mut times: Vec<f64> = (0..m).map(|k| radian * u[own + k]).collect();
+        let (first, m, radian) = (self.first_time(), self.word.len(), self.radian(place));
+        let scaled = |node: &[f64]| node.iter().zip(&self.units.state).map(|(x, unit)| unit * x).collect();
+        let states = u.as_slice()[..first].chunks(self.units.state.len().max(1)).map(scaled).collect();
+        let mut times: Vec<f64> = (0..m).map(|k| radian * u[first + k]).collect();
         let period = match self.driven_period(place) {
             Some(period) => period,
             None => std::mem::replace(&mut times[0], 0.0),
@@ -108,14 +115,17 @@ impl Problem {
         if m == 0 {
             times.push(self.origin);
         }
-        let drifts = (0..self.neutral.len()).map(|k| u[own + m + k]).collect();
-        Numbers { state, times, period, drifts }
+        let drifts = (0..self.neutral.len()).map(|k| u[first + m + k]).collect();
+        Numbers { states, times, period, drifts }
     }
 
     /// The point with given numbers.
     pub fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
         let radian = self.radian(place);
-        let state = numbers.state.iter().zip(&self.units.state).map(|(x, unit)| x / unit);
+        let scaled = |state: &Vec<f64>| -> Vec<f64> {
+            state.iter().zip(&self.units.state).map(|(x, unit)| x / unit).collect()
+        };
+        let state = numbers.states.iter().flat_map(scaled);
         let is_driven = self.driven_period(place).is_some();
         let time = |k: usize| if k == 0 && !is_driven { numbers.period } else { numbers.times[k] };
         let times = (0..self.word.len()).map(|k| time(k) / radian);
@@ -125,8 +135,8 @@ impl Problem {
 
     /// The motion at a point.
     pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
-        let Numbers { state, times, period, .. } = self.numbers(place, u);
-        Ok(Cycle::follow(place, &self.word, &state, &times, period, false)?.0)
+        let Numbers { states, times, period, .. } = self.numbers(place, u);
+        Ok(Cycle::follow(place, &self.word, &states, &times, period, false)?.0)
     }
 
     /// Values of the equations, with their derivatives by all unknowns but the parameter on request.
@@ -136,10 +146,11 @@ impl Problem {
         u: &DVector<f64>,
         with_derivatives: bool,
     ) -> Result<Residual, Obstacle> {
-        let (own, m, size) = (self.units.state.len(), self.word.len(), self.size());
-        let Numbers { state, times, period, drifts } = self.numbers(place, u);
+        let (own, m, size, first) = (self.units.state.len(), self.word.len(), self.size(), self.first_time());
+        let Numbers { states, times, period, drifts } = self.numbers(place, u);
         let (cycle, derivatives) =
-            Cycle::follow(place, &self.word, &state, &times, period, with_derivatives)?;
+            Cycle::follow(place, &self.word, &states, &times, period, with_derivatives)?;
+        let state = &states[0];
         let along = self.carried(place, times[0], period)?;
         let mut value = DVector::zeros(size);
         for i in 0..own {
@@ -148,15 +159,20 @@ impl Problem {
             value[i] =
                 (state[i] + moved - cycle.back[i]) / self.units.state[i] + neutral / self.units.state[i];
         }
+        for (node, (state, arrival)) in states[1..].iter().zip(&cycle.arrivals).enumerate() {
+            for i in 0..own {
+                value[(node + 1) * own + i] = (state[i] - arrival[i]) / self.units.state[i];
+            }
+        }
         let scales: Vec<f64> = (0..m).map(|k| self.scale(&cycle, k)).collect();
         for k in 0..m {
             let leg = cycle.before(k);
             let row = leg.ending.map(|place| leg.flow.watched[place].1.as_slice()).unwrap_or(&[]);
-            value[own + k] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[k];
+            value[first + k] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[k];
         }
         for (k, n) in self.neutral.iter().enumerate() {
-            let at: f64 = n.iter().zip(&state).map(|(n, x)| n * x).sum();
-            value[own + m + k] = (at - self.fixed[k]) / self.length(n);
+            let at: f64 = n.iter().zip(state).map(|(n, x)| n * x).sum();
+            value[first + m + k] = (at - self.fixed[k]) / self.length(n);
         }
         let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period)));
         Ok(Residual { value, matrix, cycle })
@@ -206,30 +222,33 @@ impl Problem {
     ) -> DMatrix<f64> {
         let (own, m, size, radian) =
             (self.units.state.len(), self.word.len(), self.size(), self.radian(place));
-        let unit = |j: usize| if j < own { self.units.state[j] } else { radian };
+        let first = self.first_time();
+        let unit = |j: usize| if j < first { self.units.state[j % own] } else { radian };
         let mut matrix = DMatrix::zeros(size, size);
-        for j in 0..own + m {
-            for i in 0..own {
-                matrix[(i, j)] = -by.back[(i, j)] * unit(j) / self.units.state[i];
+        for j in 0..first + m {
+            for (node, arriving) in std::iter::once(&by.back).chain(&by.arrivals).enumerate() {
+                for i in 0..own {
+                    matrix[(node * own + i, j)] = -arriving[(i, j)] * unit(j) / self.units.state[i];
+                }
             }
             for (k, ends) in by.ends.iter().enumerate() {
                 // The first leg ends with the second event.
                 let event = (k + 1) % m;
-                matrix[(own + event, j)] = ends[j] * unit(j) / scales[event];
+                matrix[(first + event, j)] = ends[j] * unit(j) / scales[event];
             }
         }
-        (0..own).for_each(|i| matrix[(i, i)] += 1.0);
+        (0..first).for_each(|i| matrix[(i, i)] += 1.0);
         if m > 0 && self.driven_period(place).is_none() {
             // Uniform motions carry the state along in proportion to the period.
             along
                 .iter()
                 .enumerate()
-                .for_each(|(i, x)| matrix[(i, own)] += x / period * radian / self.units.state[i]);
+                .for_each(|(i, x)| matrix[(i, first)] += x / period * radian / self.units.state[i]);
         }
         for (k, n) in self.neutral.iter().enumerate() {
             for i in 0..own {
-                matrix[(i, own + m + k)] = n[i] / self.units.state[i];
-                matrix[(own + m + k, i)] = n[i] * self.units.state[i] / self.length(n);
+                matrix[(i, first + m + k)] = n[i] / self.units.state[i];
+                matrix[(first + m + k, i)] = n[i] * self.units.state[i] / self.length(n);
             }
         }
         matrix
@@ -240,19 +259,34 @@ impl Problem {
         self.word.letters.iter().any(|letter| letter.chatter.is_some())
     }
 
-    /// The point with the same numbers in the equations of the word passed `times` times.
-    pub fn repeated(&self, place: &Place, u: &DVector<f64>, times: u32) -> (Self, DVector<f64>) {
-        let Numbers { state, times: events, period, drifts } = self.numbers(place, u);
+    /// The point with the same numbers in the equations of the word passed `times` times. Requires a
+    /// point with an orbit.
+    pub fn repeated(
+        &self,
+        place: &Place,
+        u: &DVector<f64>,
+        times: u32,
+    ) -> Result<(Self, DVector<f64>), Obstacle> {
+        let Numbers { states, times: events, period, drifts } = self.numbers(place, u);
+        let cycle = self.cycle(place, u)?;
+        let turns = |k: usize| (k / events.len(), k % events.len());
+        let problem = Self { word: self.word.repeated(times), ..self.clone() };
+        // Each turn begins where the one before has drifted to.
+        let drift = |i: usize| cycle.back[i] - states[0][i];
+        let state = |k: usize| {
+            let (turn, k) = turns(k);
+            let entered = cycle.legs[k].entered().iter().take(states[0].len()).enumerate();
+            entered.map(|(i, x)| x + turn as f64 * drift(i)).collect()
+        };
         let all = (0..times).flat_map(|turn| events.iter().map(move |t| t + f64::from(turn) * period));
         let longer = Numbers {
-            state,
+            states: problem.word.nodes().into_iter().map(state).collect(),
             times: all.collect(),
             period: f64::from(times) * period,
             drifts: drifts.iter().map(|x| x * f64::from(times)).collect(),
         };
-        let problem = Self { word: self.word.repeated(times), ..self.clone() };
         let u = problem.point(place, &longer, self.value(u));
-        (problem, u)
+        Ok((problem, u))
     }
 
     /// The equations of half the word, where its halves have the same events.
@@ -290,13 +324,15 @@ impl Problem {
         let numbers = self.numbers(&place, u);
         let cycle = self.cycle(&place, u)?;
         let (count, period) = (half.word.len(), 0.5 * numbers.period);
-        let own = numbers.state.len();
-        let second = &cycle.legs[count].states[0][..own];
-        let state = numbers.state.iter().zip(second).map(|(a, b)| 0.5 * (a + b)).collect();
+        let mean = |k: usize| {
+            let pair = cycle.legs[k].entered().iter().zip(cycle.legs[count + k].entered());
+            pair.take(self.units.state.len()).map(|(a, b)| 0.5 * (a + b)).collect()
+        };
+        let states = half.word.nodes().into_iter().map(mean).collect();
         let time = |k: usize| 0.5 * (numbers.times[k] + numbers.times[count + k] - period);
         let times = (0..count).map(time).collect();
         let drifts = numbers.drifts.iter().map(|x| 0.5 * x).collect();
-        Ok(half.point(&place, &Numbers { state, times, period, drifts }, self.value(u)))
+        Ok(half.point(&place, &Numbers { states, times, period, drifts }, self.value(u)))
     }
 
     /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
@@ -314,9 +350,10 @@ impl Problem {
                 (apart / self.radian(&place)).abs() < REPETITION
             });
             if is_same {
-                let Numbers { state, times: all, drifts, .. } = numbers;
+                let Numbers { mut states, times: all, drifts, .. } = numbers;
                 let drifts = drifts.iter().map(|x| x / f64::from(times)).collect();
-                let own = Numbers { state, times: all[..count].to_vec(), period, drifts };
+                states.truncate(part.word.nodes().len());
+                let own = Numbers { states, times: all[..count].to_vec(), period, drifts };
                 let u = part.point(&place, &own, self.value(u));
                 return Ok((part, u));
             }

@@ -200,19 +200,24 @@ pub(super) fn seed(
     let radian = place.period.unwrap_or(span) / TAU;
     let units = record.units(system.coordinates, radian);
     let mut times = if is_empty { vec![from] } else { std::mem::take(&mut record.times) };
-    let mut state = if is_empty { begin } else { std::mem::take(&mut record.states[0]) };
+    let own_states = if is_empty { vec![begin] } else { std::mem::take(&mut record.states) };
     // Times count from within the first period of the drive.
     let whole = place.period.map_or(times[0], |period| (times[0] / period).floor() * period);
-    move_back(system, &mut state, times[0], whole)?;
-    times.iter_mut().for_each(|time| *time -= whole);
-    state.truncate(own);
-    let neutral = Problem::neutral_of(&place);
-    let fixed = neutral.iter().map(|n| n.iter().zip(&state).map(|(n, x)| n * x).sum()).collect();
     let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word { letters: record.letters.into(), mode, periods };
+    let mut states = Vec::new();
+    for k in word.nodes() {
+        let mut state = own_states[k].clone();
+        move_back(system, &mut state, times[k], whole)?;
+        state.truncate(own);
+        states.push(state);
+    }
+    times.iter_mut().for_each(|time| *time -= whole);
+    let neutral = Problem::neutral_of(&place);
+    let fixed = neutral.iter().map(|n| n.iter().zip(&states[0]).map(|(n, x)| n * x).sum()).collect();
     let drifts = vec![0.0; neutral.len()];
     let problem = Problem { family: family.clone(), word, units, neutral, fixed, origin: times[0] };
-    Ok(Seed { problem, numbers: Numbers { state, times, period, drifts }, value })
+    Ok(Seed { problem, numbers: Numbers { states, times, period, drifts }, value })
 }
 
 /// Least and largest value of each number of the state of a motion over some returns, or as far as

@@ -29,7 +29,7 @@ const BEYOND: [f64; 3] = [1e-5, 1e-3, 1e-2];
 /// The departures of a doubled branch at a doubling.
 pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departure, Obstacle> {
     let place = problem.place(u)?;
-    let (doubled, u) = problem.repeated(&place, u, 2);
+    let (doubled, u) = problem.repeated(&place, u, 2)?;
     let matrix = doubled.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let special = Some(Special::of(Label::PeriodDoubling));
@@ -142,9 +142,10 @@ fn with_impact(
     letters.insert(index, own);
     if problem.word.is_empty() {
         let state = leg.flow.propagator(best.1) * DVector::from_column_slice(&leg.states[0]);
-        numbers.state = state.as_slice()[..numbers.state.len()].to_vec();
+        numbers.states = vec![state.as_slice()[..numbers.states[0].len()].to_vec()];
         numbers.times = vec![time];
     } else {
+        // An impact is no node.
         numbers.times.insert(index, time);
     }
     let word = Word { letters: letters.into(), ..problem.word.clone() };
@@ -180,7 +181,10 @@ fn without_impact(
     } else {
         numbers.times.remove(letter);
         if letter == 0 {
-            numbers.state = cycle.legs[1].states[0][..numbers.state.len()].to_vec();
+            // The next event is the first, and its state that of the first node.
+            let state = cycle.legs[1].entered()[..numbers.states[0].len()].to_vec();
+            let was_node = problem.word.nodes().contains(&1);
+            numbers.states.splice(..if was_node { 2 } else { 1 }, [state]);
         }
         let before = (letter + count - 1) % count;
         let place = functional(&cycle.legs[before]);
@@ -191,7 +195,7 @@ fn without_impact(
     let word = Word { letters: letters.into(), mode, periods: problem.word.periods };
     let mut other = Problem { word, origin, ..problem.clone() };
     other.fixed =
-        other.neutral.iter().map(|n| n.iter().zip(&numbers.state).map(|(n, x)| n * x).sum()).collect();
+        other.neutral.iter().map(|n| n.iter().zip(&numbers.states[0]).map(|(n, x)| n * x).sum()).collect();
     Ok((other, numbers, sought))
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use vibro_analysis::assembly::named;
-use vibro_assembly::mode::{Mode, Watch};
+use vibro_assembly::mode::{Mode, StopState, Watch};
 use vibro_assembly::motion::{Crossing, Event, keep};
 use vibro_assembly::system::System;
 use vibro_assembly::{Assembly, motion::EventKind};
@@ -63,6 +63,14 @@ impl Letter {
         self.chatter.as_ref().map_or(&self.modes[1], |chatter| &chatter.mode)
     }
 
+    /// Whether it opens a compliant stop. At given event times a stiff contact turns a change of the
+    /// place into one of the speed, its angular frequency times as large.
+    fn opens_compliant(&self) -> bool {
+        let [before, after] = &self.modes;
+        let pairs = before.stops.iter().zip(&after.stops);
+        pairs.into_iter().any(|(before, after)| before != after && *after == StopState::Below)
+    }
+
     /// Whether the event has an impact.
     pub fn is_impact(&self) -> bool {
         self.impacts().next().is_some()
@@ -119,6 +127,13 @@ pub struct Word {
 }
 
 impl Word {
+    /// The events after which the state is an unknown: the first one, and those that open a
+    /// compliant stop, so that no contact magnifies what another one has magnified.
+    pub(super) fn nodes(&self) -> Vec<usize> {
+        let later = (1..self.len()).filter(|k| self.letters[*k].opens_compliant());
+        std::iter::once(0).chain(later).collect()
+    }
+
     /// Number of events.
     pub fn len(&self) -> usize {
         self.letters.len()
