@@ -35,6 +35,11 @@ pub(super) trait Equations {
     fn rounding(&self) -> f64 {
         STEP_ROUNDING
     }
+
+    /// Size of a Newton step below which one that is longer than half of the previous one is rounding.
+    fn stalled(&self) -> f64 {
+        STEP_STALLED
+    }
 }
 
 /// A point on a curve with its tangent of length one.
@@ -62,7 +67,7 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The number of steps after which all further ones may be rounding (STEP_STALLED). The
+    // The number of steps after which all further ones may be rounding ([`Equations::stalled`]). The
     // correction counts as converged there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
@@ -83,7 +88,7 @@ pub(super) fn correct(
         if !size.is_finite() {
             return Err(Obstacle::NoConvergence);
         }
-        if size >= STEP_STALLED {
+        if size >= equations.stalled() {
             stalled = None;
         } else if size > 0.5 * before {
             stalled.get_or_insert(steps);

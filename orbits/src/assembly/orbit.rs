@@ -7,7 +7,6 @@ use super::problem::{Numbers, Problem};
 use super::word::Word;
 use crate::curve::Equations;
 use crate::obstacle::Obstacle;
-use crate::orbit::STEP_STALLED;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
 use vibro_analysis::Error;
@@ -127,7 +126,7 @@ pub(super) fn newton(
         }
         u.rows_mut(0, size).axpy(part, &step, 1.0);
         let is_done = length < problem.rounding() * (1.0 + u.norm());
-        let has_stalled = length < STEP_STALLED && length > 0.5 * before;
+        let has_stalled = length < problem.stalled() && length > 0.5 * before;
         if part == 1.0 && (is_done || has_stalled) {
             return Ok(u);
         }

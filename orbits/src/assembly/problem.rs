@@ -21,6 +21,9 @@ use vibro_assembly::neutral::Neutral;
 
 /// Relative size of a Newton step that is rounding where impacts accumulate.
 const CHATTER_ROUNDING: f64 = 1e-10;
+/// Size of a Newton step below which it may be rounding: an event whose functional hardly rises has
+/// half of the digits.
+const STALLED: f64 = 1e-7;
 /// Largest difference of the times of passages of one orbit, rad.
 const REPETITION: f64 = 1e-6;
 /// Change of a signal over a period, relative to its values, that is rounding.
@@ -384,5 +387,9 @@ impl Equations for Problem {
 
     fn rounding(&self) -> f64 {
         if self.has_run() { CHATTER_ROUNDING } else { STEP_ROUNDING }
+    }
+
+    fn stalled(&self) -> f64 {
+        STALLED
     }
 }
