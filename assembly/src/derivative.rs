@@ -23,6 +23,7 @@ mod machine;
 mod mode;
 mod passed;
 mod rest;
+mod resting;
 mod start;
 mod tangent;
 mod values;

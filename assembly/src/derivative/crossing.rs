@@ -74,11 +74,13 @@ fn differ(a: f64, b: f64) -> bool {
 }
 
 impl Crossing<'_> {
-    /// Whether forces or velocities jump at the event.
+    /// Whether forces, velocities or places jump at the event.
     fn jumps(&self) -> bool {
-        let (was, is) = (self.before.rates, self.after.rates);
-        !self.impulses.is_empty()
-            || was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+        let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
+        let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
+            was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+        };
+        !self.impulses.is_empty() || all.into_iter().any(differ)
     }
 
     /// Stops that were open and are hit, except the stop whose functional is due.
@@ -92,6 +94,12 @@ impl Crossing<'_> {
             EventKind::Impact { stop, .. } => Some(stop),
             _ => None,
         });
+        // A stop that is redundant beside others takes no impulse, but is met all the same.
+        let met = self.together.iter().filter_map(|(watch, _)| match watch {
+            Watch::Meets(i) if self.due.is_some() => Some(*i),
+            _ => None,
+        });
+        let all = all.chain(met);
         let mut all: Vec<usize> = all.filter(|&i| was_open(i) && due != Some(i)).collect();
         all.sort_unstable();
         all.dedup();
@@ -112,11 +120,18 @@ impl Crossing<'_> {
             self.is_alone() && !self.impulses.iter().any(|impulse| impulse.is_plastic(&self.machine.system));
         let mut times = vec![0.0; deltas.width];
         let mut apart = Vec::new();
+        let tight = Impulse::all_tight(&self.machine.system, self.impulses, self.before.sizes);
+        let is_tight = tight.iter().any(|stops| !stops.is_empty());
         for &p in &alive {
-            let found = match &self.due {
+            let mut found = match &self.due {
                 Some((_, row)) if is_alone => Ok((self.alone(p, row, deltas), false)),
                 _ => self.later(p, &deltas.column(p), &scales.column(p)),
             };
+            if let (true, Ok((later, false))) = (is_tight, &found)
+                && let Err(lost) = self.check_tight(p, later.event, [deltas, scales], &tight)
+            {
+                found = Err(lost);
+            }
             match found {
                 Ok((later, is_apart)) => {
                     times[p + 1] = later.event;
@@ -165,9 +180,34 @@ impl Crossing<'_> {
         }
         let (mut delta, scale) = (deltas.column(p), scales.column(p));
         machine.fill(p, after.time, after.z, &mut delta);
+        machine.returns(Varied { p, delta: &delta, scale: &scale.sup(&delta.abs()) }, after)?;
         machine.keep(p, &mut delta, &scale, after)?;
         deltas.put(p, &delta);
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
+    }
+
+    /// Refuses a column that moves stops off what impacts leave undecided.
+    fn check_tight(
+        &self,
+        p: usize,
+        later: f64,
+        [deltas, scales]: [&Columns; 2],
+        tight: &[Vec<usize>],
+    ) -> Result<(), Lost> {
+        let (machine, mut delta) = (self.machine, deltas.column(p));
+        if self.due.is_some() {
+            delta.axpy(later, self.before.rates, 1.0);
+        } else {
+            self.at_knot(p, later, &mut delta)?;
+        }
+        let scale = scales.column(p).sup(&delta.abs());
+        let impacts = self.impulses.iter().zip(tight.iter().cloned());
+        let found = Impulse::carry_one(&machine.system, &machine.tangents[p], impacts, (&delta, &scale));
+        found.map(drop).map_err(|stop| Lost {
+            time: self.before.time,
+            element: machine.assembly.name_of_stop(stop),
+            cause: Cause::Limit,
+        })
     }
 
     /// Whether a functional passes zero with speed and nothing else comes to a limit.
@@ -179,11 +219,18 @@ impl Crossing<'_> {
         !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
     }
 
-    /// Whether a functional that is zero throughout the mode after the event does not vary, whatever
-    /// the column: its contact was held before, or is the one that has come to its limit.
+    /// Whether a functional that is zero in the mode after the event does not vary, whatever the
+    /// column: the place or rate of a contact that was held before, or that has come to its limit.
     pub(super) fn stays_still(&self, watch: Watch) -> bool {
-        let is_due = self.due.is_some_and(|due| due.0.contact() == watch.contact());
-        is_due || self.before.mode.mode.basis.contains(&watch.contact())
+        let contact = watch.contact();
+        let is_due = self.due.is_some_and(|due| due.0.contact() == contact);
+        let is_kept = is_due || self.before.mode.mode.contacts().any(|held| held == contact);
+        match watch {
+            // A rate that has come to zero at this instant, too, leaves it again.
+            Watch::Stops(_) => is_kept || self.together.iter().any(|own| own.0.contact() == contact),
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) => is_kept,
+            _ => false,
+        }
     }
 
     /// The δt of an event that nothing accompanies.

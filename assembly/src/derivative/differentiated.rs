@@ -8,14 +8,16 @@ use super::crossing::{Later, Met};
 use super::extremes::Extremes;
 use super::flight::Memory;
 use super::lost::Lost;
-use super::machine::{Instant, Machine};
+use super::machine::{Instant, Machine, Varied};
 use super::mode::VariedMode;
 use super::passed::{Modes, Passed};
-use super::start::Start;
+use super::start::{Given, Start};
 use crate::assembly::Assembly;
 use crate::error::Error;
+use crate::mode::Watch;
 use crate::motion::{Event, EventKind, Motion, Reached, start_of};
 use crate::quantity::Quantity;
+use crate::system::Functional;
 use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -84,6 +86,14 @@ pub(super) enum Origin {
     Machine,
     /// At a time in a state.
     State(f64, Vec<f64>),
+}
+
+/// The watched functionals of the present mode that are zero throughout it.
+pub(super) fn throughout<'a>(
+    mode: &'a VariedMode,
+    motion: &'a Motion,
+) -> impl Iterator<Item = &'a (Watch, Functional)> {
+    mode.watched.iter().zip(motion.are_unwatched()).filter(|(_, is_still)| *is_still).map(|(own, _)| own)
 }
 
 /// Callback for events, each with the derivatives of its time by column.
@@ -176,18 +186,19 @@ impl Differentiated {
         origin: &Origin,
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
-        let (time, state, is_given) = match origin {
-            Origin::Machine => (0.0, &start_of(&assembly), false),
-            Origin::State(time, state) => (*time, state, true),
+        let (time, state, given) = match origin {
+            Origin::Machine => (0.0, &start_of(&assembly), Given::Machine),
+            Origin::State(time, state) => (*time, state, Given::State),
         };
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
-        let motion = match is_given {
-            true => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
-            false => Motion::new_observed(assembly.clone(), &mut note)?,
+        let motion = match given {
+            Given::Machine => Motion::new_observed(assembly.clone(), &mut note)?,
+            _ => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
         };
+        let motion = motion.noting_touches();
         let machine = Arc::new(Machine::new(assembly, columns)?);
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);
@@ -196,7 +207,8 @@ impl Differentiated {
         begun.as_mut_slice()[..state.len()].copy_from_slice(state);
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
-        let start = Start { machine: &machine, is_given, begun: &begun, events: &events, at };
+        let throughout = throughout(&mode, &motion).map(|own| own.0.contact()).collect();
+        let start = Start { machine: &machine, given, begun: &begun, events: &events, at, throughout };
         let count = machine.columns.len();
         let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
         deltas.put_state(z.as_slice());
@@ -260,9 +272,14 @@ impl Differentiated {
         self.lost.get(p)?.is_none().then(|| self.deltas.column(p))
     }
 
-    /// A column of the derivative of a quantity at the present time; `None` where there is none.
+    /// A column of the derivative of a quantity at the present time; `None` where there is none. The
+    /// force of a contact that depends on others has none while they are held: the law determines
+    /// no more than their sum.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
         let delta = &self.column(column)?;
+        if self.is_shared(quantity) {
+            return None;
+        }
         let z = self.machine.widened(self.motion.state());
         let point = super::values::Point {
             system: &self.machine.system,
@@ -275,6 +292,11 @@ impl Differentiated {
         };
         // No value is -0.
         Some(point.quantity(quantity) + 0.0).filter(|value| value.is_finite())
+    }
+
+    /// Whether the law determines no more of this force than its sum with those of other contacts.
+    pub(super) fn is_shared(&self, quantity: Quantity) -> bool {
+        self.mode.is_shared(&self.machine.system, quantity)
     }
 
     /// Why a column has no derivatives any more.
@@ -312,23 +334,59 @@ impl Differentiated {
     ) -> Result<(), Error> {
         self.look(extremes);
         loop {
-            let from = self.motion.time();
-            let outcome = self.motion.advance_before_event(end, &mut |_| ());
-            let span = self.motion.time() - from;
-            if span > 0.0 {
-                let Self { machine, mode, deltas, lost, memory, vectors, .. } = self;
-                let mut carry = |varied: &mut Columns, time: f64| mode.carry(*vectors, varied, memory, time);
-                for own in &mut *extremes {
-                    own.fly(machine, mode, (from, deltas, lost), span, &mut carry);
-                }
-                self.fly(span);
-            }
-            match outcome? {
+            match self.follow(end, extremes)? {
                 Reached::End => {
                     self.look(extremes);
                     return Ok(());
                 }
                 Reached::Event => self.pass(extremes, observer)?,
+            }
+        }
+    }
+
+    /// Follows the motion to a time or to the next event, before its law.
+    fn follow(&mut self, end: f64, extremes: &mut [Extremes]) -> Result<Reached, Error> {
+        let begin = self.motion.time();
+        let outcome = self.motion.advance_before_event(end, &mut |_| ());
+        let (mut from, now) = (begin, self.motion.time());
+        for touch in self.motion.take_touches() {
+            let time = touch.time.clamp(from, now);
+            self.look_along((from, time), extremes);
+            self.touch(touch.place, (from, time));
+            from = time;
+        }
+        if now > begin {
+            self.look_along((from, now), extremes);
+            self.fly(now - begin, now - from);
+        }
+        outcome
+    }
+
+    /// Takes the turning points of a flight into account.
+    fn look_along(&mut self, (from, to): (f64, f64), extremes: &mut [Extremes]) {
+        let Self { machine, mode, deltas, lost, memory, vectors, .. } = self;
+        let mut carry = |varied: &mut Columns, time: f64| mode.carry(*vectors, varied, memory, time);
+        for own in extremes.iter_mut().filter(|_| to > from) {
+            own.fly(machine, mode, (from, deltas, lost), to - from, &mut carry);
+        }
+    }
+
+    /// Carries the derivatives over a flight to a touch, and ends those that move it.
+    fn touch(&mut self, place: usize, (from, time): (f64, f64)) {
+        let Self { machine, motion, mode, deltas, scales, lost, memory, vectors, .. } = self;
+        mode.carry(*vectors, deltas, memory, time - from);
+        if !machine.is_touchy(mode.watched[place].0) {
+            return;
+        }
+        let z = deltas.state();
+        let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
+        let at = Instant { mode, z: &z, rates: &rates, sizes: &sizes, time };
+        for (p, found) in lost.iter_mut().enumerate().filter(|(_, lost)| lost.is_none()) {
+            let delta = deltas.column(p);
+            let scale = scales.column(p).sup(&delta.abs());
+            *found = machine.check_touch(Varied { p, delta: &delta, scale: &scale }, &at, place).err();
+            if found.is_some() {
+                deltas.put(p, &DVector::zeros(delta.len()));
             }
         }
     }
@@ -339,20 +397,22 @@ impl Differentiated {
         extremes.iter_mut().for_each(|own| own.at(&self.machine, &self.mode, now));
     }
 
-    /// Carries the derivatives over a flight from the state that they have.
-    fn fly(&mut self, span: f64) {
+    /// Carries the derivatives over the rest of a flight of length `span`, from the state that they
+    /// have.
+    fn fly(&mut self, span: f64, rest: f64) {
         let Self { machine, motion, mode, deltas, scales, lost, memory, met, vectors, .. } = self;
         let time = motion.time();
         if mode.parts_instants(time, span) {
             met.clear();
         }
         if !lost.is_empty() {
-            mode.carry(*vectors, deltas, memory, span);
+            mode.carry(*vectors, deltas, memory, rest);
         }
         let z = machine.widened(motion.state());
         deltas.put_state(z.as_slice());
         let fills = !motion.is_event_due();
-        if mode.mode.contacts().next().is_none() && !(fills && machine.varies_signals()) {
+        let is_still = throughout(mode, motion).next().is_some();
+        if mode.mode.contacts().next().is_none() && !(fills && machine.varies_signals()) && !is_still {
             scales.include(deltas);
             return;
         }
@@ -365,6 +425,11 @@ impl Differentiated {
             }
             let scale = scales.column(p).sup(&delta.abs());
             *place = machine.keep(p, &mut delta, &scale, &at).err();
+            if place.is_none() && is_still {
+                // The changed motion leaves what is zero throughout this one.
+                let still: Vec<_> = throughout(mode, motion).collect();
+                *place = machine.check(Varied { p, delta: &delta, scale: &scale }, &at, &still).err();
+            }
             if place.is_some() {
                 delta.fill(0.0);
             }
