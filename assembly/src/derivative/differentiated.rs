@@ -123,8 +123,9 @@ impl Differentiated {
     }
 
     /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
-    /// parameter moves the state. A start on a rigid stop that stays closed varies as the contact
-    /// allows: with the stop's gap, and not against it.
+    /// parameter moves the state. By what moves a rigid stop that is closed there, or its gap, there
+    /// is no derivative: behind the stop is no start. A motion [under way](Self::from_motion) follows
+    /// it.
     ///
     /// A spring's state after a time, by its start, is the transition matrix:
     ///
