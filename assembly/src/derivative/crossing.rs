@@ -143,8 +143,7 @@ impl Crossing<'_> {
                 Err(found) => lost[p] = Some(found),
             }
         }
-        let mut single = vec![false; lost.len()];
-        apart.iter().for_each(|(p, _)| single[*p] = true);
+        let single: Vec<usize> = apart.iter().map(|own: &(usize, DVector<f64>)| own.0).collect();
         self.at_once(times, deltas, lost, &single);
         for (p, mut delta) in apart {
             let own = all[p].as_ref().map_or(&[][..], |later| &later.own);
@@ -366,10 +365,10 @@ impl Crossing<'_> {
 
     /// Carries columns over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt. `later`
     /// has the δt in the columns' places. A column that is `apart` is changed in vain.
-    fn at_once(&self, mut later: Vec<f64>, deltas: &mut Columns, lost: &mut [Option<Lost>], apart: &[bool]) {
+    fn at_once(&self, mut later: Vec<f64>, deltas: &mut Columns, lost: &mut [Option<Lost>], apart: &[usize]) {
         let machine = self.machine;
         if self.due.is_none() {
-            for p in (0..lost.len()).filter(|&p| !apart[p]) {
+            for p in (0..lost.len()).filter(|p| !apart.contains(p)) {
                 if lost[p].is_none() {
                     let mut delta = deltas.column(p);
                     match self.at_knot(p, later[p + 1], &mut delta) {

@@ -105,26 +105,30 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     }
 }
 
-/// The vector sum of row `i` of `a` and of what varies, from vectors of which each coordinate has
-/// `each`; it is the one at `v` of them.
+/// The sums of a row of a matrix and of what varies in it, for the `B` vectors from `first` on of
+/// the `each` that a coordinate has.
 #[inline(always)]
-fn row_at<S: Simd>(
+fn row_at<S: Simd, const B: usize>(
     simd: S,
     [entries, varied]: [Entries; 2],
-    by: &[S::f64s],
-    from: &[f64],
-    (each, v): (usize, usize),
-) -> S::f64s {
-    let mut sum = simd.splat_f64s(0.0);
+    (by, from): (&[S::f64s], &[f64]),
+    (each, first): (usize, usize),
+) -> [S::f64s; B] {
+    let mut sums = [simd.splat_f64s(0.0); B];
     let vectors = S::as_simd_f64s(from).0;
     for &(j, x) in entries {
-        sum = simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(x), vectors[j * each + v]));
+        let (x, own) = (simd.splat_f64s(x), &vectors[j * each + first..][..B]);
+        for (sum, own) in sums.iter_mut().zip(own) {
+            *sum = simd.add_f64s(*sum, simd.mul_f64s(x, *own));
+        }
     }
     for (&(j, _), by) in varied.iter().zip(by.chunks_exact(each)) {
         let state = simd.splat_f64s(from[j * each * S::F64_LANES]);
-        sum = simd.add_f64s(sum, simd.mul_f64s(state, by[v]));
+        for (sum, by) in sums.iter_mut().zip(&by[first..][..B]) {
+            *sum = simd.add_f64s(*sum, simd.mul_f64s(state, *by));
+        }
     }
-    sum
+    sums
 }
 
 /// The flow over one part of the length of a series.
@@ -204,35 +208,55 @@ impl WithSimd for Flight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        // Entries are read once for the vectors that are found side by side.
+        match self.z.width / S::F64_LANES {
+            1 => self.in_blocks::<S, 1>(simd),
+            each if each % 4 == 0 => self.in_blocks::<S, 4>(simd),
+            each if each % 3 == 0 => self.in_blocks::<S, 3>(simd),
+            each if each % 2 == 0 => self.in_blocks::<S, 2>(simd),
+            _ => self.in_blocks::<S, 1>(simd),
+        }
+    }
+}
+
+impl Flight<'_> {
+    /// The flight with `B` vectors of each coordinate side by side, of which their number is a
+    /// multiple.
+    #[inline(always)]
+    fn in_blocks<S: Simd, const B: usize>(self, simd: S) {
         let Self { mode, z, memory: Memory { term, next }, rung, time } = self;
         let each = z.width / S::F64_LANES;
         term.clone_from(&z.numbers);
         if let Some(rung) = rung {
-            let by = S::as_simd_f64s(&rung.by).0;
+            let all = S::as_simd_f64s(&rung.by).0;
             for (i, to) in S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each).enumerate() {
-                let (own, places) = (rung.row(i), rung.row(i));
-                let entries = &rung.entries[own];
-                let by = &by[places.start * each..places.end * each];
-                for (v, to) in to.iter_mut().enumerate() {
-                    *to = simd.add_f64s(*to, row_at(simd, [entries, entries], by, term, (each, v)));
+                let own = rung.row(i);
+                let (entries, by) = (&rung.entries[own.clone()], &all[own.start * each..own.end * each]);
+                for (block, to) in to.chunks_exact_mut(B).enumerate() {
+                    let sums = row_at::<S, B>(simd, [entries, entries], (by, term), (each, block * B));
+                    to.iter_mut().zip(sums).for_each(|(to, sum)| *to = simd.add_f64s(*to, sum));
                 }
             }
             return;
         }
         next.resize(term.len(), 0.0);
         let Sources(sources) = &mode.sources;
-        let by = S::as_simd_f64s(&sources.by).0;
+        let all = S::as_simd_f64s(&sources.by).0;
         for k in 1..=orders(RADIUS * time / mode.length) {
             let factor = simd.splat_f64s(time / k as f64);
             let sums = S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each);
-            let all = S::as_mut_simd_f64s(next).0.chunks_exact_mut(each).zip(sums);
-            for (i, (to, sums)) in all.enumerate() {
+            let nexts = S::as_mut_simd_f64s(next).0.chunks_exact_mut(each);
+            for (i, (to, sums)) in nexts.zip(sums).enumerate() {
                 let own = sources.row(i);
-                let by = &by[own.start * each..own.end * each];
+                let by = &all[own.start * each..own.end * each];
                 let entries = [mode.a.row(i), &sources.entries[own]];
-                for (v, (to, sum)) in to.iter_mut().zip(sums).enumerate() {
-                    *to = simd.mul_f64s(factor, row_at(simd, entries, by, term, (each, v)));
-                    *sum = simd.add_f64s(*sum, *to);
+                let blocks = to.chunks_exact_mut(B).zip(sums.chunks_exact_mut(B));
+                for (block, (to, sums)) in blocks.enumerate() {
+                    let found = row_at::<S, B>(simd, entries, (by, term), (each, block * B));
+                    for ((to, sum), found) in to.iter_mut().zip(sums).zip(found) {
+                        *to = simd.mul_f64s(factor, found);
+                        *sum = simd.add_f64s(*sum, *to);
+                    }
                 }
             }
             std::mem::swap(term, next);

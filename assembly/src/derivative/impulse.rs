@@ -35,11 +35,11 @@ impl Impulse {
             EventKind::Impact { stop, impulse, stops, .. } => Some((stop, impulse, stops)),
             _ => None,
         });
-        let (mut hit, mut all, mut z) = (hit.peekable(), Vec::new(), z.clone());
+        let (mut hit, mut all) = (hit.peekable(), Vec::<Self>::new());
         while let Some(&(_, _, count)) = hit.peek() {
             let group: Vec<_> = hit.by_ref().take(count.max(1)).collect();
-            let impact = Self::new(system, events, &group, &z);
-            z = impact.states[1].clone();
+            let before = all.last().map_or(z, |last| &last.states[1]);
+            let impact = Self::new(system, events, &group, before);
             all.push(impact);
         }
         all
@@ -66,12 +66,14 @@ impl Impulse {
         };
         let restitution = stops.iter().zip(&closes).map(own).collect();
         let rows = |i: usize| &system.stops[stops[i]].elongation;
-        let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
-        let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
-        let zero = DMatrix::zeros(stops.len(), stops.len());
-        let inverse = match stops.len() {
-            1 if g[(0, 0)] > 0.0 => Some(DMatrix::from_element(1, 1, 1.0 / g[(0, 0)])),
-            _ => g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == zero.shape()),
+        let count = stops.len();
+        let mut g = DMatrix::from_fn(count, count, |i, j| rows(i).w.dot(&rows(j).mobility));
+        let inverse = if count == 1 && g[(0, 0)] > 0.0 {
+            g[(0, 0)] = 1.0 / g[(0, 0)];
+            Some(g)
+        } else {
+            let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
+            g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == (count, count))
         };
         let impulses = DVector::from_iterator(group.len(), group.iter().map(|hit| hit.1));
         let mut after = z.clone();
@@ -83,7 +85,7 @@ impl Impulse {
             restitution,
             closes,
             impulses,
-            inverse: inverse.unwrap_or(zero),
+            inverse: inverse.unwrap_or_else(|| DMatrix::zeros(count, count)),
             states: [z.clone(), after],
         }
     }
@@ -186,6 +188,9 @@ impl Impulse {
             stop.restitution().is_some() && stop.excess.at(first.states[0].as_slice()).abs() <= zero
         };
         let touching: Vec<usize> = (0..system.stops.len()).filter(touches).collect();
+        if touching.len() < 2 {
+            return Vec::new();
+        }
         all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
     }
 

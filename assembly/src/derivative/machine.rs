@@ -84,7 +84,9 @@ impl Machine {
         } else {
             let system = System::laid_out(d, layout)?;
             let places = system.signals.places_in(&assembly.system.signals);
-            Matrices::Own(Box::new(system), places)
+            let is_own = places.len() == assembly.system.signals.size
+                && places.iter().enumerate().all(|(j, place)| *place == Some(j));
+            if is_own { Matrices::Known(assembly.clone()) } else { Matrices::Own(Box::new(system), places) }
         };
         let tangents = columns.iter().map(|by| Tangent::new(&system, d, by.parameter())).collect();
         Ok(Self { assembly, system, columns, tangents })

@@ -14,6 +14,10 @@ const BESIDE: f64 = 4.0;
 /// between two intervals.
 const BEYOND: f64 = 1.0 / 64.0;
 
+/// Part of a functional's value under which it is certainly below what counts as zero, unless the
+/// value itself is zero.
+const BELOW: f64 = 1e-9;
+
 /// A touch: its time, s, and the place of the functional in its mode.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
@@ -66,7 +70,8 @@ impl PassageSearch<'_> {
             let is_last = interval == end.interval;
             let length = if is_last { end.dt / step } else { 1.0 };
             let length = if is_last && !goes_on { length } else { length + BEYOND };
-            for place in (0..near.len()).filter(|&place| near[place] & (1 << interval) != 0) {
+            let is_near = |&place: &usize| near[place] & (1 << interval) != 0 && self.may_touch(place);
+            for place in (0..near.len()).filter(is_near) {
                 let from = self.hybrid.time.value() + interval as f64 * step;
                 let c = shortened(&table.local(place, &to.state), length);
                 self.note(place, &c, |u| from + u * length * step, &mut to.found);
@@ -80,13 +85,24 @@ impl PassageSearch<'_> {
         let length = if goes_on { part * (1.0 + BEYOND) } else { part };
         for (place, w) in self.table.watched.iter().enumerate() {
             let head = ahead.head(place);
-            let zero = BESIDE * self.hybrid.sizes.zero_of(&w.row);
-            if head.value.max(head.value + head.slope) + head.behind >= -zero {
+            let most = head.value.max(head.value + head.slope) + head.behind;
+            if most >= -BELOW * head.value.abs()
+                && self.may_touch(place)
+                && most >= -BESIDE * self.hybrid.sizes.zero_of(&w.row)
+            {
                 let c = shortened(&ahead.way(&w.row), length);
                 let from = self.hybrid.time.value();
                 self.note(place, &c, |u| from + u * length * ahead.span, &mut to.found);
             }
         }
+    }
+
+    /// Whether a touch of a functional could matter.
+    fn may_touch(&self, place: usize) -> bool {
+        let watch = self.table.watched[place].watch;
+        let is_met =
+            matches!(watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Slips(..));
+        is_met && !self.is_unwatched(place)
     }
 
     /// Notes where a functional's series has a highest value that counts as zero, after it has been
@@ -98,18 +114,13 @@ impl PassageSearch<'_> {
         time: impl Fn(f64) -> f64,
         to: &mut Vec<Touch>,
     ) {
-        let w = &self.table.watched[place];
-        let is_met =
-            matches!(w.watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Slips(..));
-        if !is_met || self.is_unwatched(place) {
-            return;
-        }
+        let row = &self.table.watched[place].row;
         let mut rate = [0.0; N];
         (1..N).for_each(|k| rate[k - 1] = k as f64 * c[k]);
         if rate[0].abs() > rate[1..].iter().map(|x| x.abs()).sum() {
             return; // It does not turn.
         }
-        let zero = BESIDE * self.hybrid.sizes.zero_of(&w.row);
+        let zero = BESIDE * self.hybrid.sizes.zero_of(row);
         let (mut lowest, mut rising) = (c[0], rate[0] > 0.0);
         turns(&rate, (0.0, 1.0), &mut rising, |u, is_highest| {
             let value = c.iter().rev().fold(0.0, |sum, c| sum * u + c);
