@@ -24,6 +24,7 @@ mod mode;
 mod passed;
 mod rest;
 mod resting;
+mod series;
 mod start;
 mod tangent;
 mod values;

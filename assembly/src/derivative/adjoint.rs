@@ -5,6 +5,7 @@ use super::columns::padded;
 use super::machine::Machine;
 use super::mode::VariedMode;
 use super::passed::Passed;
+use super::series::orders;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;
 use crate::kernel::{EIGHT, NODES, SHORT};
@@ -18,8 +19,6 @@ use std::sync::Arc;
 
 /// Parts of a flight whose power series are kept at one time.
 const KEPT: usize = 32;
-/// Bound of the terms that a power series leaves out, relative to its largest.
-const REMAINDER: f64 = 1e-18;
 
 /// What a motion has done, in order.
 pub(super) enum Step {
@@ -49,15 +48,6 @@ struct Series {
     own: Vec<f64>,
     values: Vec<f64>,
     vectors: Option<Arch>,
-}
-
-fn orders(radius: f64) -> usize {
-    let (mut k, mut term) = (0, 1.0);
-    while term > REMAINDER || (k as f64) < 2.0 * radius {
-        k += 1;
-        term *= radius / k as f64;
-    }
-    k
 }
 
 impl<'a> Adjoint<'a> {

@@ -200,7 +200,7 @@ impl Crossing<'_> {
             self.at_knot(p, later, &mut delta)?;
         }
         let scale = scales.column(p).sup(&delta.abs());
-        let impacts = self.impulses.iter().zip(tight.iter().cloned());
+        let impacts = (self.impulses, tight);
         let found = Impulse::carry_one(&machine.system, &machine.tangents[p], impacts, (&delta, &scale));
         found.map(drop).map_err(|stop| Lost {
             time: self.before.time,

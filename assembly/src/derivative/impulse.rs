@@ -178,8 +178,8 @@ impl Impulse {
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
-    /// By impact: the stops that touch there and are [`tight`](Self::tight), with the sizes of what
-    /// counts as zero.
+    /// By impact: the stops that touch there and are [`tight`](Self::tight), by the sizes of what
+    /// counts as zero; nothing where one stop alone touches.
     pub(super) fn all_tight(system: &System, all: &[Self], sizes: &DVector<f64>) -> Vec<Vec<usize>> {
         let Some(first) = all.first() else { return Vec::new() };
         let touches = |&stop: &usize| {
@@ -223,26 +223,27 @@ impl Impulse {
         own.map_or_else(|| system.stops[stop].restitution().unwrap_or(0.0), |k| self.restitution[k])
     }
 
-    /// Carries one column over impacts of one instant, each with its [`tight`](Self::tight) stops.
-    /// `scale` has the column's largest sizes so far.
+    /// Carries one column over impacts of one instant, with what [`all_tight`](Self::all_tight) has
+    /// found. `scale` has the column's largest sizes so far.
     ///
     /// # Errors
     /// A stop that the column moves off its equality.
-    pub(super) fn carry_one<'a>(
+    pub(super) fn carry_one(
         system: &System,
         tangent: &Tangent,
-        impacts: impl Iterator<Item = (&'a Self, Vec<usize>)>,
+        (impacts, tight): (&[Self], &[Vec<usize>]),
         (delta, scale): (&DVector<f64>, &DVector<f64>),
     ) -> Result<DVector<f64>, usize> {
         let (mut delta, mut scale) = (delta.clone(), scale.clone());
-        for (impulse, tight) in impacts {
+        for (k, impulse) in impacts.iter().enumerate() {
+            let tight = tight.get(k).map_or(&[][..], |stops| stops);
             let mut alone = Columns::zeros(delta.len(), 1);
             alone.put(0, &delta);
             impulse.carry(system, std::slice::from_ref(tangent), &mut alone);
             let after = alone.column(0);
             scale = scale.sup(&after.abs());
             let moves = |&stop: &usize| impulse.moves(system, tangent, stop, [&delta, &after, &scale]);
-            if let Some(stop) = tight.into_iter().find(moves) {
+            if let Some(stop) = tight.iter().copied().find(moves) {
                 return Err(stop);
             }
             delta = after;

@@ -1,7 +1,7 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
 //! functionals (docs/assembly-law.md (A29)).
 
-use super::flight::{Rung, Sources, orders};
+use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;
 use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
@@ -119,6 +119,17 @@ impl VariedMode {
         }
         made.sources = Sources::of(size, tangents.len(), terms);
         made
+    }
+
+    /// Numbers that are kept of it, approximately: an entry counts as two.
+    pub fn numbers(&self) -> usize {
+        let rows = |rows: &[StateRow]| rows.iter().map(|row| row.len()).sum::<usize>();
+        let in_column =
+            |own: &InMode| rows(&own.lambda) + own.a.iter().map(|row| 2 * row.1.terms().len()).sum::<usize>();
+        let watched: usize = self.watched.iter().map(|own| own.1.len() + 2 * own.1.terms().len()).sum();
+        let rungs = self.flights.made().map(Varied::numbers).sum::<usize>();
+        let columns = self.by.iter().map(in_column).sum::<usize>();
+        2 * self.a.entries() + rows(&self.lambda) + watched + columns + self.sources.0.numbers() + rungs
     }
 
     /// Whether a flight over a time parts the events at its ends into two instants.

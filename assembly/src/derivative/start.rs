@@ -49,7 +49,7 @@ impl Start<'_> {
             return Err(self.limit(machine.assembly.name_of_stop(stop)));
         }
         let tight = Impulse::all_tight(system, &impacts, at.sizes);
-        let found = Impulse::carry_one(system, tangent, impacts.iter().zip(tight), (&delta, &scale));
+        let found = Impulse::carry_one(system, tangent, (&impacts, &tight), (&delta, &scale));
         let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
         let scale = scale.sup(&delta.abs());
         machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
