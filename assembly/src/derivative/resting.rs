@@ -9,10 +9,9 @@ impl Machine {
     /// Refuses a rate that a column gives to contacts at rest, unless they come to rest again at
     /// once, on both sides.
     ///
-    /// They do where forces λ with 0 < λ of stops and |λ| < F of frictions, at the levels F at which
-    /// these slip, hold all contacts that are coupled to them: then Σ e' (λ - F sign e') is negative
-    /// whatever rates e' are left, so that these vanish within a time of their size. Until then the
-    /// contacts' impulses are those that take the rates away, and the derivative is the projection.
+    /// They do where forces λ hold all contacts that are coupled to them, with 0 < λ of stops and
+    /// |λ| < F of frictions, F being the level at which these slip: the rates vanish within a time
+    /// of their size, by impulses of the contacts alone (A36), and the derivative is the projection.
     pub fn returns(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
         let contacts: Vec<Contact> = at.mode.mode.contacts().collect();
         let point = self.point(column, at);
@@ -40,8 +39,8 @@ impl Machine {
     }
 
     /// Whether a contact's force is inside its limits by more than rounding, those of a friction at
-    /// the level at which it slips. A stop that bounces for ever does not come to rest. A contact that
-    /// depends on others has the force zero.
+    /// the level at which it slips. A stop that bounces for ever does not come to rest. A contact
+    /// that depends on others has the force zero.
     fn is_inside(&self, contact: Contact, at: &Instant) -> bool {
         let mode = &at.mode.mode;
         let place = mode.basis.iter().position(|&own| own == contact);
