@@ -4,7 +4,8 @@
 //! A machine's numbers enter through rows and matrices, which are differentiated in closed form:
 //! `tangent` has what a parameter changes in the machine, `mode` what it changes in z' = A z.
 //! `flight` carries derivatives between events, `crossing` and `impulse` over them, `start` and
-//! `rest` begin them. A [`Differentiated`] motion puts these together. It drives an ordinary
+//! `rest` begin them; `resting` says which contacts at rest come to rest again when they are moved.
+//! A [`Differentiated`] motion puts these together. It drives an ordinary
 //! [`Motion`](crate::Motion), which has the bits that it has alone.
 
 mod adjoint;
@@ -23,6 +24,8 @@ mod machine;
 mod mode;
 mod passed;
 mod rest;
+mod resting;
+mod series;
 mod start;
 mod tangent;
 mod values;

@@ -65,13 +65,14 @@ fn second_method_the_transition_matrix_of_random_machines() {
 }
 
 #[test]
-fn closed_form_a_start_on_a_closed_stop_moves_with_its_gap() {
+fn closed_form_a_motion_on_a_closed_stop_moves_with_its_gap() {
     // Pressed against arm·s = gap by F until it turns: F = 4 at first, -2 from t = 1 on.
     let text = "name = \"H\"\n[body.a]\nmass = 2.0\n[stop.s]\narms = { a = 2.0 }\ngap = 0.5\nrestitution = 0.4\n\
                 [load.push]\non = \"a\"\nconstant = 4.0\nsteps = [[1.0, -6.0]]\n";
     let columns =
         ["stop.s.gap".into(), By::Start(0), By::Start(1), "load.push.steps[0].time".into(), By::Time];
-    let mut motion = Differentiated::from_state(assembly(text), 0.5, &[0.25, 0.0], &columns).unwrap();
+    let begun = Motion::from_state(assembly(text), 0.5, &[0.25, 0.0]).unwrap();
+    let mut motion = Differentiated::from_motion(begun, &columns).unwrap();
     assert_eq!(
         motion.parameters(),
         ["stop.s.gap", "start[0]", "start[1]", "load.push.steps[0].time", "start.time"]

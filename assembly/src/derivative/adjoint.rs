@@ -1,9 +1,11 @@
 //! The derivative of a sum by everything before it, backwards over a kept motion
 //! (docs/assembly-law.md (A33), (A34)).
 
+use super::columns::padded;
 use super::machine::Machine;
 use super::mode::VariedMode;
 use super::passed::Passed;
+use super::series::orders;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;
 use crate::kernel::{EIGHT, NODES, SHORT};
@@ -11,13 +13,12 @@ use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
 use crate::system::{Part, StateRow};
 use nalgebra::DVector;
+use pulp::{Arch, Simd, WithSimd};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Parts of a flight whose power series are kept at one time.
 const KEPT: usize = 32;
-/// Bound of the terms that a power series leaves out, relative to its largest.
-const REMAINDER: f64 = 1e-18;
 
 /// What a motion has done, in order.
 pub(super) enum Step {
@@ -40,21 +41,13 @@ pub(super) struct Adjoint<'a> {
     series: Series,
 }
 
-/// Memory of a flight's power series.
+/// Memory of a flight's power series: by part and order a padded vector.
 #[derive(Default)]
 struct Series {
     states: Vec<f64>,
     own: Vec<f64>,
-    next: Vec<f64>,
-}
-
-fn orders(radius: f64) -> usize {
-    let (mut k, mut term) = (0, 1.0);
-    while term > REMAINDER || (k as f64) < 2.0 * radius {
-        k += 1;
-        term *= radius / k as f64;
-    }
-    k
+    values: Vec<f64>,
+    vectors: Option<Arch>,
 }
 
 impl<'a> Adjoint<'a> {
@@ -291,14 +284,15 @@ impl Series {
         z: &[f64],
         (parts, step, count): (usize, f64, usize),
     ) -> Vec<f64> {
-        let size = z.len();
-        self.states.resize(parts * (count + 1) * size, 0.0);
+        let (size, width) = (z.len(), padded(z.len()));
+        self.states.clear();
+        self.states.resize(parts * (count + 1) * width, 0.0);
         let mut z = z.to_vec();
-        for own in self.states.chunks_exact_mut((count + 1) * size).take(parts) {
+        for own in self.states.chunks_exact_mut((count + 1) * width).take(parts) {
             own[..size].copy_from_slice(&z);
             for k in 1..=count {
-                let (before, after) = own.split_at_mut(k * size);
-                mode.a.rows_times_to(0, &before[(k - 1) * size..], step / k as f64, &mut after[..size]);
+                let (before, after) = own.split_at_mut(k * width);
+                mode.a.rows_times_to(0, &before[(k - 1) * width..], step / k as f64, &mut after[..size]);
                 z.iter_mut().zip(&after[..size]).for_each(|(sum, x)| *sum += x);
             }
         }
@@ -315,36 +309,88 @@ impl Series {
         state: &mut [f64],
         to: &mut InMode,
     ) {
-        let Self { states, own, next } = self;
-        let size = state.len();
-        own.resize((count + 1) * size, 0.0);
+        let Self { states, own, values, vectors } = self;
+        let (size, width) = (state.len(), padded(state.len()));
+        own.clear();
+        own.resize((count + 1) * width, 0.0);
         own[..size].copy_from_slice(state);
         for k in 1..=count {
-            let (before, after) = own.split_at_mut(k * size);
-            mode.a.after_row(&before[(k - 1) * size..], step / k as f64, &mut after[..size]);
+            let (before, after) = own.split_at_mut(k * width);
+            mode.a.after_row(&before[(k - 1) * width..][..size], step / k as f64, &mut after[..size]);
             state.iter_mut().zip(&after[..size]).for_each(|(sum, x)| *sum += x);
         }
-        let states = &states[part * (count + 1) * size..][..(count + 1) * size];
-        next.resize(2 * size, 0.0);
-        let first = size - to.a.nrows();
+        let length = (count + 1) * width;
+        let states = &states[part * length..][..length];
         let nodes: &[(f64, f64)] = if RADIUS * step / mode.length <= SHORT { &EIGHT } else { &NODES };
-        for &(node, weight) in nodes {
-            let (z, mu) = next.split_at_mut(size);
-            value_at(states, node, z);
-            value_at(own, 1.0 - node, mu);
-            let (rows, factor) = (to.a.nrows(), weight * step);
-            for (column, z) in to.a.as_mut_slice().chunks_exact_mut(rows).zip(z.iter()) {
-                let factor = factor * z;
-                column.iter_mut().zip(&mu[first..]).for_each(|(sum, mu)| *sum += factor * mu);
+        values.resize(2 * BESIDE * width, 0.0);
+        vectors.get_or_insert_with(Arch::new).dispatch(Integral {
+            states,
+            own,
+            nodes,
+            step,
+            values,
+            size,
+            sums: &mut to.sums,
+        });
+    }
+}
+
+/// Nodes of Gauss's rule whose values are found side by side.
+const BESIDE: usize = 4;
+
+/// Adds ∫ μ zᵀ dt over a part of a flight by Gauss's rule to `sums`, from the power series of both,
+/// of which that of μ goes back from the part's end. Compiled for each kind of vectors.
+struct Integral<'a> {
+    states: &'a [f64],
+    own: &'a [f64],
+    nodes: &'a [(f64, f64)],
+    step: f64,
+    /// Memory of both values at some nodes.
+    values: &'a mut [f64],
+    size: usize,
+    /// By coordinate of z a padded vector.
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for Integral<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { states, own, nodes, step, values, size, sums } = self;
+        let width = padded(size);
+        let each = width / S::F64_LANES;
+        for nodes in nodes.chunks_exact(BESIDE) {
+            let (z, mu) = values.split_at_mut(BESIDE * width);
+            values_at(simd, states, std::array::from_fn(|k| nodes[k].0), z);
+            values_at(simd, own, std::array::from_fn(|k| 1.0 - nodes[k].0), mu);
+            let mu = S::as_simd_f64s(mu).0;
+            let columns = S::as_mut_simd_f64s(sums).0.chunks_exact_mut(each);
+            for (j, column) in columns.enumerate() {
+                let factors: [S::f64s; BESIDE] =
+                    std::array::from_fn(|k| simd.splat_f64s(nodes[k].1 * step * z[k * width + j]));
+                for (v, sum) in column.iter_mut().enumerate() {
+                    for (k, factor) in factors.iter().enumerate() {
+                        *sum = simd.add_f64s(*sum, simd.mul_f64s(*factor, mu[k * each + v]));
+                    }
+                }
             }
         }
     }
 }
 
-/// The value of a power series at `x`, by Horner's rule.
-fn value_at(series: &[f64], x: f64, to: &mut [f64]) {
-    to.fill(0.0);
-    for term in series.chunks_exact(to.len()).rev() {
-        to.iter_mut().zip(term).for_each(|(to, term)| *to = *to * x + term);
+/// The values of a power series at some places, one behind the other, by Horner's rule.
+#[inline(always)]
+fn values_at<S: Simd>(simd: S, series: &[f64], places: [f64; BESIDE], to: &mut [f64]) {
+    let (series, to) = (S::as_simd_f64s(series).0, S::as_mut_simd_f64s(to).0);
+    let (each, places) = (to.len() / BESIDE, places.map(|x| simd.splat_f64s(x)));
+    for v in 0..each {
+        let mut sums = [simd.splat_f64s(0.0); BESIDE];
+        for term in series.chunks_exact(each).rev() {
+            for (sum, x) in sums.iter_mut().zip(&places) {
+                *sum = simd.add_f64s(simd.mul_f64s(*sum, *x), term[v]);
+            }
+        }
+        sums.into_iter().enumerate().for_each(|(k, sum)| to[k * each + v] = sum);
     }
 }

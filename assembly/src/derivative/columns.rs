@@ -14,9 +14,14 @@ pub(super) struct Columns {
     pub numbers: Vec<f64>,
 }
 
+/// The length of a vector of `count` numbers that is divided into whole vectors of the processor.
+pub(super) fn padded(count: usize) -> usize {
+    count.next_multiple_of(LANES)
+}
+
 /// The numbers of a coordinate with `count` columns beside the state.
 pub(super) fn width_of(count: usize) -> usize {
-    (count + 1).next_multiple_of(LANES)
+    padded(count + 1)
 }
 
 impl Columns {

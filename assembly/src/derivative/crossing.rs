@@ -1,24 +1,16 @@
 //! Derivatives over an event (docs/assembly-law.md (A30)). δt is the derivative of an event's time
 //! by a parameter.
 
+mod carried;
+
 use super::columns::Columns;
 use super::impulse::Impulse;
-use super::jump::share;
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
-use crate::signals::StepTime;
 use crate::system::Functional;
 use nalgebra::DVector;
-
-/// Adds `factor` × `rates` ⊗ `later`.
-fn add_outer(deltas: &mut Columns, factor: f64, rates: &DVector<f64>, later: &[f64]) {
-    for (own, rate) in deltas.numbers.chunks_exact_mut(later.len()).zip(rates.iter()) {
-        let factor = factor * rate;
-        own.iter_mut().zip(later).for_each(|(delta, later)| *delta += factor * later);
-    }
-}
 
 /// An event that a motion has passed.
 pub(super) struct Crossing<'a> {
@@ -74,11 +66,13 @@ fn differ(a: f64, b: f64) -> bool {
 }
 
 impl Crossing<'_> {
-    /// Whether forces or velocities jump at the event.
+    /// Whether forces, velocities or places jump at the event.
     fn jumps(&self) -> bool {
-        let (was, is) = (self.before.rates, self.after.rates);
-        !self.impulses.is_empty()
-            || was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+        let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
+        let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
+            was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+        };
+        !self.impulses.is_empty() || all.into_iter().any(differ)
     }
 
     /// Stops that were open and are hit, except the stop whose functional is due.
@@ -92,6 +86,12 @@ impl Crossing<'_> {
             EventKind::Impact { stop, .. } => Some(stop),
             _ => None,
         });
+        // A stop that is redundant beside others takes no impulse, but is met all the same.
+        let met = self.together.iter().filter_map(|(watch, _)| match watch {
+            Watch::Meets(i) if self.due.is_some() => Some(*i),
+            _ => None,
+        });
+        let all = all.chain(met);
         let mut all: Vec<usize> = all.filter(|&i| was_open(i) && due != Some(i)).collect();
         all.sort_unstable();
         all.dedup();
@@ -112,11 +112,18 @@ impl Crossing<'_> {
             self.is_alone() && !self.impulses.iter().any(|impulse| impulse.is_plastic(&self.machine.system));
         let mut times = vec![0.0; deltas.width];
         let mut apart = Vec::new();
+        let tight = Impulse::all_tight(&self.machine.system, self.impulses, self.before.sizes);
+        let is_tight = tight.iter().any(|stops| !stops.is_empty());
         for &p in &alive {
-            let found = match &self.due {
+            let mut found = match &self.due {
                 Some((_, row)) if is_alone => Ok((self.alone(p, row, deltas), false)),
                 _ => self.later(p, &deltas.column(p), &scales.column(p)),
             };
+            if let (true, Ok((later, false))) = (is_tight, &found)
+                && let Err(lost) = self.check_tight(p, later.event, [deltas, scales], &tight)
+            {
+                found = Err(lost);
+            }
             match found {
                 Ok((later, is_apart)) => {
                     times[p + 1] = later.event;
@@ -128,8 +135,7 @@ impl Crossing<'_> {
                 Err(found) => lost[p] = Some(found),
             }
         }
-        let mut single = vec![false; lost.len()];
-        apart.iter().for_each(|(p, _)| single[*p] = true);
+        let single: Vec<usize> = apart.iter().map(|own: &(usize, DVector<f64>)| own.0).collect();
         self.at_once(times, deltas, lost, &single);
         for (p, mut delta) in apart {
             let own = all[p].as_ref().map_or(&[][..], |later| &later.own);
@@ -165,9 +171,34 @@ impl Crossing<'_> {
         }
         let (mut delta, scale) = (deltas.column(p), scales.column(p));
         machine.fill(p, after.time, after.z, &mut delta);
+        machine.returns(Varied { p, delta: &delta, scale: &scale.sup(&delta.abs()) }, after)?;
         machine.keep(p, &mut delta, &scale, after)?;
         deltas.put(p, &delta);
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
+    }
+
+    /// Refuses a column that moves stops off what impacts leave undecided.
+    fn check_tight(
+        &self,
+        p: usize,
+        later: f64,
+        [deltas, scales]: [&Columns; 2],
+        tight: &[Vec<usize>],
+    ) -> Result<(), Lost> {
+        let (machine, mut delta) = (self.machine, deltas.column(p));
+        if self.due.is_some() {
+            delta.axpy(later, self.before.rates, 1.0);
+        } else {
+            self.at_knot(p, later, &mut delta)?;
+        }
+        let scale = scales.column(p).sup(&delta.abs());
+        let impacts = (self.impulses, tight);
+        let found = Impulse::carry_one(&machine.system, &machine.tangents[p], impacts, (&delta, &scale));
+        found.map(drop).map_err(|stop| Lost {
+            time: self.before.time,
+            element: machine.assembly.name_of_stop(stop),
+            cause: Cause::Limit,
+        })
     }
 
     /// Whether a functional passes zero with speed and nothing else comes to a limit.
@@ -179,11 +210,18 @@ impl Crossing<'_> {
         !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
     }
 
-    /// Whether a functional that is zero throughout the mode after the event does not vary, whatever
-    /// the column: its contact was held before, or is the one that has come to its limit.
+    /// Whether a functional that is zero in the mode after the event does not vary, whatever the
+    /// column: the place or rate of a contact that was held before, or that has come to its limit.
     pub(super) fn stays_still(&self, watch: Watch) -> bool {
-        let is_due = self.due.is_some_and(|due| due.0.contact() == watch.contact());
-        is_due || self.before.mode.mode.basis.contains(&watch.contact())
+        let contact = watch.contact();
+        let is_due = self.due.is_some_and(|due| due.0.contact() == contact);
+        let is_kept = is_due || self.before.mode.mode.contacts().any(|held| held == contact);
+        match watch {
+            // A rate that has come to zero at this instant, too, leaves it again.
+            Watch::Stops(_) => is_kept || self.together.iter().any(|own| own.0.contact() == contact),
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) => is_kept,
+            _ => false,
+        }
     }
 
     /// The δt of an event that nothing accompanies.
@@ -298,80 +336,6 @@ impl Crossing<'_> {
             times.push((contact, own));
         }
         Ok(times)
-    }
-
-    /// Carries the derivative over impacts of stops that are not coupled, each with its own δt.
-    fn one_by_one(&self, p: usize, times: &[(Contact, f64)], delta: &mut DVector<f64>) {
-        let system = &self.machine.system;
-        let mut alone = Columns::zeros(delta.len(), 1);
-        alone.put(0, delta);
-        for impulse in &Impulse::one_by_one(system, self.events, self.impulses) {
-            let own = |time: &&(Contact, f64)| impulse.stops.iter().any(|&i| time.0 == Contact::Stop(i));
-            let mut later = vec![0.0; alone.width];
-            later[1] = times.iter().find(own).map_or(0.0, |time| time.1);
-            let [was, is] = [0, 1].map(|k| self.before.mode.rates(&impulse.states[k]));
-            add_outer(&mut alone, 1.0, &was, &later);
-            impulse.carry(system, &self.machine.tangents[p..=p], &mut alone);
-            add_outer(&mut alone, -1.0, &is, &later);
-        }
-        delta.copy_from(&alone.column(0));
-    }
-
-    /// Carries columns over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt. `later`
-    /// has the δt in the columns' places. A column that is `apart` is changed in vain.
-    fn at_once(&self, mut later: Vec<f64>, deltas: &mut Columns, lost: &mut [Option<Lost>], apart: &[bool]) {
-        let machine = self.machine;
-        if self.due.is_none() {
-            for p in (0..lost.len()).filter(|&p| !apart[p]) {
-                if lost[p].is_none() {
-                    let mut delta = deltas.column(p);
-                    match self.at_knot(p, later[p + 1], &mut delta) {
-                        Ok(left) => later[p + 1] = left,
-                        Err(found) => lost[p] = Some(found),
-                    }
-                    deltas.put(p, &delta);
-                }
-            }
-        } else {
-            add_outer(deltas, 1.0, self.before.rates, &later);
-        }
-        let tangents = &machine.tangents;
-        self.impulses.iter().for_each(|impulse| impulse.carry(&machine.system, tangents, deltas));
-        add_outer(deltas, -1.0, self.after.rates, &later);
-    }
-
-    /// The signals and what bodies behind links share of their jumps, before impacts; returns the δt
-    /// of all that follows.
-    fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
-        let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
-        let knot = tangent.signals.later(time).filter(|_| machine.system.signals.knots_at(time) > 1);
-        if let Some(knot) = knot {
-            return self.one_of_many_knots(&knot, delta).map(|()| 0.0);
-        }
-        let was = delta.clone();
-        machine.fill(p, time, self.after.z, delta);
-        let mut step = &*delta - was;
-        step.axpy(later, &(self.after.rates - self.before.rates), 1.0);
-        delta.axpy(later, self.before.rates, 1.0);
-        let one = machine.system.signals.one;
-        let mut signals = delta.rows_range_mut(one..);
-        signals.axpy(later, &(self.after.rates - self.before.rates).rows_range(one..), 1.0);
-        share(&machine.system, tangent, &(self.after.z - self.before.z), &step, delta);
-        Ok(later)
-    }
-
-    /// A step at a time with several knots: δt delays the height of this step only.
-    fn one_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
-        let (machine, n) = (self.machine, self.machine.system.coordinates);
-        if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
-            let element = format!("the step at {} s", self.before.time);
-            return Err(Lost { time: self.before.time, element, cause: Cause::Together });
-        }
-        let mut step = DVector::zeros(delta.len());
-        step[knot.place] = knot.height;
-        let rates = self.after.mode.rates(&step);
-        delta.rows_mut(0, 2 * n).axpy(-knot.later, &rates.rows(0, 2 * n), 1.0);
-        Ok(())
     }
 
     /// The derivative of a reported event's time, from that of the state before where a stop

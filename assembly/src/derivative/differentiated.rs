@@ -1,6 +1,9 @@
 //! A motion with its derivatives by parameters.
 
+mod flights;
 mod under_way;
+
+pub(super) use flights::throughout;
 
 use super::by::By;
 use super::columns::Columns;
@@ -11,7 +14,7 @@ use super::lost::Lost;
 use super::machine::{Instant, Machine};
 use super::mode::VariedMode;
 use super::passed::{Modes, Passed};
-use super::start::Start;
+use super::start::{Given, Start};
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::motion::{Event, EventKind, Motion, Reached, start_of};
@@ -113,8 +116,9 @@ impl Differentiated {
     }
 
     /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
-    /// parameter moves the state. A start on a rigid stop that stays closed varies as the contact
-    /// allows: with the stop's gap, and not against it.
+    /// parameter moves the state. By what moves a rigid stop that is closed there, or its gap, there
+    /// is no derivative: behind the stop is no start. A motion [under way](Self::from_motion) follows
+    /// it.
     ///
     /// A spring's state after a time, by its start, is the transition matrix:
     ///
@@ -176,18 +180,19 @@ impl Differentiated {
         origin: &Origin,
         observer: &mut VariedObserver,
     ) -> Result<Self, Error> {
-        let (time, state, is_given) = match origin {
-            Origin::Machine => (0.0, &start_of(&assembly), false),
-            Origin::State(time, state) => (*time, state, true),
+        let (time, state, given) = match origin {
+            Origin::Machine => (0.0, &start_of(&assembly), Given::Machine),
+            Origin::State(time, state) => (*time, state, Given::State),
         };
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
-        let motion = match is_given {
-            true => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
-            false => Motion::new_observed(assembly.clone(), &mut note)?,
+        let motion = match given {
+            Given::Machine => Motion::new_observed(assembly.clone(), &mut note)?,
+            _ => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
         };
+        let motion = motion.noting_touches();
         let machine = Arc::new(Machine::new(assembly, columns)?);
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);
@@ -196,7 +201,8 @@ impl Differentiated {
         begun.as_mut_slice()[..state.len()].copy_from_slice(state);
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
-        let start = Start { machine: &machine, is_given, begun: &begun, events: &events, at };
+        let throughout = throughout(&mode, &motion).map(|own| own.0.contact()).collect();
+        let start = Start { machine: &machine, given, begun: &begun, events: &events, at, throughout };
         let count = machine.columns.len();
         let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
         deltas.put_state(z.as_slice());
@@ -260,9 +266,14 @@ impl Differentiated {
         self.lost.get(p)?.is_none().then(|| self.deltas.column(p))
     }
 
-    /// A column of the derivative of a quantity at the present time; `None` where there is none.
+    /// A column of the derivative of a quantity at the present time; `None` where there is none. The
+    /// force of a contact that depends on others has none while they are held: the law determines
+    /// no more than their sum.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
         let delta = &self.column(column)?;
+        if self.is_shared(quantity) {
+            return None;
+        }
         let z = self.machine.widened(self.motion.state());
         let point = super::values::Point {
             system: &self.machine.system,
@@ -275,6 +286,11 @@ impl Differentiated {
         };
         // No value is -0.
         Some(point.quantity(quantity) + 0.0).filter(|value| value.is_finite())
+    }
+
+    /// Whether the law determines no more of this force than its sum with those of other contacts.
+    pub(super) fn is_shared(&self, quantity: Quantity) -> bool {
+        self.mode.is_shared(&self.machine.system, quantity)
     }
 
     /// Why a column has no derivatives any more.
@@ -312,18 +328,7 @@ impl Differentiated {
     ) -> Result<(), Error> {
         self.look(extremes);
         loop {
-            let from = self.motion.time();
-            let outcome = self.motion.advance_before_event(end, &mut |_| ());
-            let span = self.motion.time() - from;
-            if span > 0.0 {
-                let Self { machine, mode, deltas, lost, memory, vectors, .. } = self;
-                let mut carry = |varied: &mut Columns, time: f64| mode.carry(*vectors, varied, memory, time);
-                for own in &mut *extremes {
-                    own.fly(machine, mode, (from, deltas, lost), span, &mut carry);
-                }
-                self.fly(span);
-            }
-            match outcome? {
+            match self.follow(end, extremes)? {
                 Reached::End => {
                     self.look(extremes);
                     return Ok(());
@@ -337,40 +342,6 @@ impl Differentiated {
     fn look(&self, extremes: &mut [Extremes]) {
         let now = (self.motion.time(), &self.deltas, &self.lost[..]);
         extremes.iter_mut().for_each(|own| own.at(&self.machine, &self.mode, now));
-    }
-
-    /// Carries the derivatives over a flight from the state that they have.
-    fn fly(&mut self, span: f64) {
-        let Self { machine, motion, mode, deltas, scales, lost, memory, met, vectors, .. } = self;
-        let time = motion.time();
-        if mode.parts_instants(time, span) {
-            met.clear();
-        }
-        if !lost.is_empty() {
-            mode.carry(*vectors, deltas, memory, span);
-        }
-        let z = machine.widened(motion.state());
-        deltas.put_state(z.as_slice());
-        let fills = !motion.is_event_due();
-        if mode.mode.contacts().next().is_none() && !(fills && machine.varies_signals()) {
-            scales.include(deltas);
-            return;
-        }
-        let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
-        let at = Instant { mode, z: &z, rates: &rates, sizes: &sizes, time };
-        for (p, place) in lost.iter_mut().enumerate().filter(|(_, lost)| lost.is_none()) {
-            let mut delta = deltas.column(p);
-            if fills {
-                machine.fill(p, time, &z, &mut delta);
-            }
-            let scale = scales.column(p).sup(&delta.abs());
-            *place = machine.keep(p, &mut delta, &scale, &at).err();
-            if place.is_some() {
-                delta.fill(0.0);
-            }
-            deltas.put(p, &delta);
-        }
-        scales.include(deltas);
     }
 
     /// Applies the law of the pending event, and carries the derivatives over it.

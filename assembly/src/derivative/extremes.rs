@@ -136,6 +136,7 @@ impl Extremes {
         let (quantity, z) = (self.quantity, deltas.state());
         let by = |p: usize| match &lost[p] {
             Some(lost) => Err(lost.clone()),
+            None if mode.is_shared(&machine.system, quantity) => Err(shared(machine, quantity, time)),
             None => Ok(own.derivative(machine, (p, quantity), (&z, deltas), 0.0)),
         };
         let candidate = own.candidate(time, &z);
@@ -188,6 +189,9 @@ impl Extremes {
             let own = self.in_mode(machine, &passed.modes[k]);
             let (quantity, z, rate) = (self.quantity, &passed.states[k], own.row.dot(&passed.rates[k]));
             let by = |p: usize| match (&later[p], &lost[p]) {
+                (Some(_), None) if passed.modes[k].is_shared(&machine.system, quantity) => {
+                    Err(shared(machine, quantity, passed.time))
+                }
                 (Some(later), None) => {
                     let time = later.only().ok_or_else(|| Lost {
                         time: passed.time,
@@ -247,6 +251,11 @@ impl InMode {
         let size = self.row.iter().zip(z.iter()).map(|(a, b)| (a * b).abs()).sum();
         Candidate { time, value: self.row.dot(z), size }
     }
+}
+
+/// Why a force that the law does not determine has no derivative.
+pub(super) fn shared(machine: &Machine, quantity: Quantity, time: f64) -> Lost {
+    Lost { time, element: name_of(machine, quantity), cause: Cause::Shared }
 }
 
 fn name_of(machine: &Machine, quantity: Quantity) -> String {

@@ -1,14 +1,13 @@
 //! Flights: derivatives of the state between two events (docs/assembly-law.md (A26)).
 
-use super::columns::{Columns, width_of};
+use super::columns::Columns;
 use super::mode::VariedMode;
+use super::series::{Rung, Sources, orders};
 use crate::flow::{RADIUS, RUNGS};
 use crate::kernel::Entries;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::atomic::Ordering;
 
-/// Bound of the terms that a power series leaves out, relative to its largest.
-const REMAINDER: f64 = 1e-18;
 /// Orders beyond those of the state's own series: a term of a derivative is that of the state times
 /// its order.
 const MORE: usize = 2;
@@ -17,76 +16,6 @@ const PART: f64 = 0.125;
 /// Work of an order of a power series for each coordinate, in the unit of an entry's: sums are
 /// scaled and added.
 const ORDER: usize = 3;
-
-/// A matrix that acts on a state and its derivatives, by rows: entries with their places, and what
-/// the state adds to each column.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Varied {
-    /// By row where its entries end.
-    ends: Vec<usize>,
-    entries: Vec<(usize, f64)>,
-    /// By entry its derivatives, in the places of the columns; 0 in that of the state.
-    by: Vec<f64>,
-}
-
-impl Varied {
-    /// A row's first entry and the place after its last.
-    #[inline(always)]
-    fn row(&self, i: usize) -> std::ops::Range<usize> {
-        i.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[i]
-    }
-
-    /// Adds a row with all its entries, of which those without any number are left out.
-    fn push(&mut self, row: &[f64], by: &[f64]) {
-        let width = by.len() / row.len();
-        for (j, (&x, by)) in row.iter().zip(by.chunks_exact(width)).enumerate() {
-            if x != 0.0 || by.iter().any(|x| *x != 0.0) {
-                self.entries.push((j, x));
-                self.by.extend_from_slice(by);
-            }
-        }
-        self.ends.push(self.entries.len());
-    }
-}
-
-/// The flow over 2^k parts of a length: exp(A t) - 1, and by column its derivative.
-pub(super) type Rung = Varied;
-
-/// What of A varies: entries with their derivatives by column, in rows of A.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sources(Varied);
-
-impl Sources {
-    /// Of terms by row, place, column and derivative, for a matrix of `size` rows.
-    pub fn of(size: usize, count: usize, mut all: Vec<(usize, usize, usize, f64)>) -> Self {
-        let width = width_of(count);
-        let mut own = Varied::default();
-        all.sort_by_key(|&(i, j, ..)| (i, j));
-        let mut terms = all.into_iter().peekable();
-        for row in 0..size {
-            while let Some(&(_, j, ..)) = terms.peek().filter(|term| term.0 == row) {
-                own.entries.push((j, 0.0));
-                let begin = own.by.len();
-                own.by.resize(begin + width, 0.0);
-                while let Some((_, _, p, x)) = terms.next_if(|term| (term.0, term.1) == (row, j)) {
-                    own.by[begin + 1 + p] += x;
-                }
-            }
-            own.ends.push(own.entries.len());
-        }
-        Self(own)
-    }
-}
-
-/// Orders of a power series of derivatives over rate × time.
-pub(super) fn orders(radius: f64) -> usize {
-    let (mut k, mut term) = (0, 1.0);
-    while term > REMAINDER || (k as f64) < 2.0 * radius {
-        k += 1;
-        term *= radius / k as f64;
-    }
-    k + MORE
-}
 
 /// Memory of a flight.
 #[derive(Clone, Debug, Default)]
@@ -105,26 +34,30 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     }
 }
 
-/// The vector sum of row `i` of `a` and of what varies, from vectors of which each coordinate has
-/// `each`; it is the one at `v` of them.
+/// The sums of a row of a matrix and of what varies in it, for the `B` vectors from `first` on of
+/// the `each` that a coordinate has.
 #[inline(always)]
-fn row_at<S: Simd>(
+fn row_at<S: Simd, const B: usize>(
     simd: S,
     [entries, varied]: [Entries; 2],
-    by: &[S::f64s],
-    from: &[f64],
-    (each, v): (usize, usize),
-) -> S::f64s {
-    let mut sum = simd.splat_f64s(0.0);
+    (by, from): (&[S::f64s], &[f64]),
+    (each, first): (usize, usize),
+) -> [S::f64s; B] {
+    let mut sums = [simd.splat_f64s(0.0); B];
     let vectors = S::as_simd_f64s(from).0;
     for &(j, x) in entries {
-        sum = simd.add_f64s(sum, simd.mul_f64s(simd.splat_f64s(x), vectors[j * each + v]));
+        let (x, own) = (simd.splat_f64s(x), &vectors[j * each + first..][..B]);
+        for (sum, own) in sums.iter_mut().zip(own) {
+            *sum = simd.add_f64s(*sum, simd.mul_f64s(x, *own));
+        }
     }
     for (&(j, _), by) in varied.iter().zip(by.chunks_exact(each)) {
         let state = simd.splat_f64s(from[j * each * S::F64_LANES]);
-        sum = simd.add_f64s(sum, simd.mul_f64s(state, by[v]));
+        for (sum, by) in sums.iter_mut().zip(&by[first..][..B]) {
+            *sum = simd.add_f64s(*sum, simd.mul_f64s(state, *by));
+        }
     }
-    sum
+    sums
 }
 
 /// The flow over one part of the length of a series.
@@ -136,7 +69,7 @@ fn first<S: Simd>(simd: S, mode: &VariedMode, width: usize) -> Rung {
     let (row, Sources(sources)) = (size * width, &mode.sources);
     let (mut own, mut by) = (vec![0.0; size * row], vec![0.0; size * row]);
     let (mut next, mut next_own) = (term.clone(), own.clone());
-    for k in 1..=orders(PART * RADIUS) {
+    for k in 1..=orders(PART * RADIUS) + MORE {
         let factor = PART * mode.length / k as f64;
         next.fill(0.0);
         next_own.fill(0.0);
@@ -204,35 +137,55 @@ impl WithSimd for Flight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        // Entries are read once for the vectors that are found side by side.
+        match self.z.width / S::F64_LANES {
+            1 => self.in_blocks::<S, 1>(simd),
+            each if each % 4 == 0 => self.in_blocks::<S, 4>(simd),
+            each if each % 3 == 0 => self.in_blocks::<S, 3>(simd),
+            each if each % 2 == 0 => self.in_blocks::<S, 2>(simd),
+            _ => self.in_blocks::<S, 1>(simd),
+        }
+    }
+}
+
+impl Flight<'_> {
+    /// The flight with `B` vectors of each coordinate side by side, of which their number is a
+    /// multiple.
+    #[inline(always)]
+    fn in_blocks<S: Simd, const B: usize>(self, simd: S) {
         let Self { mode, z, memory: Memory { term, next }, rung, time } = self;
         let each = z.width / S::F64_LANES;
         term.clone_from(&z.numbers);
         if let Some(rung) = rung {
-            let by = S::as_simd_f64s(&rung.by).0;
+            let all = S::as_simd_f64s(&rung.by).0;
             for (i, to) in S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each).enumerate() {
-                let (own, places) = (rung.row(i), rung.row(i));
-                let entries = &rung.entries[own];
-                let by = &by[places.start * each..places.end * each];
-                for (v, to) in to.iter_mut().enumerate() {
-                    *to = simd.add_f64s(*to, row_at(simd, [entries, entries], by, term, (each, v)));
+                let own = rung.row(i);
+                let (entries, by) = (&rung.entries[own.clone()], &all[own.start * each..own.end * each]);
+                for (block, to) in to.chunks_exact_mut(B).enumerate() {
+                    let sums = row_at::<S, B>(simd, [entries, entries], (by, term), (each, block * B));
+                    to.iter_mut().zip(sums).for_each(|(to, sum)| *to = simd.add_f64s(*to, sum));
                 }
             }
             return;
         }
         next.resize(term.len(), 0.0);
         let Sources(sources) = &mode.sources;
-        let by = S::as_simd_f64s(&sources.by).0;
-        for k in 1..=orders(RADIUS * time / mode.length) {
+        let all = S::as_simd_f64s(&sources.by).0;
+        for k in 1..=orders(RADIUS * time / mode.length) + MORE {
             let factor = simd.splat_f64s(time / k as f64);
             let sums = S::as_mut_simd_f64s(&mut z.numbers).0.chunks_exact_mut(each);
-            let all = S::as_mut_simd_f64s(next).0.chunks_exact_mut(each).zip(sums);
-            for (i, (to, sums)) in all.enumerate() {
+            let nexts = S::as_mut_simd_f64s(next).0.chunks_exact_mut(each);
+            for (i, (to, sums)) in nexts.zip(sums).enumerate() {
                 let own = sources.row(i);
-                let by = &by[own.start * each..own.end * each];
+                let by = &all[own.start * each..own.end * each];
                 let entries = [mode.a.row(i), &sources.entries[own]];
-                for (v, (to, sum)) in to.iter_mut().zip(sums).enumerate() {
-                    *to = simd.mul_f64s(factor, row_at(simd, entries, by, term, (each, v)));
-                    *sum = simd.add_f64s(*sum, *to);
+                let blocks = to.chunks_exact_mut(B).zip(sums.chunks_exact_mut(B));
+                for (block, (to, sums)) in blocks.enumerate() {
+                    let found = row_at::<S, B>(simd, entries, (by, term), (each, block * B));
+                    for ((to, sum), found) in to.iter_mut().zip(sums).zip(found) {
+                        *to = simd.mul_f64s(factor, found);
+                        *sum = simd.add_f64s(*sum, *to);
+                    }
                 }
             }
             std::mem::swap(term, next);
@@ -290,7 +243,7 @@ impl VariedMode {
         let series = |time: f64| {
             let parts = (time / self.length).ceil().max(1.0);
             let entries = self.a.entries() + self.sources.0.entries.len() + ORDER * size;
-            let each = orders(RADIUS * time / (parts * self.length)) * entries;
+            let each = (orders(RADIUS * time / (parts * self.length)) + MORE) * entries;
             parts * each as f64
         };
         let longest = (parts.log2() as usize).min(RUNGS - 1);

@@ -2,7 +2,8 @@
 
 use super::adjoint::{Adjoint, Step};
 use super::by::By;
-use super::differentiated::{Differentiated, Origin};
+use super::differentiated::{Differentiated, Origin, throughout};
+use super::extremes::shared;
 use super::lost::{Cause, Lost};
 use super::machine::Machine;
 use super::mode::VariedMode;
@@ -119,7 +120,7 @@ impl Gradient {
         let (machine, motion) = begun.into_parts();
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, false);
-        let is_doubtful = !motion.mode().is_independent();
+        let is_doubtful = !motion.mode().is_independent() || throughout(&mode, &motion).next().is_some();
         Ok(Self {
             machine,
             origin,
@@ -172,6 +173,9 @@ impl Gradient {
             let z = self.machine.widened(self.motion.state()).into_owned();
             let outcome = self.motion.advance_before_event(end, &mut |_| ());
             let span = self.motion.time() - from;
+            let touches = self.motion.take_touches();
+            self.is_doubtful |=
+                touches.iter().any(|own| self.machine.is_touchy(self.mode.watched[own.place].0));
             if span > 0.0 {
                 self.is_recent &= !self.mode.parts_instants(self.motion.time(), span);
                 self.keep(|own| Step::Flight(own.mode.clone(), z, span));
@@ -226,7 +230,8 @@ impl Gradient {
         let Self { machine, motion, modes, mode, .. } = self;
         let passed = Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, false))?;
         *mode = passed.modes[1].clone();
-        self.is_doubtful |= self.is_recent || !is_plain(&self.machine, &passed);
+        let is_still = throughout(&self.mode, &self.motion).next().is_some();
+        self.is_doubtful |= self.is_recent || is_still || !is_plain(&self.machine, &passed);
         self.is_recent = true;
         self.lose(&passed);
         for event in &passed.events {
@@ -273,7 +278,7 @@ impl Gradient {
 
     fn by_columns(&self) -> Result<Vec<Result<f64, Lost>>, Error> {
         let count = self.machine.columns.len();
-        let (mut sums, mut times) = (vec![Some(0.0); count], Vec::new());
+        let (mut sums, mut times, mut open) = (vec![Some(0.0); count], Vec::new(), None);
         let mut note = |_: &Event, by: &[Option<f64>]| times.push(by.to_vec());
         let (assembly, columns) = (self.machine.assembly.clone(), &self.machine.columns);
         let mut motion = Differentiated::begin(assembly, columns, &self.origin, &mut note)?;
@@ -289,11 +294,19 @@ impl Gradient {
                     end = time;
                     motion.advance_observed(time, &mut |_, by| times.push(by.to_vec()))?;
                 }
-                Call::Value(quantity, factor) => add(factor, &|p| motion.derivative(quantity, p)),
+                Call::Value(quantity, factor) => {
+                    add(factor, &|p| motion.derivative(quantity, p));
+                    if motion.is_shared(quantity) {
+                        open.get_or_insert_with(|| shared(&self.machine, quantity, motion.motion().time()));
+                    }
+                }
                 Call::Time(event, factor) => add(factor, &|p| times.get(event)?[p]),
             }
         }
-        let lost = |p: usize| motion.lost(p).cloned().unwrap_or_else(|| Lost::unknown(end));
+        let lost = |p: usize| {
+            let why = motion.lost(p).or(open.as_ref()).cloned();
+            why.unwrap_or_else(|| Lost::unknown(end))
+        };
         Ok(sums.into_iter().enumerate().map(|(p, sum)| sum.ok_or_else(|| lost(p))).collect())
     }
 }

@@ -1,8 +1,10 @@
 //! The derivative of the impacts at one instant (docs/assembly-law.md (A31)).
 
 use super::columns::Columns;
+use super::machine::{BESIDE, STILL};
 use super::tangent::Tangent;
 use super::weights::Weights;
+use crate::law::ZERO;
 use crate::motion::{Event, EventKind};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
@@ -33,11 +35,11 @@ impl Impulse {
             EventKind::Impact { stop, impulse, stops, .. } => Some((stop, impulse, stops)),
             _ => None,
         });
-        let (mut hit, mut all, mut z) = (hit.peekable(), Vec::new(), z.clone());
+        let (mut hit, mut all) = (hit.peekable(), Vec::<Self>::new());
         while let Some(&(_, _, count)) = hit.peek() {
             let group: Vec<_> = hit.by_ref().take(count.max(1)).collect();
-            let impact = Self::new(system, events, &group, &z);
-            z = impact.states[1].clone();
+            let before = all.last().map_or(z, |last| &last.states[1]);
+            let impact = Self::new(system, events, &group, before);
             all.push(impact);
         }
         all
@@ -64,12 +66,14 @@ impl Impulse {
         };
         let restitution = stops.iter().zip(&closes).map(own).collect();
         let rows = |i: usize| &system.stops[stops[i]].elongation;
-        let g = DMatrix::from_fn(stops.len(), stops.len(), |i, j| rows(i).w.dot(&rows(j).mobility));
-        let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
-        let zero = DMatrix::zeros(stops.len(), stops.len());
-        let inverse = match stops.len() {
-            1 if g[(0, 0)] > 0.0 => Some(DMatrix::from_element(1, 1, 1.0 / g[(0, 0)])),
-            _ => g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == zero.shape()),
+        let count = stops.len();
+        let mut g = DMatrix::from_fn(count, count, |i, j| rows(i).w.dot(&rows(j).mobility));
+        let inverse = if count == 1 && g[(0, 0)] > 0.0 {
+            g[(0, 0)] = 1.0 / g[(0, 0)];
+            Some(g)
+        } else {
+            let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
+            g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == (count, count))
         };
         let impulses = DVector::from_iterator(group.len(), group.iter().map(|hit| hit.1));
         let mut after = z.clone();
@@ -81,7 +85,7 @@ impl Impulse {
             restitution,
             closes,
             impulses,
-            inverse: inverse.unwrap_or(zero),
+            inverse: inverse.unwrap_or_else(|| DMatrix::zeros(count, count)),
             states: [z.clone(), after],
         }
     }
@@ -152,6 +156,16 @@ impl Impulse {
         Some(system.inertia.solve(&kick))
     }
 
+    /// The size of the terms of [`kick`](Self::kick).
+    fn kick_size(&self, system: &System, tangent: &Tangent) -> f64 {
+        let one = |(k, p): (usize, &f64)| {
+            let mobility = &system.stops[self.stops[k]].elongation.mobility;
+            let kick = &tangent.stops[self.stops[k]].elongation.w - &tangent.mass * mobility;
+            p.abs() * system.inertia.solve(&kick).amax()
+        };
+        self.impulses.iter().enumerate().map(one).sum()
+    }
+
     /// ė'·(z⁺ + ε z⁻) + ε' u of a stop.
     fn own_demand(&self, system: &System, tangent: &Tangent, k: usize) -> f64 {
         let [before, after] = &self.states;
@@ -162,6 +176,107 @@ impl Impulse {
             by.restitution * system.stops[self.stops[k]].elongation.rate.dot(before)
         };
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
+    }
+
+    /// By impact: the stops that touch there and are [`tight`](Self::tight), by the sizes of what
+    /// counts as zero; nothing where one stop alone touches.
+    pub(super) fn all_tight(system: &System, all: &[Self], sizes: &DVector<f64>) -> Vec<Vec<usize>> {
+        let Some(first) = all.first() else { return Vec::new() };
+        let touches = |&stop: &usize| {
+            let stop = &system.stops[stop];
+            let zero = BESIDE * ZERO * stop.excess.size(sizes.as_slice());
+            stop.restitution().is_some() && stop.excess.at(first.states[0].as_slice()).abs() <= zero
+        };
+        let touching: Vec<usize> = (0..system.stops.len()).filter(touches).collect();
+        if touching.len() < 2 {
+            return Vec::new();
+        }
+        all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
+    }
+
+    /// Of stops that touch, those whose condition u⁺ ≤ -ε u is an equality without their impulse, or
+    /// beside other impulses: a column that moves them off it has derivatives on one side only.
+    fn tight(&self, system: &System, touching: &[usize]) -> Vec<usize> {
+        let [before, after] = &self.states;
+        // A body that is pressed from both sides has the rounding of what presses it.
+        let rates = |z: &DVector<f64>| z.rows(system.coordinates, system.coordinates).amax();
+        let largest = rates(before) + rates(after);
+        let reaches = |stop: usize| {
+            let w = &system.stops[stop].elongation.w;
+            self.stops.iter().any(|&own| own != stop && w.dot(&system.stops[own].elongation.mobility) != 0.0)
+        };
+        let is_tight = |stop: usize| {
+            let own = &system.stops[stop].elongation;
+            let rate = &own.rate;
+            let size = rate.size(before.as_slice()) + rate.size(after.as_slice()) + largest * own.w.amax();
+            let (u, left) = (rate.dot(before), rate.dot(after));
+            let takes = u >= -STILL * size;
+            takes && (left + self.restitution_of(system, stop) * u).abs() <= STILL * size
+        };
+        let others = touching.iter().copied().filter(|stop| !self.stops.contains(stop));
+        let own = self.stops.iter().copied().filter(|_| self.stops.len() > 1);
+        own.chain(others.filter(|&stop| is_tight(stop))).filter(|&stop| reaches(stop)).collect()
+    }
+
+    fn restitution_of(&self, system: &System, stop: usize) -> f64 {
+        let own = self.stops.iter().position(|&i| i == stop);
+        own.map_or_else(|| system.stops[stop].restitution().unwrap_or(0.0), |k| self.restitution[k])
+    }
+
+    /// Carries one column over impacts of one instant, with what [`all_tight`](Self::all_tight) has
+    /// found. `scale` has the column's largest sizes so far.
+    ///
+    /// # Errors
+    /// A stop that the column moves off its equality.
+    pub(super) fn carry_one(
+        system: &System,
+        tangent: &Tangent,
+        (impacts, tight): (&[Self], &[Vec<usize>]),
+        (delta, scale): (&DVector<f64>, &DVector<f64>),
+    ) -> Result<DVector<f64>, usize> {
+        let (mut delta, mut scale) = (delta.clone(), scale.clone());
+        for (k, impulse) in impacts.iter().enumerate() {
+            let tight = tight.get(k).map_or(&[][..], |stops| stops);
+            let mut alone = Columns::zeros(delta.len(), 1);
+            alone.put(0, &delta);
+            impulse.carry(system, std::slice::from_ref(tangent), &mut alone);
+            let after = alone.column(0);
+            scale = scale.sup(&after.abs());
+            let moves = |&stop: &usize| impulse.moves(system, tangent, stop, [&delta, &after, &scale]);
+            if let Some(stop) = tight.iter().copied().find(moves) {
+                return Err(stop);
+            }
+            delta = after;
+        }
+        Ok(delta)
+    }
+
+    /// Whether a column moves a stop of [`tight`](Self::tight) off its equality, from the derivative
+    /// of the state before and after the impact.
+    fn moves(
+        &self,
+        system: &System,
+        tangent: &Tangent,
+        stop: usize,
+        [before, after, scale]: [&DVector<f64>; 3],
+    ) -> bool {
+        let (row, by) = (&system.stops[stop].elongation.rate, &tangent.stops[stop]);
+        let of = |k: usize, delta: &DVector<f64>| {
+            let (z, drate) = (&self.states[k], &by.elongation.rate);
+            let terms: f64 = drate.iter().zip(z.iter()).map(|(a, b)| (a * b).abs()).sum();
+            (row.dot(delta) + drate.dot(z), row.size(scale.as_slice()) + terms)
+        };
+        let ((was, size_before), (is, size_after)) = (of(0, before), of(1, after));
+        let (e, u) = (self.restitution_of(system, stop), row.dot(&self.states[0]));
+        let closes = self.stops.iter().position(|&i| i == stop).is_some_and(|k| self.closes[k]);
+        let de = if closes { 0.0 } else { by.restitution };
+        let n = system.coordinates;
+        let own = &system.stops[stop].elongation.w;
+        let rates = scale.rows(n, n).amax() + self.kick_size(system, tangent);
+        let size = size_before + size_after + (de * u).abs() + own.amax() * rates;
+        let largest = own.amax() * self.states[0].rows(n, n).amax();
+        let is_still = u.abs() <= STILL * (row.size(self.states[0].as_slice()) + largest);
+        (is + e * was + de * u).abs() > STILL * size || (is_still && was.abs() > STILL * size)
     }
 
     /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes

@@ -29,6 +29,8 @@ pub enum Cause {
     Together,
     /// An extreme value that is there at several times.
     Equal,
+    /// A force that the law divides between dependent contacts as it likes.
+    Shared,
     /// A value at its limit, so that the changed motion follows another law on either side.
     Limit,
 }
@@ -39,6 +41,7 @@ impl fmt::Display for Lost {
             Cause::Touch => "only touches its limit",
             Cause::Together => "has an event together with another, and their order matters",
             Cause::Equal => "has its extreme value at several times",
+            Cause::Shared => "shares its force with other contacts in a way that the law leaves open",
             Cause::Limit => "is at its limit, so that derivatives differ on both sides",
         };
         write!(f, "no derivative from t = {} s on: {} {reason}", self.time, self.element)

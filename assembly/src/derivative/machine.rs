@@ -23,7 +23,7 @@ pub(super) const STILL: f64 = 1e-9;
 /// Relative rate of a passage, by the sizes of its terms, under which it is a touch.
 pub(super) const TOUCH: f64 = 1e-12;
 /// Multiples of what counts as zero up to which a functional is at its limit beside an event.
-const BESIDE: f64 = 4.0;
+pub(super) const BESIDE: f64 = 4.0;
 
 /// The matrices of a machine, with a coordinate for everything that may vary.
 #[derive(Clone, Debug)]
@@ -84,7 +84,9 @@ impl Machine {
         } else {
             let system = System::laid_out(d, layout)?;
             let places = system.signals.places_in(&assembly.system.signals);
-            Matrices::Own(Box::new(system), places)
+            let is_own = places.len() == assembly.system.signals.size
+                && places.iter().enumerate().all(|(j, place)| *place == Some(j));
+            if is_own { Matrices::Known(assembly.clone()) } else { Matrices::Own(Box::new(system), places) }
         };
         let tangents = columns.iter().map(|by| Tangent::new(&system, d, by.parameter())).collect();
         Ok(Self { assembly, system, columns, tangents })
@@ -200,13 +202,13 @@ impl Machine {
         at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
     }
 
-    /// The watched functionals that are zero throughout the mode. With `begins`, those that leave
-    /// zero count as well.
+    /// The watched functionals that are zero and stay zero to first order, or whose passage changes
+    /// forces at once. With `begins`, those that leave zero count as well.
     pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
             true => !self.is_smooth(watch),
-            false => stays(row),
+            false => stays(row) || self.is_sharp(watch),
         };
         let all = at.mode.watched.iter();
         all.filter(|(watch, row)| self.is_zero(row, at) && counts(*watch, row)).collect()
@@ -214,7 +216,12 @@ impl Machine {
 
     /// The sum of the sizes of the terms of a functional's time derivative.
     pub fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
-        row.iter().zip(at.rates.iter()).map(|(a, b)| (a * b).abs()).sum()
+        self.terms_of(row, at.rates)
+    }
+
+    /// The sum of the sizes of the terms of a row's value.
+    pub(super) fn terms_of(&self, row: &StateRow, z: &DVector<f64>) -> f64 {
+        row.iter().zip(z.iter()).map(|(a, b)| (a * b).abs()).sum()
     }
 
     /// Projects a derivative onto what the contacts of the mode hold: h·δ = -dh·z of their gaps and
@@ -262,7 +269,7 @@ impl Machine {
     }
 
     /// The row that a contact keeps at zero: e - gap of a stop, or e', with its derivative.
-    fn held_row(&self, contact: Contact, rates: bool, p: usize) -> (&StateRow, &StateRow) {
+    pub(super) fn held_row(&self, contact: Contact, rates: bool, p: usize) -> (&StateRow, &StateRow) {
         match contact {
             Contact::Stop(i) if !rates => (&self.system.stops[i].excess, &self.tangents[p].stops[i].excess),
             _ => {
@@ -302,6 +309,43 @@ impl Machine {
             }
         }
         Ok(())
+    }
+
+    /// Whether the force of a contact that has not moved jumps where this functional passes zero.
+    fn is_sharp(&self, watch: Watch) -> bool {
+        match watch {
+            Watch::Stops(_) => true,
+            Watch::Slips(i, _) => self.system.frictions[i].has_static,
+            _ => false,
+        }
+    }
+
+    /// Whether a touch of this functional matters: the changed motion passes zero for a time of the
+    /// order √δ, and an impact or a force that jumps there changes rates by as much, or by δ. What
+    /// is continuous changes them by δ√δ.
+    pub fn is_touchy(&self, watch: Watch) -> bool {
+        match watch {
+            Watch::Meets(_) => true,
+            Watch::Presses(_) => !self.is_smooth(watch),
+            _ => self.is_sharp(watch),
+        }
+    }
+
+    /// Refuses a column that moves a functional which touches zero at this instant, or its rate: of
+    /// what moves the time of a touch alone it depends on the next order whether zero is passed.
+    pub fn check_touch(&self, column: Varied, at: &Instant, place: usize) -> Result<(), Lost> {
+        let (watch, row) = &at.mode.watched[place];
+        let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
+        let point = self.point(column, at);
+        let n = self.system.coordinates;
+        let (changes, mut sizes) = (at.mode.rates_by(column.p, at.z, column.delta), column.scale.clone());
+        (0..sizes.len()).for_each(|j| sizes[j] = if j < n { sizes[n + j] } else { 0.0 });
+        let rate = row.dot(&changes) + by.dot(at.rates);
+        let size = self.terms_of(row, &sizes.sup(&changes.abs())) + self.terms_of(&by, at.rates);
+        if point.of(row, &by).abs() <= STILL * point.size(row, &by) && rate.abs() <= STILL * size {
+            return Ok(());
+        }
+        Err(Lost { time: at.time, element: self.assembly.name_of(*watch), cause: Cause::Touch })
     }
 
     /// Whether the force is continuous where this functional passes zero: that of a stop without

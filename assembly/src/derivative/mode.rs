@@ -1,12 +1,13 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
 //! functionals (docs/assembly-law.md (A29)).
 
-use super::flight::{Rung, Sources, orders};
+use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;
 use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::{Contact, Linear, Mode, StopState, Triangle, Watch};
-use crate::system::{Functional, StateRow, System};
+use crate::quantity::{Owner, Quantity, What};
+use crate::system::{Functional, Part, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -36,6 +37,8 @@ pub(super) struct VariedMode {
     pub watched: Vec<(Watch, Functional)>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,
+    /// Contacts whose forces depend on one another, so that the law does not determine each of them.
+    pub shared: Vec<Contact>,
     /// By column.
     pub by: Vec<InMode>,
     /// What all columns add to their rates.
@@ -72,6 +75,25 @@ impl From<&FlowTable> for Parts {
     }
 }
 
+/// Share of a contact's direction under which it does not depend on another.
+const SHARE: f64 = 1e-9;
+
+/// The contacts of a mode that depend on others, and these others.
+fn shared(system: &System, mode: &Mode, triangle: &Triangle) -> Vec<Contact> {
+    let mut all = Vec::new();
+    for contact in mode.contacts().filter(|contact| !mode.basis.contains(contact)) {
+        let own = system.elongation_of(contact);
+        let mut shares: Vec<f64> =
+            mode.basis.iter().map(|&other| system.elongation_of(other).w.dot(&own.mobility)).collect();
+        triangle.solve(&mut shares);
+        let size = |contact: Contact| system.elongation_of(contact).w.amax();
+        let takes = |&(&other, share): &(&Contact, &f64)| share.abs() * size(other) > SHARE * size(contact);
+        all.push(contact);
+        all.extend(mode.basis.iter().zip(&shares).filter(takes).map(|(&other, _)| other));
+    }
+    all
+}
+
 impl VariedMode {
     pub fn new(system: &System, tangents: &[Tangent], mode: &Mode, parts: Parts) -> Self {
         let Parts { a, lambda, watched, triangle } = parts;
@@ -82,8 +104,10 @@ impl VariedMode {
         let watched = watched.into_iter().map(|(watch, row)| (watch, Functional::of(dense(&row)))).collect();
         let (by, sources) = (Vec::new(), Sources::default());
         let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
+        let shared = shared(system, mode, &triangle);
+        let mode = mode.clone();
         let mut made =
-            Self { mode: mode.clone(), a, length, lambda, watched, triangle, by, sources, flights, saved };
+            Self { mode, a, length, lambda, watched, triangle, shared, by, sources, flights, saved };
         let mut acceleration = DMatrix::zeros(system.coordinates, size);
         for k in 0..system.coordinates {
             made.a.row(system.coordinates + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
@@ -97,9 +121,30 @@ impl VariedMode {
         made
     }
 
+    /// Numbers that are kept of it, approximately: an entry counts as two.
+    pub fn numbers(&self) -> usize {
+        let rows = |rows: &[StateRow]| rows.iter().map(|row| row.len()).sum::<usize>();
+        let in_column =
+            |own: &InMode| rows(&own.lambda) + own.a.iter().map(|row| 2 * row.1.terms().len()).sum::<usize>();
+        let watched: usize = self.watched.iter().map(|own| own.1.len() + 2 * own.1.terms().len()).sum();
+        let rungs = self.flights.made().map(Varied::numbers).sum::<usize>();
+        let columns = self.by.iter().map(in_column).sum::<usize>();
+        2 * self.a.entries() + rows(&self.lambda) + watched + columns + self.sources.0.numbers() + rungs
+    }
+
     /// Whether a flight over a time parts the events at its ends into two instants.
     pub fn parts_instants(&self, time: f64, span: f64) -> bool {
         span > INSTANT * (time.abs() + self.length)
+    }
+
+    /// Whether a quantity is a force of which the law determines no more than a sum with others.
+    pub fn is_shared(&self, system: &System, quantity: Quantity) -> bool {
+        let Quantity { owner: Owner::Element(i), what: What::F } = quantity else { return false };
+        system.parts[i].iter().any(|part| match *part {
+            Part::Stop(i) => self.shared.contains(&Contact::Stop(i)),
+            Part::Friction(i) => self.shared.contains(&Contact::Friction(i)),
+            Part::Spring(_) | Part::Load(_) => false,
+        })
     }
 
     /// The state after a time of at most the length of a series.

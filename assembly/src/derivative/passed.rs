@@ -12,19 +12,40 @@ use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// Size of the modes that are kept, bytes; beyond it all are dropped, and made again when needed.
+const KEPT: usize = 128 << 20;
+
 /// The modes that a motion has met, made with their derivatives by some columns.
 #[derive(Clone, Default)]
-pub(super) struct Modes(HashMap<Mode, Arc<VariedMode>>);
+pub(super) struct Modes {
+    known: HashMap<Mode, Arc<VariedMode>>,
+    /// Number of modes at which bytes are counted again, which takes time in proportion to it.
+    recount: usize,
+}
 
 impl Modes {
     /// The present mode of a motion, with the derivatives by all columns or by none.
     pub fn of(&mut self, machine: &Machine, motion: &Motion, varied: bool) -> Arc<VariedMode> {
-        if let Some(known) = self.0.get(motion.mode()) {
+        if let Some(known) = self.known.get(motion.mode()) {
             return known.clone();
         }
+        self.make_room(KEPT);
         let made = Arc::new(machine.mode_of(motion, varied));
-        self.0.insert(motion.mode().clone(), made.clone());
+        self.known.insert(motion.mode().clone(), made.clone());
         made
+    }
+
+    /// Drops all modes where they take more than `most` bytes.
+    fn make_room(&mut self, most: usize) {
+        let count = self.known.len();
+        if count < self.recount {
+            return;
+        }
+        self.recount = count + count / 32 + 1;
+        if self.known.values().map(|mode| mode.numbers() * size_of::<f64>()).sum::<usize>() > most {
+            self.known.clear();
+            self.recount = 0;
+        }
     }
 }
 
@@ -104,5 +125,29 @@ impl Passed {
         let still = std::mem::take(&mut crossing.still);
         crossing.still = still.into_iter().filter(|own| !crossing.stays_still(own.0)).collect();
         crossing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assembly::Assembly;
+    use crate::file::{no_records, parse};
+
+    #[test]
+    fn modes_are_dropped_where_they_take_too_much() {
+        let text = "name = \"A\"\n[body.a]\nmass = 1.0\n\
+                    [spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 4.0\n";
+        let assembly = Arc::new(Assembly::new(parse(text, "a.toml", &no_records).unwrap()).unwrap());
+        let motion = Motion::new(assembly.clone()).unwrap();
+        let machine = Machine::new(assembly, vec!["spring.k.stiffness".into()]).unwrap();
+        let mut modes = Modes::default();
+        let mode = modes.of(&machine, &motion, true);
+        assert!(Arc::ptr_eq(&mode, &modes.of(&machine, &motion, true)) && mode.numbers() > 10);
+        modes.make_room(mode.numbers() * size_of::<f64>());
+        assert_eq!(modes.known.len(), 1);
+        modes.recount = 0;
+        modes.make_room(mode.numbers() * size_of::<f64>() - 1);
+        assert_eq!(modes.known.len(), 0);
     }
 }

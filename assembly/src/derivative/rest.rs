@@ -26,7 +26,6 @@ pub(super) fn equilibrium(
 ) -> Result<(), Lost> {
     let (system, tangent, mode) = (&machine.system, &machine.tangents[p], &at.mode.mode);
     let n = system.coordinates;
-    let held = held(machine, p, at)?;
     let mut forces = system.forces.clone();
     for (i, &state) in mode.stops.iter().enumerate() {
         if let Some(force) = system.stop_force(i, state) {
@@ -39,6 +38,10 @@ pub(super) fn equilibrium(
         }
     }
     let mut right = tangent.forces_in(system, mode) * at.z + &forces * &*delta;
+    if right.amax() == 0.0 && mode.contacts().all(|contact| is_unmoved(machine, p, contact, (delta, at))) {
+        return Ok(());
+    }
+    let held = held(machine, p, at)?;
     for &(k, contact) in &held {
         right.axpy(-at.mode.lambda[k].dot(at.z), &machine.contact(contact, p).1.w, 1.0);
     }
@@ -73,6 +76,16 @@ pub(super) fn equilibrium(
     let found = root.tr_solve_lower_triangular(&solved.rows(0, n)).unwrap_or_else(|| DVector::zeros(n));
     delta.rows_mut(0, n).copy_from(&found);
     Ok(())
+}
+
+/// Whether a column changes nothing in a contact at rest: its direction, its place, its level.
+fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVector<f64>, &Instant)) -> bool {
+    let (system, tangent, by) = (&machine.system, &machine.tangents[p], machine.contact(contact, p).1);
+    let (row, own) = match contact {
+        Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
+        Contact::Friction(i) => (&*system.frictions[i].static_level, &tangent.frictions[i].static_level),
+    };
+    by.w.amax() == 0.0 && row.dot(delta) + own.dot(at.z) == 0.0
 }
 
 /// The contacts that keep their place at rest, with their places in the basis: closed stops, which

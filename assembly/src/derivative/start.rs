@@ -1,26 +1,38 @@
 //! Derivatives at the start of a motion (docs/assembly-law.md (A32)).
 
 use super::by::By;
-use super::columns::Columns;
 use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
-use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
+use super::machine::{BESIDE, Instant, Machine, STILL, TOUCH, Varied};
 use super::rest::equilibrium;
-use crate::mode::{StopState, Watch};
+use crate::law::ZERO;
+use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
 use nalgebra::DVector;
+
+/// What determines the state at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Given {
+    /// The machine's own numbers.
+    Machine,
+    /// A state that was given, which no parameter moves.
+    State,
+    /// A motion that is under way: its state follows what contacts hold.
+    Motion,
+}
 
 /// The start of a motion.
 pub(super) struct Start<'a> {
     pub machine: &'a Machine,
-    /// Whether its state was given, so that no parameter moves it.
-    pub is_given: bool,
+    pub given: Given,
     /// The state before the law.
     pub begun: &'a DVector<f64>,
     /// What the law has done.
     pub events: &'a [Event],
     /// The instant after the law.
     pub at: Instant<'a, 'a>,
+    /// Elements with a watched functional that is zero throughout the mode.
+    pub throughout: Vec<Contact>,
 }
 
 impl Start<'_> {
@@ -29,21 +41,21 @@ impl Start<'_> {
         let (machine, at) = (self.machine, &self.at);
         let (system, tangent) = (&machine.system, &machine.tangents[p]);
         self.check_steps(p)?;
-        let mut delta = self.before(p)?;
+        let delta = self.before(p)?;
         let scale = delta.abs();
         self.check_touching(Varied { p, delta: &delta, scale: &scale })?;
-        for impulse in &Impulse::all(system, self.events, self.begun) {
-            if let Some(stop) = impulse.at_limit(system, tangent) {
-                return Err(self.limit(machine.assembly.name_of_stop(stop)));
-            }
-            let mut alone = Columns::zeros(delta.len(), 1);
-            alone.put(0, &delta);
-            impulse.carry(system, &machine.tangents[p..=p], &mut alone);
-            delta = alone.column(0);
+        let impacts = Impulse::all(system, self.events, self.begun);
+        if let Some(stop) = impacts.iter().find_map(|impulse| impulse.at_limit(system, tangent)) {
+            return Err(self.limit(machine.assembly.name_of_stop(stop)));
         }
+        let tight = Impulse::all_tight(system, &impacts, at.sizes);
+        let found = Impulse::carry_one(system, tangent, (&impacts, &tight), (&delta, &scale));
+        let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
+        let scale = scale.sup(&delta.abs());
+        machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
         machine.keep(p, &mut delta, &scale, at)?;
         let mut still = machine.still(at, true);
-        still.retain(|(watch, _)| !matches!(*watch, Watch::Meets(i) if self.leaves(i)));
+        still.retain(|(watch, _)| !matches!(*watch, Watch::Meets(i) if self.separates(i)));
         machine.check(Varied { p, delta: &delta, scale: &scale }, at, &still)?;
         if machine.columns[p] == By::Time {
             delta -= at.rates;
@@ -62,7 +74,7 @@ impl Start<'_> {
         match machine.columns[p] {
             By::Start(place) => delta[place] = 1.0,
             By::Time => delta.rows_range_mut(one..).copy_from(&at.rates.rows_range(one..)),
-            By::Parameter(_) if self.is_given => {}
+            By::Parameter(_) if self.given != Given::Machine => {}
             By::Parameter(_) => {
                 if machine.assembly.description.starts_at_rest {
                     equilibrium(machine, p, &mut delta, at)?;
@@ -88,36 +100,75 @@ impl Start<'_> {
         if moves || passes { Err(self.limit(format!("the step at {time} s"))) } else { Ok(()) }
     }
 
-    /// Whether a rigid stop, whose state was given, touches and stays closed or separates: the
-    /// start then varies as the contact allows. A stop that is hit has an event on one side only.
-    fn leaves(&self, i: usize) -> bool {
-        let (rows, at) = (&self.machine.system.stops[i], &self.at);
-        let is_hit = |event: &Event| matches!(event.kind, EventKind::Impact { stop, .. } if stop == i);
-        let separates = || rows.excess.dot(at.rates) < -self.machine.speed_size(&rows.excess, at) * TOUCH;
-        let is_held = at.mode.mode.stops[i] == StopState::Closed;
-        self.is_given
-            && rows.restitution().is_some()
-            && !self.events.iter().any(is_hit)
-            && (is_held || separates())
+    fn is_hit(&self, i: usize) -> bool {
+        self.events.iter().any(|event| matches!(event.kind, EventKind::Impact { stop, .. } if stop == i))
     }
 
-    /// Refuses a rigid stop that touches at the start, and a damped compliant one at its gap, whose
-    /// gap varies: it then has an event on one side only.
+    /// Whether a rigid stop, whose state was given, touches and separates: the start then varies as
+    /// if it was not there.
+    fn separates(&self, i: usize) -> bool {
+        let (rows, at) = (&self.machine.system.stops[i], &self.at);
+        let leaves = || rows.excess.dot(at.rates) < -self.machine.speed_size(&rows.excess, at) * TOUCH;
+        self.given != Given::Machine && rows.restitution().is_some() && !self.is_hit(i) && leaves()
+    }
+
+    /// Refuses a stop that touches at the start where the column moves it to either side.
     fn check_touching(&self, column: Varied) -> Result<(), Lost> {
         let (machine, at) = (self.machine, &self.at);
         for (i, stop) in machine.system.stops.iter().enumerate() {
-            let rests = !self.is_given && machine.assembly.description.starts_at_rest;
-            let is_held = rests && at.mode.mode.stops[i] == StopState::Closed;
-            let is_smooth = machine.is_smooth(Watch::Presses(i)) && stop.restitution().is_none();
-            if is_held || is_smooth || self.leaves(i) {
+            if !machine.is_zero(&stop.excess, at) {
                 continue;
             }
-            let (row, by) = (&stop.excess, &machine.tangents[column.p].stops[i].excess);
-            let point = machine.point(column, at);
-            if machine.is_zero(row, at) && point.of(row, by).abs() > STILL * point.size(row, by) {
+            let (point, by) = (machine.point(column, at), &machine.tangents[column.p].stops[i]);
+            let moves = |row, by| point.of(row, by).abs() > STILL * point.size(row, by);
+            let place = moves(&stop.excess, &by.excess);
+            let rate = moves(&stop.elongation.rate, &by.elongation.rate);
+            let differs = match stop.restitution() {
+                Some(_) => (place && !self.follows(i, column.p)) || (rate && self.turns(i)),
+                // Its force sets in with a jump, or on one side alone.
+                None => {
+                    let is_edge = self.throughout.contains(&Contact::Stop(i));
+                    (place && !machine.is_smooth(Watch::Presses(i))) || ((place || rate) && is_edge)
+                }
+            };
+            if differs {
                 return Err(self.limit(machine.assembly.name_of_stop(i)));
             }
         }
         Ok(())
+    }
+
+    /// Whether the start varies with the place of a rigid stop that touches there: at rest, or under
+    /// way, where it is held, and where it separates.
+    fn follows(&self, i: usize, p: usize) -> bool {
+        let is_held = self.at.mode.mode.stops[i] == StopState::Closed && !self.is_hit(i);
+        let varies = || match self.given {
+            Given::Machine => {
+                let rests = self.machine.assembly.description.starts_at_rest;
+                rests && matches!(self.machine.columns[p], By::Parameter(_))
+            }
+            Given::State => false,
+            Given::Motion => true,
+        };
+        (is_held && varies()) || self.separates(i)
+    }
+
+    /// Whether a rigid stop that touches without a closing speed is hit on one side alone when its
+    /// rate varies. One that is held returns ([`Machine::returns`]), unless an impact at the start
+    /// moves it.
+    fn turns(&self, i: usize) -> bool {
+        let (system, at) = (&self.machine.system, &self.at);
+        let own = &system.stops[i].elongation;
+        let zero = BESIDE * ZERO * own.rate.size(at.sizes.as_slice());
+        if self.is_hit(i) && own.rate.at(self.begun.as_slice()).abs() > zero {
+            return false;
+        }
+        let is_kicked = |event: &Event| match event.kind {
+            EventKind::Impact { stop, .. } => own.w.dot(&system.stops[stop].elongation.mobility) != 0.0,
+            _ => false,
+        };
+        let is_still = own.rate.at(self.begun.as_slice()).abs() <= zero;
+        let is_held = at.mode.mode.stops[i] == StopState::Closed;
+        is_still && (!is_held || self.events.iter().any(is_kicked))
     }
 }

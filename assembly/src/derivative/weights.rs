@@ -2,6 +2,7 @@
 //! follows (docs/assembly-law.md (A34)).
 
 use super::bodies::BodyTangent;
+use super::columns::padded;
 use super::mode::VariedMode;
 use super::tangent::{ElongationTangent, FrictionTangent, StopTangent, Tangent};
 use crate::mode::{Contact, FrictionState, StopState, Watch};
@@ -24,6 +25,8 @@ pub(super) struct Weights {
 /// By the rows of one mode: those of A from the accelerations on, and of the basis's forces.
 pub(super) struct InMode {
     pub a: DMatrix<f64>,
+    /// What flights add to `a`: by coordinate of z a padded vector by all coordinates.
+    pub sums: Vec<f64>,
     pub lambda: Vec<StateRow>,
 }
 
@@ -32,8 +35,19 @@ impl InMode {
         let size = system.signals.size;
         Self {
             a: DMatrix::zeros(size - system.coordinates, size),
+            sums: vec![0.0; size * padded(size)],
             lambda: vec![StateRow::zeros(size); mode.mode.basis.len()],
         }
+    }
+
+    /// By A, with what flights have added.
+    fn by_a(&self) -> DMatrix<f64> {
+        let (mut a, size) = (self.a.clone(), self.a.ncols());
+        let first = size - a.nrows();
+        for (mut column, sums) in a.column_iter_mut().zip(self.sums.chunks_exact(padded(size))) {
+            column.iter_mut().zip(&sums[first..size]).for_each(|(a, sum)| *a += sum);
+        }
+        a
     }
 
     /// Adds `factor` × `row` by the force of a contact.
@@ -174,8 +188,9 @@ impl Weights {
     /// Adds what the rows of a mode depend on: the adjoint of (A29).
     pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
         let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
-        self.signals += own.a.rows(n, size - 2 * n);
-        let own_a = own.a.rows(0, n);
+        let by_a = own.by_a();
+        self.signals += by_a.rows(n, size - 2 * n);
+        let own_a = by_a.rows(0, n);
         let mut acceleration = DMatrix::zeros(n, size);
         for k in 0..n {
             mode.a.row(n + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);

@@ -15,6 +15,7 @@ mod report;
 pub(crate) mod saved;
 mod step;
 mod tables;
+pub(crate) mod touches;
 mod values;
 mod variation;
 mod varied;
@@ -146,6 +147,8 @@ struct Scratch {
     nodes: Vec<crate::energy::AtNodes>,
     /// By functional its values where powers are found.
     values: Vec<crate::energy::AtNodes>,
+    /// Where touches are noted: for derivatives alone.
+    touches: Option<touches::Touches>,
 }
 
 impl Motion {

@@ -399,7 +399,7 @@ impl PassageSearch<'_> {
 
 /// The coefficients of a series in parts of a part of its span.
 #[inline(always)]
-fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
+pub(super) fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
     let (mut c, mut scale) = (*c, 1.0);
     for ck in &mut c {
         *ck *= scale;

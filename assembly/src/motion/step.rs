@@ -209,6 +209,11 @@ impl Motion {
         // A functional that was zero throughout the mode has no event: it is watched from here on.
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
         let passage = passage.filter(|_| !leaves);
+        let reaches = passage.is_none() && !leaves && span >= remaining;
+        if let Scratch { near, touches: Some(touches), .. } = scratch {
+            let goes_on = passage.is_none() && !(at_knot && reaches);
+            flight.note_touches(near, (end, goes_on), touches);
+        }
         if hybrid.energy.are_kept() {
             let samples = Samples::Start(hybrid.z.as_slice(), dt / table.length);
             hybrid.energy.add(met.powers(&assembly.system), dt, &samples, &mut scratch.values);
@@ -228,7 +233,6 @@ impl Motion {
                 assembly.system.signals.carry_within(start, end.dt, z);
             }
         }
-        let reaches = passage.is_none() && !leaves && span >= remaining;
         Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
     }
 
@@ -255,6 +259,10 @@ impl Motion {
         let part = passage.map_or(part, |(part, _)| part);
         let place = passage.filter(|_| !leaves).map(|(_, place)| place);
         let dt = part * ahead.span;
+        let reaches = passage.is_none() && is_end;
+        if let Some(touches) = &mut scratch.touches {
+            flight.note_touches_ahead((part, passage.is_none() && !(at_knot && reaches)), ahead, touches);
+        }
         if hybrid.energy.are_kept() {
             let (powers, rule) = (met.powers(&assembly.system), Rule::of(table.rate * dt));
             let first = powers.first(assembly.system.signals.one);
@@ -267,7 +275,7 @@ impl Motion {
         }
         ahead.series.at(part, hybrid.z.as_mut_slice());
         let whole = passage.is_none() && part == 1.0 && ahead.span >= table.length;
-        Flown { place, dt, whole, reaches: passage.is_none() && is_end }
+        Flown { place, dt, whole, reaches }
     }
 
     /// Prepares the next sub-step, at whose start watched functionals are no longer at zero. Those

@@ -5,8 +5,8 @@ use super::super::columns::Columns;
 use super::super::flight::Memory;
 use super::super::machine::{Instant, Machine};
 use super::super::passed::Modes;
-use super::super::start::Start;
-use super::{Differentiated, VariedObserver};
+use super::super::start::{Given, Start};
+use super::{Differentiated, VariedObserver, throughout};
 use crate::error::Error;
 use crate::motion::{Motion, Reached};
 use nalgebra::DVector;
@@ -33,7 +33,7 @@ impl Differentiated {
     }
 
     fn of(motion: Motion, columns: &[impl Into<By> + Clone], is_fixed: bool) -> Result<Self, Error> {
-        let assembly = motion.assembly().clone();
+        let (assembly, motion) = (motion.assembly().clone(), motion.noting_touches());
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
         let machine = Arc::new(Machine::new(assembly, columns)?);
@@ -45,7 +45,8 @@ impl Differentiated {
         let count = machine.columns.len();
         let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
         deltas.put_state(z.as_slice());
-        let start = Start { machine: &machine, is_given: true, begun: &z, events: &[], at };
+        let throughout = throughout(&mode, &motion).map(|own| own.0.contact()).collect();
+        let start = Start { machine: &machine, given: Given::Motion, begun: &z, events: &[], at, throughout };
         for (p, place) in lost.iter_mut().enumerate() {
             match if is_fixed { Ok(fixed(&start, p)) } else { start.derivative(p) } {
                 Ok(delta) => deltas.put(p, &delta),
@@ -64,13 +65,7 @@ impl Differentiated {
     /// # Errors
     /// As [`Motion::advance_before_event`].
     pub fn advance_before_event(&mut self, end: f64) -> Result<Reached, Error> {
-        let from = self.motion.time();
-        let outcome = self.motion.advance_before_event(end, &mut |_| ());
-        let span = self.motion.time() - from;
-        if span > 0.0 {
-            self.fly(span);
-        }
-        outcome
+        self.follow(end, &mut [])
     }
 
     /// Applies the law of the event that is due.

@@ -1,0 +1,90 @@
+//! What flights are made of: power series, and matrices that vary with columns.
+
+use super::columns::width_of;
+use std::sync::LazyLock;
+
+/// Bound of the terms that a power series leaves out, relative to its largest.
+const REMAINDER: f64 = 1e-18;
+/// More orders than any series has.
+const MOST: usize = 64;
+
+/// By number of orders: the largest rate × time r of a power series with so many. Its terms r^k/k!
+/// fall by half or more from the last order on.
+static REACH: LazyLock<[f64; MOST]> = LazyLock::new(|| {
+    let mut factorial = 1.0;
+    std::array::from_fn(|k| {
+        factorial *= (k as f64).max(1.0);
+        let reach = (REMAINDER * factorial).powf(1.0 / (k as f64).max(1.0));
+        if k == 0 { 0.0 } else { reach.min(0.5 * k as f64) }
+    })
+});
+
+/// Orders of a power series over rate × time.
+pub(super) fn orders(radius: f64) -> usize {
+    REACH.partition_point(|&reach| reach < radius)
+}
+
+/// A matrix that acts on a state and its derivatives, by rows: entries with their places, and what
+/// the state adds to each column.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Varied {
+    /// By row where its entries end.
+    pub(super) ends: Vec<usize>,
+    pub(super) entries: Vec<(usize, f64)>,
+    /// By entry its derivatives, in the places of the columns; 0 in that of the state.
+    pub(super) by: Vec<f64>,
+}
+
+impl Varied {
+    /// Numbers that are kept of it.
+    pub(super) fn numbers(&self) -> usize {
+        self.ends.len() + 2 * self.entries.len() + self.by.len()
+    }
+
+    /// A row's first entry and the place after its last.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
+        i.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[i]
+    }
+
+    /// Adds a row with all its entries, of which those without any number are left out.
+    pub(super) fn push(&mut self, row: &[f64], by: &[f64]) {
+        let width = by.len() / row.len();
+        for (j, (&x, by)) in row.iter().zip(by.chunks_exact(width)).enumerate() {
+            if x != 0.0 || by.iter().any(|x| *x != 0.0) {
+                self.entries.push((j, x));
+                self.by.extend_from_slice(by);
+            }
+        }
+        self.ends.push(self.entries.len());
+    }
+}
+
+/// The flow over 2^k parts of a length: exp(A t) - 1, and by column its derivative.
+pub(super) type Rung = Varied;
+
+/// What of A varies: entries with their derivatives by column, in rows of A.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sources(pub(super) Varied);
+
+impl Sources {
+    /// Of terms by row, place, column and derivative, for a matrix of `size` rows.
+    pub fn of(size: usize, count: usize, mut all: Vec<(usize, usize, usize, f64)>) -> Self {
+        let width = width_of(count);
+        let mut own = Varied::default();
+        all.sort_by_key(|&(i, j, ..)| (i, j));
+        let mut terms = all.into_iter().peekable();
+        for row in 0..size {
+            while let Some(&(_, j, ..)) = terms.peek().filter(|term| term.0 == row) {
+                own.entries.push((j, 0.0));
+                let begin = own.by.len();
+                own.by.resize(begin + width, 0.0);
+                while let Some((_, _, p, x)) = terms.next_if(|term| (term.0, term.1) == (row, j)) {
+                    own.by[begin + 1 + p] += x;
+                }
+            }
+            own.ends.push(own.entries.len());
+        }
+        Self(own)
+    }
+}

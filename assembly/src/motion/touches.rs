@@ -1,0 +1,133 @@
+//! Touches: watched functionals that come to their limit, turn round and do not pass it. They are
+//! no events (docs/assembly-law.md, section 6), but a motion has no derivative from there on by
+//! what moves them (section 14).
+
+use super::Motion;
+use super::passage::{PassageSearch, StepPoint, shortened};
+use crate::flow::Ahead;
+use crate::mode::Watch;
+use vibro_impact::events::turns;
+
+/// Multiples of what counts as zero within which a turning point is a touch.
+const BESIDE: f64 = 4.0;
+/// What is looked at beyond an interval's end, as a part of it, so that no turning point is missed
+/// between two intervals.
+const BEYOND: f64 = 1.0 / 64.0;
+
+/// Part of a functional's value under which it is certainly below what counts as zero, unless the
+/// value itself is zero.
+const BELOW: f64 = 1e-9;
+
+/// A touch: its time, s, and the place of the functional in its mode.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub(crate) time: f64,
+    pub(crate) place: usize,
+}
+
+/// The touches since they were last taken.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Touches {
+    found: Vec<Touch>,
+    /// State at the start of an interval.
+    state: Vec<f64>,
+}
+
+impl Motion {
+    /// The motion with its touches noted from now on.
+    #[must_use]
+    pub(crate) fn noting_touches(mut self) -> Self {
+        self.scratch.touches = Some(Touches::default());
+        self
+    }
+
+    /// The touches since the last call, in the order of their times, and none of them twice.
+    pub(crate) fn take_touches(&mut self) -> Vec<Touch> {
+        let Some(touches) = self.scratch.touches.as_mut().filter(|own| !own.found.is_empty()) else {
+            return Vec::new();
+        };
+        let mut found = std::mem::take(&mut touches.found);
+        found.sort_by(|a, b| a.time.total_cmp(&b.time));
+        found
+    }
+
+    /// By watched functional of the mode: whether it is zero throughout the mode.
+    pub(crate) fn are_unwatched(&self) -> impl Iterator<Item = bool> {
+        self.hybrid.departing.iter().map(|&order| order == crate::flow::ORDERS)
+    }
+}
+
+impl PassageSearch<'_> {
+    /// Notes the touches of a sub-step by tables, in the intervals in which a functional may pass
+    /// its limit (`near`). `goes_on` says whether the mode holds beyond `end`.
+    #[inline(never)]
+    pub(super) fn note_touches(&self, near: &[u8], (end, goes_on): (StepPoint, bool), to: &mut Touches) {
+        let (table, step) = (self.table, self.table.interval());
+        let any = near.iter().fold(0, |all, own| all | own);
+        for interval in (0..=end.interval).filter(|i| any & (1 << i) != 0) {
+            to.state.resize(self.hybrid.z.len(), 0.0);
+            table.at_interval_start(interval, self.hybrid.z.as_slice(), &mut to.state);
+            let is_last = interval == end.interval;
+            let length = if is_last { end.dt / step } else { 1.0 };
+            let length = if is_last && !goes_on { length } else { length + BEYOND };
+            let is_near = |&place: &usize| near[place] & (1 << interval) != 0 && self.may_touch(place);
+            for place in (0..near.len()).filter(is_near) {
+                let from = self.hybrid.time.value() + interval as f64 * step;
+                let c = shortened(&table.local(place, &to.state), length);
+                self.note(place, &c, |u| from + u * length * step, &mut to.found);
+            }
+        }
+    }
+
+    /// Notes the touches of a part of a sub-step by its series.
+    #[inline(never)]
+    pub(super) fn note_touches_ahead(&self, (part, goes_on): (f64, bool), ahead: &Ahead, to: &mut Touches) {
+        let length = if goes_on { part * (1.0 + BEYOND) } else { part };
+        for (place, w) in self.table.watched.iter().enumerate() {
+            let head = ahead.head(place);
+            let most = head.value.max(head.value + head.slope) + head.behind;
+            if most >= -BELOW * head.value.abs()
+                && self.may_touch(place)
+                && most >= -BESIDE * self.hybrid.sizes.zero_of(&w.row)
+            {
+                let c = shortened(&ahead.way(&w.row), length);
+                let from = self.hybrid.time.value();
+                self.note(place, &c, |u| from + u * length * ahead.span, &mut to.found);
+            }
+        }
+    }
+
+    /// Whether a touch of a functional could matter.
+    fn may_touch(&self, place: usize) -> bool {
+        let watch = self.table.watched[place].watch;
+        let is_met =
+            matches!(watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Slips(..));
+        is_met && !self.is_unwatched(place)
+    }
+
+    /// Notes where a functional's series has a highest value that counts as zero, after it has been
+    /// below.
+    fn note<const N: usize>(
+        &self,
+        place: usize,
+        c: &[f64; N],
+        time: impl Fn(f64) -> f64,
+        to: &mut Vec<Touch>,
+    ) {
+        let row = &self.table.watched[place].row;
+        let mut rate = [0.0; N];
+        (1..N).for_each(|k| rate[k - 1] = k as f64 * c[k]);
+        if rate[0].abs() > rate[1..].iter().map(|x| x.abs()).sum() {
+            return; // It does not turn.
+        }
+        let zero = BESIDE * self.hybrid.sizes.zero_of(row);
+        let (mut lowest, mut rising) = (c[0], rate[0] > 0.0);
+        turns(&rate, (0.0, 1.0), &mut rising, |u, is_highest| {
+            let value = c.iter().rev().fold(0.0, |sum, c| sum * u + c);
+            if is_highest && lowest < -zero && value >= -zero {
+                to.push(Touch { time: time(u), place });
+            }
+            lowest = lowest.min(value);
+        });
+    }
+}
