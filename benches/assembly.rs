@@ -48,9 +48,9 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain like a gear train: every second joint has play on both sides, the others a
-/// spring.
-fn chain(bodies: usize) -> String {
+/// A driven chain like a gear train: every second joint has play on both sides, with stops of this
+/// law, the others a spring; the first of these with `keys`.
+fn chain_of(bodies: usize, law: &str, keys: &str) -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..bodies {
         // Writing to a string cannot fail.
@@ -67,14 +67,51 @@ fn chain(bodies: usize) -> String {
         let _ = if i % 2 == 1 {
             writeln!(
                 text,
-                "[stop.u{i}]\nbetween = [{ends}]\ngap = 0.05\nrestitution = 0.6\n\
-                 [stop.l{i}]\nbetween = [{back}]\ngap = 0.05\nrestitution = 0.6"
+                "[stop.u{i}]\nbetween = [{ends}]\ngap = 0.05\n{law}\n\
+                 [stop.l{i}]\nbetween = [{back}]\ngap = 0.05\n{law}"
             )
         } else {
-            writeln!(text, "[spring.k{i}]\nbetween = [{ends}]\nstiffness = 400.0\ndamping = 0.1")
+            let keys = if i == 2 { keys } else { SPRING };
+            writeln!(text, "[spring.k{i}]\nbetween = [{ends}]\n{keys}")
         };
     }
     text + "[load.drive]\non = \"b0\"\namplitude = 10.0\nfrequency = 1.0\n"
+}
+
+/// A buffer 50 times as stiff as the springs of a chain.
+const BUFFER: &str = "stiffness = 2e4";
+
+/// The springs of a chain.
+const SPRING: &str = "stiffness = 400.0\ndamping = 0.1";
+
+/// A chain with rigid stops.
+fn chain(bodies: usize) -> String {
+    chain_of(bodies, "restitution = 0.6", SPRING)
+}
+
+/// A row of bodies with springs between them, each on ground with friction, two of them driven.
+fn frictions(bodies: usize) -> String {
+    let mut text = String::from("name = \"Frictions\"\n");
+    for i in 0..bodies {
+        let (speed, force) = (0.1 * ((i * 7) % 11) as f64 - 0.5, 1.0 + 0.1 * ((i * 5) % 7) as f64);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "[body.b{i}]\nmass = 1.0\nstart = {{ v = {speed:?} }}\n\
+             [friction.f{i}]\nbetween = [\"ground\", \"b{i}\"]\nforce = {force:?}"
+        );
+        if i > 0 {
+            let _ = writeln!(text, "[spring.k{i}]\nbetween = [\"b{}\", \"b{i}\"]\nstiffness = 400.0", i - 1);
+        }
+    }
+    let amplitude = 6.0 * (bodies as f64).sqrt();
+    for (name, body, frequency) in [("a", 0, 1.0), ("b", bodies / 2, 1.3)] {
+        let _ = writeln!(
+            text,
+            "[load.{name}]\non = \"b{body}\"\namplitude = {amplitude:?}\nfrequency = {frequency:?}"
+        );
+    }
+    text
 }
 
 /// A mass on a mount against a contact.
@@ -204,6 +241,23 @@ fn main() {
     for ratio in [1e2, 1e3, 1e4] {
         let (t, _) = follow(&machine(&stiff(ratio)), 10.0, false);
         println!("| frequencies in the ratio {ratio:e}, 8 s | {:.0} | {:.0} |", t / 1e3, t / soft);
+    }
+    let stiff = chain_of(20, BUFFER, "stiffness = 4e8\ndamping = 4e4");
+    let [off, on] = [false, true].map(|accounts| least(|| follow(&machine(&stiff), 2.0, accounts)));
+    println!("| 20 bodies, stiffness 1e6 apart, 1.6 s, {} events | {:.0} | |", off.1, off.0 / 1e3);
+    println!("| the same, energy accounts on | {:.0} | {:.1} |", on.0 / 1e3, on.0 / off.0);
+    for (name, few, many) in [
+        ("bodies, buffers between them", chain_of(20, BUFFER, SPRING), chain_of(200, BUFFER, SPRING)),
+        ("bodies, each with friction", frictions(10), frictions(100)),
+    ] {
+        let [few, many] = [few, many].map(|text| {
+            let (time, events) = least(|| follow(&machine(&text), 10.0, false));
+            time / events as f64 / 1e3
+        });
+        println!(
+            "| {name}, an event | {few:.1} | 1 |\n| ten times as many, an event | {many:.1} | {:.1} |",
+            many / few
+        );
     }
     for (name, text, end) in [
         ("the 3-DOF machine", paper_machine(&p), periods * p.period()),

@@ -3,6 +3,7 @@
 //! the mechanical energy: the energy balance therefore tests them.
 
 mod long;
+mod nodes;
 mod powers;
 
 pub use powers::{Account, Losses, Powers, Rule, Samples};

@@ -60,6 +60,15 @@ pub(crate) const DENSE: usize = 20;
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
 /// Interval ends as fractions of a sub-step.
 const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
+/// By interval: orders of a power series from the sub-step's start to the interval's end.
+const SERIES_ORDERS: [usize; INTERVALS] = {
+    let (mut orders, mut i) = ([0; INTERVALS], 0);
+    while i < INTERVALS {
+        orders[i] = series_orders(RADIUS * ENDS[i]);
+        i += 1;
+    }
+    orders
+};
 
 /// The flow of a mode.
 #[derive(Debug)]
@@ -84,8 +93,6 @@ pub struct FlowTable {
     kept: Option<Kept>,
     /// Flows over 2^k sub-steps, made on first use.
     ladder: Ladder<Rung>,
-    /// By interval: orders of a power series from the sub-step's start to the interval's end.
-    orders: [usize; INTERVALS],
     /// What is watched.
     pub watched: Vec<Arc<WatchTable>>,
     /// The forces of the basis.
@@ -105,21 +112,20 @@ impl FlowTable {
     /// The flow of a linear system with a bound of the norm of A by its matrix.
     fn with_norm(linear: Linear, one: usize, norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>)) -> Self {
         let Linear { mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
-        let (mut rate, mut weights) = norm(&a);
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
-            let is_stiff = !is_small || elastic.are_stiff || rate > STIFF * rate_bound(&elastic.rest, one);
+            let is_fast = || norm(&a).0 > STIFF * rate_bound(&elastic.rest, one);
+            let is_stiff = !is_small || elastic.are_stiff || is_fast();
             is_stiff.then(|| Apart::of(elastic))
         });
         // The contacts' reaction to such a force would leave its rounding in A, a spurious force on
         // all bodies that they hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
-            (rate, weights) = norm(&a);
         }
+        let (rate, weights) = norm(&a);
         let length = RADIUS / rate;
-        let orders = ENDS.map(|end| series_orders(RADIUS * end));
         let watched = watched.into_iter().map(|(watch, row)| Arc::new(WatchTable::new(watch, row, &a)));
         let watched = watched.collect();
         let mut table = Self {
@@ -134,7 +140,6 @@ impl FlowTable {
             apart,
             kept: None,
             ladder: Ladder::default(),
-            orders,
             watched,
             lambda,
             triangle,
@@ -173,7 +178,6 @@ impl FlowTable {
             apart: Some(Apart::split(split.base.clone(), terms)),
             kept: None,
             ladder: Ladder::default(),
-            orders: ENDS.map(|end| series_orders(RADIUS * end)),
             watched,
             lambda: Vec::new(),
             triangle: Triangle::default(),
@@ -243,7 +247,7 @@ impl FlowTable {
 
     /// Orders of a power series from the sub-step's start to the end of interval `last`.
     pub fn orders_to(&self, last: usize) -> usize {
-        self.orders[last]
+        SERIES_ORDERS[last]
     }
 
     /// Looks ahead where tables are kept: writes where the watched functionals stand; where forces
@@ -272,7 +276,7 @@ impl FlowTable {
             Some(kept) if !all => kept.within(z, dt, self.interval(), to),
             _ => {
                 let series = ahead.memory();
-                series.expand(self, z, dt, self.orders[0]);
+                series.expand(self, z, dt, self.orders_to(0));
                 series.at(1.0, to);
             }
         }

@@ -111,7 +111,9 @@ impl Sparse {
 
     /// Of entries with their places, of which zeros are left out.
     pub fn from_terms(terms: impl Iterator<Item = (usize, f64)>) -> Self {
-        Self(terms.filter(|&(_, x)| x != 0.0).collect())
+        let mut own = Vec::with_capacity(terms.size_hint().1.unwrap_or(0));
+        own.extend(terms.filter(|&(_, x)| x != 0.0));
+        Self(own)
     }
 
     /// The row times a vector.
@@ -280,6 +282,27 @@ impl SparseMatrix {
         self.rows.push(self.entries.len());
     }
 
+    /// The matrix with some rows replaced, and with each other entry's `value`.
+    pub fn with_rows<R: Iterator<Item = (usize, f64)>>(
+        &self,
+        value: impl Fn(f64) -> f64,
+        replaced: impl Fn(usize) -> Option<R>,
+    ) -> Self {
+        let mut sum = Self::default();
+        sum.rows.reserve(self.len());
+        sum.entries.reserve(self.entries.len() + self.entries.len() / 4);
+        for i in 0..self.len() {
+            match replaced(i) {
+                Some(row) => sum.push_row(row),
+                None => {
+                    sum.entries.extend(self.row(i).iter().map(|&(j, x)| (j, value(x))));
+                    sum.rows.push(sum.entries.len());
+                }
+            }
+        }
+        sum
+    }
+
     /// The transpose.
     pub fn transpose(&self) -> Self {
         let mut rows = vec![0; self.len() + 1];
@@ -373,6 +396,9 @@ impl SparseMatrix {
 
     /// The row with these entries times the matrix, by the entries that are not zero.
     pub fn after_terms(&self, terms: &[(usize, f64)]) -> Sparse {
+        if let &[(i, r)] = terms {
+            return Sparse::from_terms(self.row(i).iter().map(|&(j, x)| (j, r * x)));
+        }
         let mut all: Vec<(usize, f64)> = Vec::new();
         for &(i, r) in terms {
             all.extend(self.row(i).iter().map(|&(j, x)| (j, r * x)));

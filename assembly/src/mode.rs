@@ -13,6 +13,7 @@ pub use states::{FrictionState, StopState};
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::hash::{Hash, Hasher};
 
 /// A contact that keeps e'' at zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -24,7 +25,7 @@ pub enum Contact {
 }
 
 /// A mode: the state of every element, and the independent contacts whose forces are solved for.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
     /// By stop.
     pub stops: Vec<StopState>,
@@ -34,6 +35,18 @@ pub struct Mode {
     /// zero or, where its state says so, its level.
     pub basis: Vec<Contact>,
 }
+
+/// By the states in one number: the derived hash takes eight bytes for each.
+impl Hash for Mode {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        let states = self.stops.iter().map(|state| *state as u64);
+        let all = states.chain(self.frictions.iter().map(|state| *state as u64));
+        hasher.write_u64(all.fold(0, |sum, state| (sum ^ state).rotate_left(5).wrapping_mul(MIXER)));
+    }
+}
+
+/// An odd number of mixed bits (from the golden ratio).
+const MIXER: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// An element in a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -213,7 +226,7 @@ impl System {
 
 /// Subtracts a force in direction w from the forces on the coordinates.
 fn add_outer(forces: &mut DMatrix<f64>, w: &DVector<f64>, force: &StateRow) {
-    for (i, &w) in w.iter().enumerate().filter(|(_, w)| **w != 0.0) {
-        forces.row_mut(i).iter_mut().zip(force.iter()).for_each(|(sum, f)| *sum -= w * f);
+    for (j, &f) in force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+        forces.column_mut(j).axpy(-f, w, 1.0);
     }
 }

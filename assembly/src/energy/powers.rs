@@ -2,6 +2,7 @@
 //! computed by Gauss's rule.
 
 use super::long::WorkIntegral;
+use super::nodes::NodeStates;
 use super::{AtNodes, EIGHT, NODES, SHORT};
 use crate::description::StopLaw;
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
@@ -206,7 +207,7 @@ pub struct Powers {
     /// Taylor coefficients of each row, in units of a sub-step, by coordinate.
     columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
-    /// Work of each power over 2^k sub-steps, made on first use.
+    /// Work of each power over 2^k sub-steps, made on first use where tables are kept.
     long: Ladder<Vec<WorkIntegral>>,
 }
 
@@ -230,8 +231,14 @@ impl Powers {
 
     /// Calls `take` with the account and the work of each power over 2^`k` sub-steps from `z`.
     pub fn for_each_work(&self, k: usize, table: &FlowTable, z: &[f64], mut take: impl FnMut(Account, f64)) {
-        for (power, work) in self.all.iter().zip(self.works(k, table)) {
-            take(power.account, power.factor * work.of(z));
+        if table.is_dense() {
+            let works = self.all.iter().zip(self.works(k, table));
+            return works.for_each(|(power, work)| take(power.account, power.factor * work.of(z)));
+        }
+        let states = NodeStates::over(k, table, z);
+        for power in &self.all {
+            let [left, right] = power.of.map(|place| &self.rows[place]);
+            take(power.account, power.factor * states.product(left, right));
         }
     }
 

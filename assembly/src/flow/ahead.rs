@@ -166,7 +166,9 @@ impl Ahead {
         self.heads.clear();
         for (place, w) in table.watched.iter().enumerate() {
             let (order, limit) = leaving(place);
-            let [value, slope, bend] = [0, 1, 2].map(|k| w.row.dot(series.term(k)));
+            // Without `map`, which the compiler makes a call of.
+            let of = |k: usize| w.row.dot(series.term(k));
+            let (value, slope, bend) = (of(0), of(1), of(2));
             self.heads.push(HeadAhead { value, slope, behind: 0.0 });
             let passes = match order {
                 0 => passage(value - limit, slope, bend),

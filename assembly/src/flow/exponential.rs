@@ -105,7 +105,7 @@ fn put_columns(columns: &[[f64; ABREAST]], first: usize, to: &mut DMatrix<f64>) 
 }
 
 /// Orders of a series of radius x whose remainder is below [`REMAINDER`].
-pub(super) fn series_orders(x: f64) -> usize {
+pub(super) const fn series_orders(x: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);
     // The remainder is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at
     // most twice the term.

@@ -7,7 +7,7 @@ pub mod selection;
 use crate::kernel::Sparse;
 use crate::mode::Contact;
 use crate::system::{Elongation, Functional, StateRow, System};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 /// Relative size below which a sum counts as zero, relative to the sum of its terms' largest sizes
@@ -22,7 +22,17 @@ pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64
 impl Sizes {
     /// The sum of the largest sizes of a row's terms.
     pub fn of(&self, row: &StateRow) -> f64 {
-        row.iter().zip(self.0.iter()).map(|(r, s)| r.abs() * s).sum()
+        row.as_slice().iter().zip(self.0.as_slice()).map(|(r, s)| r.abs() * s).sum()
+    }
+
+    /// The sums of the largest sizes of the terms of a matrix's rows.
+    pub(crate) fn of_rows(&self, rows: &DMatrix<f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; rows.nrows()];
+        // Whole columns are added, which lie in one piece.
+        for (column, size) in rows.as_slice().chunks_exact(rows.nrows().max(1)).zip(self.0.as_slice()) {
+            sums.iter_mut().zip(column).for_each(|(sum, x)| *sum += x.abs() * size);
+        }
+        sums
     }
 
     /// The size up to which a functional's value counts as zero.

@@ -284,12 +284,12 @@ impl<'a> Selection<'a> {
         let mut next = DVector::zeros(signals.size);
         let mut size = DVector::zeros(signals.size);
         let sizes = &self.sizes[self.sizes.len() - 1];
+        let terms = sizes.of_rows(free);
         for k in 0..n {
             next[k] = z[n + k];
             size[k] = sizes.0[n + k];
             next[n + k] = acceleration[k];
-            let terms: f64 = free.row(k).iter().zip(sizes.0.iter()).map(|(f, s)| f.abs() * s).sum();
-            size[n + k] = terms + shares[k];
+            size[n + k] = terms[k] + shares[k];
         }
         for j in signals.one..signals.size {
             let mut unit = StateRow::zeros(signals.size);

@@ -114,10 +114,12 @@ impl HeldGroup {
         // rounding of the forces that cancel.
         let held = |row: &usize| self.loose.row(*row).iter().all(|x| *x == 0.0);
         let held: Vec<usize> = (0..reach.len()).filter(held).collect();
-        if !held.is_empty() {
-            let prescribed = self.demand(&DMatrix::zeros(reach.len(), columns.len()), &drift);
-            for row in held {
-                accelerations.set_row(row, &-(self.mobility.row(row) * &prescribed));
+        let moves = !held.is_empty() && drift.iter().any(|x| *x != 0.0);
+        let prescribed = moves.then(|| self.demand(&DMatrix::zeros(reach.len(), columns.len()), &drift));
+        for row in held {
+            match &prescribed {
+                Some(prescribed) => accelerations.set_row(row, &-(self.mobility.row(row) * prescribed)),
+                None => accelerations.row_mut(row).fill(0.0),
             }
         }
         GroupReaction { columns, accelerations, terms, forces }
@@ -140,27 +142,19 @@ impl<'a> Held<'a> {
         let n = self.system.coordinates;
         let reactions: Vec<GroupReaction> =
             self.groups.iter().map(|group| group.react(self.system, self.basis, a)).collect();
-        let (mut held, mut terms) = (SparseMatrix::default(), SparseMatrix::default());
-        for i in 0..a.len() {
-            let holder = i.checked_sub(n).and_then(|k| self.holders.get(k).copied().flatten());
-            match holder.map(|(group, row)| (&reactions[group], row)) {
-                Some((own, row)) => {
-                    held.push_row(own.row(&own.accelerations, row));
-                    terms.push_row(own.row(&own.terms, row));
-                }
-                None => {
-                    held.push_row(a.row(i).iter().copied());
-                    terms.push_row(a.row(i).iter().map(|&(j, x)| (j, x.abs())));
-                }
-            }
-        }
+        let with = |value: fn(f64) -> f64, rows: fn(&GroupReaction) -> &DMatrix<f64>| {
+            a.with_rows(value, |i| {
+                let (group, row) = self.holders.get(i.checked_sub(n)?).copied().flatten()?;
+                Some(reactions[group].row(rows(&reactions[group]), row))
+            })
+        };
         let mut lambda = vec![Sparse::default(); self.basis.len()];
         for (own, reaction) in self.groups.iter().zip(&reactions) {
             for (c, &place) in own.group.places.iter().enumerate() {
                 lambda[place] = Sparse::from_terms(reaction.row(&reaction.forces, c));
             }
         }
-        Reaction { a: held, terms, lambda }
+        Reaction { a: with(|x| x, |own| &own.accelerations), terms: with(f64::abs, |own| &own.terms), lambda }
     }
 
     /// Absolute values of the projection of velocities past the contacts.
@@ -177,6 +171,11 @@ impl<'a> Held<'a> {
             }
         }
         sizes
+    }
+
+    /// Whether contacts hold a coordinate on which an element acts.
+    pub(super) fn holds(&self, e: &Elongation) -> bool {
+        e.reach.iter().any(|&k| self.holders[k].is_some())
     }
 
     /// What a unit of an element's force takes from z', with the contacts' reaction: `loose` M⁻¹ w
@@ -216,11 +215,14 @@ fn zero_rounding(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DM
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
     let group = groups_by_columns(columns);
+    let mut largest = vec![0.0f64; m];
     for column in 0..size {
+        largest.fill(0.0);
         for k in 0..m {
-            let others = (0..m).filter(|&i| group[i] == group[k]);
-            let largest = others.map(|i| demands[(i, column)] / norms[i]).fold(0.0, f64::max);
-            if forces[(k, column)].abs() <= ZERO * largest / norms[k] {
+            largest[group[k]] = largest[group[k]].max(demands[(k, column)] / norms[k]);
+        }
+        for k in 0..m {
+            if forces[(k, column)].abs() <= ZERO * largest[group[k]] / norms[k] {
                 forces[(k, column)] = 0.0;
             }
         }

@@ -104,9 +104,13 @@ impl System {
         if elongations.is_empty() {
             return None;
         }
-        let (rest, forces): (_, Vec<Arc<Functional>>) = match terms {
+        let moved = |e: &Elongation| Arc::new(held.moved(e));
+        let (rest, forces) = match terms {
             Some((split, elastic, others)) => {
-                (split.with(others.iter()), elastic.into_iter().map(|term| term.force).collect())
+                let own = |(term, e): (Term, &Elongation)| {
+                    (term.force, if held.holds(e) { moved(e) } else { term.by })
+                };
+                (split.with(others.iter()), elastic.into_iter().zip(elongations).map(own).collect())
             }
             None => {
                 let mut left = mode.stops.clone();
@@ -115,11 +119,9 @@ impl System {
                 let springs = self.stiff_springs.iter().map(|&i| self.springs[i].force.clone());
                 let stops = pressed.iter().filter_map(|&i| self.stop_force(i, mode.stops[i]));
                 let forces = springs.chain(stops).map(|force| Arc::new(Functional::of(force)));
-                (self.matrix(&rest), forces.collect())
+                (self.matrix(&rest), forces.zip(elongations.into_iter().map(moved)).collect())
             }
         };
-        let moved = elongations.into_iter().map(|e| Arc::new(held.moved(e)));
-        let forces = forces.into_iter().zip(moved).collect();
         let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
         let are_stiff = self.keeps_matrices() && are_stiff();
         if mode.basis.is_empty() {

@@ -61,13 +61,25 @@ impl Motion {
                 )
             }
             Watch::Stops(i) if !others_are_static(i) => {
+                let (friction, stuck) =
+                    (&system.frictions[i], ElementState::Friction(i, FrictionState::Stuck));
+                if friction.has_static {
+                    return [Some(stuck), None];
+                }
                 let turned = match hybrid.mode.frictions[i] {
                     FrictionState::Up => FrictionState::Down,
                     _ => FrictionState::Up,
                 };
-                let turns = !system.frictions[i].has_static;
-                let stuck = ElementState::Friction(i, FrictionState::Stuck);
-                [Some(stuck), turns.then_some(ElementState::Friction(i, turned))]
+                let turned = ElementState::Friction(i, turned);
+                // Alone it sticks where its force may fall from its level to what keeps e' at zero.
+                let Elongation { w, mobility, .. } = &friction.elongation;
+                let room = 2.0 * friction.level.dot(&hybrid.z) * w.dot(mobility);
+                let own = self.table().watched.iter().find(|own| own.watch == watch);
+                if own.is_some_and(|own| own.slope.dot(hybrid.z.as_slice()) > room) {
+                    [Some(turned), Some(stuck)]
+                } else {
+                    [Some(stuck), Some(turned)]
+                }
             }
             Watch::Slips(i, up) if !others_are_static(i) => {
                 let state = if up { FrictionState::Up } else { FrictionState::Down };
@@ -80,12 +92,15 @@ impl Motion {
     /// Puts the element in the state `next` where that is certain; else changes nothing.
     fn lone_change(&mut self, watch: Watch, next: ElementState, observer: &mut Observer) -> bool {
         let system = &self.assembly.system;
+        if self.is_at_corner(next, watch) {
+            return false;
+        }
         if self.tables.known_after(self.place, next).is_none() && self.tables.make_room() {
             self.place = self.tables.place_of(&self.hybrid.mode, system);
         }
         let place = self.tables.place_after(self.place, next, system);
         let mode = &self.tables.at(place).mode;
-        if !mode.is_independent() || self.is_at_corner(next, watch) {
+        if !mode.is_independent() {
             return false;
         }
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
@@ -108,13 +123,19 @@ impl Motion {
 
     /// Whether at the passage of `watch` another functional of its element is at zero, too, or so
     /// near that the general law may take it for rounding; for example where a friction's level
-    /// vanishes. An `ElastoGap` has two functionals with one `watch`.
+    /// vanishes. An `ElastoGap` has two functionals with one `watch`. Where a friction comes to
+    /// rest, which may lead to two modes, also whether one of another element is at zero:
+    /// [`departs_alone`](Self::departs_alone) would refuse both.
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
-        let own = self.table().watched.iter().filter(|w| w.watch.is_of(element));
-        let mut near = own.filter(|w| w.row.dot(z) >= -contact::DOUBTFUL * sizes.zero_of(&w.row));
-        let mut passed = false;
-        near.any(|w| w.watch != watch || std::mem::replace(&mut passed, true))
+        let (all, mut passed) = (matches!(watch, Watch::Stops(_)), false);
+        self.table().watched.iter().any(|w| {
+            let is_own = w.watch.is_of(element);
+            let near = if is_own { contact::DOUBTFUL } else { 1.0 };
+            (is_own || all)
+                && w.row.dot(z) >= -near * sizes.zero_of(&w.row)
+                && (w.watch != watch || std::mem::replace(&mut passed, true))
+        })
     }
 
     /// Whether all conditions of the mode in force hold with a margin (docs/assembly-law.md (A11));

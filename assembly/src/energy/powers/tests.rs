@@ -66,8 +66,15 @@ fn second_method_means_of_powers_by_two_ways_and_over_long_steps() {
             accounts.push(account);
         });
         assert_eq!(accounts, powers.all.iter().map(|p| p.account).collect::<Vec<_>>());
-        for (x, y) in found.iter().zip(&sums) {
-            assert!((x - y).abs() < ROUNDING * most * f64::from(1u32 << k), "{k}: {x} {y}");
+        let states = NodeStates::over(k, &table, &z);
+        let works = powers.all.iter().map(|power| {
+            let [left, right] = power.of.map(|place| &powers.rows[place]);
+            power.factor * states.product(left, right)
+        });
+        for ((x, other), y) in found.iter().zip(works).zip(&sums) {
+            for x in [*x, other] {
+                assert!((x - y).abs() < ROUNDING * most * f64::from(1u32 << k), "{k}: {x} {y}");
+            }
         }
     }
     // Each account is there: one load, two dashpots, the buffer, the friction, and what moves the belt.

@@ -21,10 +21,7 @@ impl Selection<'_> {
         let mut lo = DVector::from_element(m, f64::NEG_INFINITY);
         let mut hi = DVector::from_element(m, f64::INFINITY);
         // Sizes of the accelerations' terms, summed before forces on a body cancel.
-        let sizes: Vec<f64> = free
-            .row_iter()
-            .map(|row| row.iter().zip(self.sizes[order].0.iter()).map(|(f, s)| f.abs() * s).sum())
-            .collect();
+        let sizes = self.sizes[order].of_rows(free);
         for (k, &contact) in contacts.iter().enumerate() {
             let e = self.system.elongation_of(contact);
             let row = along(free, &e.w) + &e.drift;
