@@ -116,7 +116,8 @@ impl Problem {
             let stay = Letter::staying(&self.word);
             let letter = self.word.letters.get(next).unwrap_or(&stay);
             if next == 0 {
-                v.iter_mut().zip(&leg.rate).take(own).for_each(|(v, rate)| *v += longer * rate);
+                // The signals too: the law of an impact feels the rates of prescribed bodies.
+                v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += longer * rate);
             }
             letter.apply(place.assembly.system(), [&mut v[..]]);
             beside.add(&mut v[..own], |place| {

@@ -55,6 +55,7 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
                     "orbits",
                     "response",
                     "basin",
+                    "section",
                 ]);
         let later = READ_LATER.contains(&option) || of_both;
         if !number && (later || !FORMS.contains(&form.as_str())) {
