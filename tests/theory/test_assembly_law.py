@@ -588,7 +588,26 @@ def test_law_32_starts_at_rest() -> None:
         assert close(solved(k(0), w(0), forces, moved), by_parameter(rest))
 
 
-def test_law_33_backwards_over_flights_and_an_event() -> None:
+def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
+    """Two frictions below their level and two stops with a force hold; speeds are given to them."""
+    r = random.Random(33)
+    for _ in range(6):
+        m, w, v = masses(r, 6), rows(r, 4, 6).T, vector(r, 6)
+        held = matrix([number(r), number(r), abs(number(r)), abs(number(r))])
+        level = [abs(held[0]) + mpf(1) / 7, abs(held[1]) + mpf(2) / 7]
+        # A speed that opens the stops; forces of the springs are those that the contacts hold.
+        v -= m**-1 * w * mp.lu_solve(w.T * m**-1 * w, w.T * v - matrix([number(r), number(r), -1, -mpf(1) / 3]))
+        rates, springs = w.T * v, w * held
+        forces = matrix([level[0] * mp.sign(rates[0]), level[1] * mp.sign(rates[1]), 0, 0])
+        acceleration = m**-1 * (springs - w * forces)
+        power = dot(v, m * acceleration)
+        assert abs(power - dot(rates, held - forces)) < ROUNDING * (1 + abs(power))
+        most = -sum((level[c] - abs(held[c])) * abs(rates[c]) for c in range(2))
+        most -= sum(held[c] * abs(rates[c]) for c in (2, 3))
+        assert power <= most + ROUNDING
+
+
+def test_law_34_backwards_over_flights_and_an_event() -> None:
     """A sum of a value at the end and of an event's time, of the motion of (A30)."""
     mp.dps = 60
     r = random.Random(33)
@@ -624,7 +643,7 @@ def test_law_33_backwards_over_flights_and_an_event() -> None:
         assert abs(total - (summed(step) - summed(-step))[0] / (2 * step)) < mpf(10) ** -26 * (1 + abs(total))
 
 
-def test_law_34_backwards_through_contacts() -> None:
+def test_law_35_backwards_through_contacts() -> None:
     mp.dps = 80
     r = random.Random(34)
     for _ in range(6):
@@ -646,7 +665,7 @@ def test_law_34_backwards_through_contacts() -> None:
         assert close(matrix([found]), exact)
 
 
-def test_law_35_backwards_over_an_impact() -> None:
+def test_law_36_backwards_over_an_impact() -> None:
     mp.dps = 80
     r = random.Random(35)
     for _ in range(6):

@@ -32,7 +32,7 @@ impl Partial {
     fn of(&self, quantity: vibro_assembly::Quantity) -> f64 {
         let term = |(p, weight): (usize, &f64)| match *weight {
             0.0 => 0.0,
-            weight => weight * self.of.derivative(quantity, p).unwrap_or(f64::NAN),
+            weight => weight * self.of.derivative_in_mode(quantity, p).unwrap_or(f64::NAN),
         };
         self.weights.iter().enumerate().map(term).sum()
     }

@@ -1,5 +1,5 @@
 //! The derivative of a sum by everything before it, backwards over a kept motion
-//! (docs/assembly-law.md (A33), (A34)).
+//! (docs/assembly-law.md (A34), (A35)).
 
 use super::columns::padded;
 use super::machine::Machine;

@@ -270,10 +270,13 @@ impl Differentiated {
     /// force of a contact that depends on others has none while they are held: the law determines
     /// no more than their sum.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
+        if self.is_shared(quantity) { None } else { self.derivative_in_mode(quantity, column) }
+    }
+
+    /// [`derivative`](Self::derivative) with what the present mode makes of forces that the law leaves
+    /// open, as outputs have them.
+    pub fn derivative_in_mode(&self, quantity: Quantity, column: usize) -> Option<f64> {
         let delta = &self.column(column)?;
-        if self.is_shared(quantity) {
-            return None;
-        }
         let z = self.machine.widened(self.motion.state());
         let point = super::values::Point {
             system: &self.machine.system,

@@ -280,7 +280,7 @@ impl Impulse {
     }
 
     /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes
-    /// that by the state before (docs/assembly-law.md (A35)).
+    /// that by the state before (docs/assembly-law.md (A36)).
     pub(super) fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
         let (n, [before, after]) = (system.coordinates, &self.states);
         let rows = |k: usize| &system.stops[self.stops[k]].elongation;

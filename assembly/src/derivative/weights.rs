@@ -1,5 +1,5 @@
 //! The derivative of a number by all rows and matrices of a machine, from which that by any column
-//! follows (docs/assembly-law.md (A34)).
+//! follows (docs/assembly-law.md (A35)).
 
 use super::bodies::BodyTangent;
 use super::columns::padded;

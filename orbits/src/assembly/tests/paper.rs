@@ -45,3 +45,24 @@ fn second_method_special_points_of_the_papers_machine() {
 fn specials_of(branches: &[Branch], kind: &str) -> Vec<f64> {
     (0..40).flat_map(|events| specials(branches, events, kind)).collect()
 }
+
+#[test]
+fn invariant_half_the_step_gives_the_same_special_points() {
+    let family = Family::new(&example("paper_machine.toml"), "load.drive.amplitude", (0.19, 0.35)).unwrap();
+    let whole = grown(&family, 6, 0);
+    let longest_step = 0.5 * crate::PathOptions::default().longest_step;
+    let path = crate::PathOptions { longest_step, ..crate::PathOptions::default() };
+    let options = TreeOptions { seeds: 6, depth: 0, path, ..TreeOptions::default() };
+    let half = tree(&family, &options, &mut |_, _| true).unwrap();
+    let mut compared = 0;
+    for name in ["LP", "PD", "NS", "BP", "GR"] {
+        let (own, other) = (specials_of(&whole, name), specials_of(&half, name));
+        for (values, known) in [(&own, &other), (&other, &own)] {
+            for value in values {
+                assert!(nearest(known, *value) < SAME, "{name} {value}: {known:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 10, "{compared}");
+}
