@@ -24,7 +24,7 @@ const SAMPLES: u32 = 800;
 
 /// Marks of the special points that the 3-DOF machine does not have.
 const FURTHER: [(Kind, &str, Mark); 2] =
-    [(Kind::Stick, "ST stick", Mark::Ring), (Kind::Crossing, "CC events change places", Mark::Diamond)];
+    [(Kind::Stick, "ST stick", Mark::Diamond), (Kind::Crossing, "CC events change places", Mark::Ring)];
 
 /// The study of a machine's branches over a parameter: tables of points and special points, and a
 /// picture of a measure.
