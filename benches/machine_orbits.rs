@@ -94,7 +94,7 @@ fn main() {
     println!("damper_with_buffer, {events} events: {points} points, {:.3} ms each", per(time, points));
     let family = Family::new(&damper, "load.shaker.frequency", (8.0, 12.0)).expect("a range");
     let rows = settled_rows(&family);
-    for depth in [0, 1, 3] {
+    for depth in [0, 1] {
         let options = TreeOptions { depth, ..TreeOptions::default() };
         let begin = Instant::now();
         let found = tree(&family, &options, &mut |_, _| true).expect("branches");
