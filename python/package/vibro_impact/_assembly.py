@@ -399,7 +399,7 @@ class Assembly(AssemblyDescription):
         seeds
             Values of the parameter at which motions are followed until they settle, rising and falling.
         depth
-            Most changes from one branch to another in a row, at bifurcations and touches.
+            Most changes from one branch to another in a row, at bifurcations and touches of rigid stops; at other touches branches go on.
         start, settle, section
             As of :meth:`orbit`.
 
