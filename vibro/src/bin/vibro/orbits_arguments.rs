@@ -158,7 +158,7 @@ pub struct ResponseOfFile {
     /// Number of values at which settled motions are looked for, rising and falling
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
-    /// Most changes from one branch to another in a row, at bifurcations and touches
+    /// Most changes from one branch to another in a row, at bifurcations and touches of rigid stops
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
