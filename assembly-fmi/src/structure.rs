@@ -50,9 +50,13 @@ impl<'a> Structure<'a> {
             references.insert(row.quantity, reference);
             match row.quantity {
                 Quantity::Parameter(_) => {
-                    let second = row.name.match_indices('.').nth(1).map_or(row.name.len(), |dot| dot.0);
-                    let (section, rest) = row.name.split_at(second);
-                    parameters.entry(section).or_default().push((reference, rest));
+                    // A named parameter stands for the numbers that follow from it.
+                    for name in std::iter::once(row.name.as_str()).chain(machine.named.numbers_of(&row.name))
+                    {
+                        let second = name.match_indices('.').nth(1).map_or(name.len(), |dot| dot.0);
+                        let (section, rest) = name.split_at(second);
+                        parameters.entry(section).or_default().push((reference, rest));
+                    }
                 }
                 Quantity::Input(_) => _ = inputs.insert(row.name.as_str(), reference),
                 _ => {}

@@ -160,7 +160,7 @@ impl VariableTable {
         table.push("time".into(), "Time", "s", Role::Independent, Quantity::Time);
         for place in 0..table.parameters.len() {
             let Parameter { name, meaning, unit, .. } = table.parameters[place].clone();
-            let role = if is_tunable(&name) { Role::Tunable } else { Role::Parameter };
+            let role = if is_tunable(machine, &name) { Role::Tunable } else { Role::Parameter };
             table.push(name, meaning, unit, role, Quantity::Parameter(place));
         }
         let inputs = machine.signals().filter(|named| named.signal.input);
@@ -332,7 +332,13 @@ impl VariableTable {
 }
 
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
-/// arm, on which the choice of coordinates depends.
-fn is_tunable(name: &str) -> bool {
-    !name.contains(".start.") && !name.contains(".arms.")
+/// arm, on which the choice of coordinates depends, nor a frequency whose phase, which goes on from
+/// where it is, follows from a named parameter. A named one where all that follows may be.
+fn is_tunable(machine: &Description, name: &str) -> bool {
+    let is_free = |name: &str| !name.contains(".start.") && !name.contains(".arms.");
+    let phase = name.strip_suffix(".frequency").map(|of| format!("{of}.phase"));
+    let follows = machine.named.numbers_of(name);
+    is_free(name)
+        && phase.is_none_or(|phase| machine.parameter(&phase).is_ok())
+        && follows.iter().all(|name| is_free(name) && !name.ends_with(".frequency"))
 }

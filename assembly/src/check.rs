@@ -4,6 +4,8 @@ mod links;
 mod names;
 mod starts;
 
+pub(crate) use names::problem_of as problem_of_name;
+
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
 use crate::elements::Element;
 use crate::refusal::{Problem, Refusal};

@@ -5,6 +5,8 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
+use crate::named::NamedParameters;
+
 /// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
@@ -29,6 +31,8 @@ pub struct Description {
     pub links: Vec<Link>,
     /// Forces or torques on bodies.
     pub loads: Vec<Load>,
+    /// Named parameters, and what follows from them.
+    pub named: NamedParameters,
 }
 
 /// The dimension of a coordinate or an elongation.

@@ -27,6 +27,7 @@
 
 mod bodies;
 mod elements;
+mod named;
 mod reading;
 mod records;
 mod signals;
@@ -100,10 +101,11 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
 }
 
 fn machine(reading: &mut Reading, root: &FileTable) -> Description {
-    let mut keys = vec!["name", "gravity", "start", "body"];
+    let mut keys = vec!["name", "gravity", "start", "parameters", "body"];
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
     let mut machine = Description::default();
+    reading.named = named::read(reading, root);
     if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
         machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
     }
@@ -122,6 +124,7 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
         bodies::without_gravity(reading, &machine);
     }
     elements::read(reading, root, &names, &mut machine);
+    named::put(reading, &mut machine);
     machine
 }
 

@@ -52,6 +52,11 @@ pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE)
 pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
 pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);
 
+/// The kind of a named parameter, by the SI unit of its value.
+pub const fn named(unit: &'static str) -> NumberKind {
+    kind("Named parameter", unit, unit, Range::FINITE)
+}
+
 const fn arm(unit: &'static str) -> NumberKind {
     let mut arm = kind("Lever arm", unit, unit, Range::any("a finite number other than 0"));
     arm.not_zero = true;

@@ -22,6 +22,7 @@ mod kinds;
 pub mod law;
 pub mod mode;
 pub mod motion;
+pub mod named;
 pub mod neutral;
 pub mod parameters;
 pub mod quantity;

@@ -4,11 +4,13 @@
 //! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
 //! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
 //! `load.shaker.harmonics[1].amplitude` where there are several harmonics. The set of names depends
-//! on the machine's topology, never on its numbers. Knots of records have no names.
+//! on the machine's topology, never on its numbers. Knots of records have no names. Parameters of
+//! `[parameters]` have their own; what follows from them ([`Description::following`]) is not set.
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
 use crate::kinds::NumberKind;
+use crate::named::Following;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;
@@ -58,7 +60,8 @@ pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option
 
 impl Description {
     /// All parameters: gravity, then those of bodies and of elements in the order of
-    /// [`SECTIONS`](crate::elements::SECTIONS).
+    /// [`SECTIONS`](crate::elements::SECTIONS), then named ones. What follows from named ones by
+    /// expressions is none of them: [`following`](Self::following) has it.
     ///
     /// ```
     /// use vibro_assembly::file::{no_records, parse};
@@ -96,26 +99,35 @@ impl Description {
             kind: slot.kind,
             dimension: slot.dimension,
         };
-        slots(&mut copy).into_iter().map(parameter).collect()
+        let all = slots(&mut copy).into_iter();
+        all.filter(|slot| self.named.of_number(&slot.name).is_none()).map(parameter).collect()
     }
 
     /// The parameter with a name. For a single harmonic, `harmonics[0].amplitude` is an alias of
     /// `amplitude`.
     ///
     /// # Errors
-    /// A [`Refusal`] with the nearest name.
+    /// A [`Refusal`] with the nearest name, or with the named parameters from which this follows.
     pub fn parameter(&self, name: &str) -> Result<Parameter, Refusal> {
+        if let Some(problem) = self.named.refusal(name) {
+            return Err(Refusal::one(problem));
+        }
         let mut all = self.parameters();
         let place = position(&all, |p| &p.name, name).map_err(Refusal::one)?;
         Ok(all.swap_remove(place))
     }
 
-    /// The value of a parameter, in SI.
+    /// The value of a parameter, or of what follows from parameters, in SI.
     ///
     /// # Errors
-    /// As [`parameter`](Self::parameter).
+    /// A [`Refusal`] with the nearest name.
     pub fn get(&self, name: &str) -> Result<f64, Refusal> {
-        Ok(self.parameter(name)?.value)
+        let plain = name.replace(".harmonics[0].", ".");
+        let is_own = |own: &Following| own.name == name || own.name == plain;
+        match self.following().into_iter().find(is_own) {
+            Some(found) => Ok(found.value),
+            None => Ok(self.parameter(name)?.value),
+        }
     }
 
     /// Replaces the value of a parameter, in SI.
@@ -156,10 +168,14 @@ impl Description {
         let mut all = slots(&mut changed);
         let mut problems = Vec::new();
         for (name, value) in changes {
-            match position(&all, |s| &s.name, name) {
-                Ok(place) => *all[place].value = value,
-                Err(unknown) => problems.push(unknown),
+            match (self.named.refusal(name), position(&all, |s| &s.name, name)) {
+                (Some(follows), _) => problems.push(follows),
+                (None, Ok(place)) => *all[place].value = value,
+                (None, Err(unknown)) => problems.push(unknown),
             }
+        }
+        if problems.is_empty() {
+            problems = changed.follow();
         }
         if problems.is_empty() {
             problems = check(&changed);

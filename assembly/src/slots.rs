@@ -2,6 +2,7 @@
 
 use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
 use crate::kinds::{self, NumberKind};
+use crate::named::Named;
 
 /// A number in a description, with name and kind.
 pub(crate) struct Slot<'a> {
@@ -78,9 +79,9 @@ impl<'a> Slots<'a> {
 
     fn signal(&mut self, of: &str, signal: &'a mut Signal, kind: NumberKind) {
         self.push(format!("{of}.constant"), kind, &mut signal.constant);
-        let one = signal.harmonics.len() == 1;
+        let count = signal.harmonics.len();
         for (i, harmonic) in signal.harmonics.iter_mut().enumerate() {
-            let of = if one { of.to_owned() } else { format!("{of}.harmonics[{i}]") };
+            let of = of_harmonic(of, i, count);
             self.push(format!("{of}.amplitude"), kind, &mut harmonic.amplitude);
             self.push(format!("{of}.frequency"), kinds::FREQUENCY, &mut harmonic.frequency);
             self.push(format!("{of}.phase"), kinds::PHASE, &mut harmonic.phase);
@@ -98,6 +99,11 @@ impl<'a> Slots<'a> {
             self.signal(of, signal, kinds::FORCE);
         }
     }
+}
+
+/// The name of harmonic `i` of a signal that has `count` of them: a single one has its signal's.
+pub(crate) fn of_harmonic(of: &str, i: usize, count: usize) -> String {
+    if count == 1 { of.to_owned() } else { format!("{of}.harmonics[{i}]") }
 }
 
 /// The slots of all parameters of a machine.
@@ -134,6 +140,9 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     for load in &mut machine.loads {
         slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);
         slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE);
+    }
+    for (name, kind, value) in machine.named.all_mut().iter_mut().filter_map(Named::slot) {
+        slots.push(name, kind, value);
     }
     slots.all
 }

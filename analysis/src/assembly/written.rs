@@ -95,7 +95,8 @@ fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
 
 /// Entry of the file for a parameter.
 fn written<'t>(root: &'t Value, name: &str) -> Option<&'t Value> {
-    let found = name.split('.').try_fold(root, step)?;
+    let named = || root.get("parameters")?.get(name);
+    let found = name.split('.').try_fold(root, step).or_else(named)?;
     // A friction's level may be a table that has only a constant.
     found.as_table().map_or(Some(found), |table| table.get("constant"))
 }
@@ -127,6 +128,7 @@ mod tests {
     const TEXT: &str = r#"
         name = "M"
         gravity = "9.81 m/s2"
+        parameters = { play = "8 mm", twice = "= 2 * play" }
         body.a = { mass = "350 g", gravity = 1.0, start = { s = "2 mm" } }
         body.table = { motion = { offset = "1 cm", amplitude = "3 mm", frequency = "600 rpm" } }
         [body.shaft]
@@ -170,6 +172,7 @@ mod tests {
             ("friction.g.force", "4", 0.004),
             ("load.two.harmonics[1].amplitude", "3", 3000.0),
             ("load.one.amplitude", "7", 0.007),
+            ("play", "8", 0.008),
             // No unit in the file.
             ("spring.t.stiffness", "3", 3.0),
             ("load.two.harmonics[0].amplitude", "1", 1.0),

@@ -77,7 +77,9 @@ pub(super) struct Varied<'a> {
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
         let d = &assembly.description;
-        let any = |end: &str| columns.iter().any(|by| by.parameter().ends_with(end));
+        let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));
+        let names: Vec<_> = columns.iter().map(By::parameter).chain(follow).collect();
+        let any = |end: &str| names.iter().any(|name| name.ends_with(end));
         let layout = Layout { frequencies_apart: any(".frequency"), rates: any(".motion.rate") };
         let system = if layout == Layout::default() {
             Matrices::Known(assembly.clone())

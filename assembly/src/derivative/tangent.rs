@@ -75,8 +75,10 @@ fn direction(d: &Description, name: &str) -> Description {
             (free.s, free.v) = (0.0, 0.0);
         }
     }
+    let follow = d.named.derivatives(name);
     for slot in slots(&mut along) {
-        *slot.value = if slot.name == name { 1.0 } else { 0.0 };
+        let follows = follow.get(slot.name.as_str()).copied();
+        *slot.value = follows.unwrap_or(if slot.name == name { 1.0 } else { 0.0 });
     }
     along
 }

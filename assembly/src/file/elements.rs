@@ -270,6 +270,13 @@ fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, 
         Dimension::Rotation => Dimension::Translation,
     };
     let (plain, with_unit) = (kinds::arm_of(body, body), kinds::arm_of(body, other));
+    if let Some(expression) = reading.expression(entry) {
+        // An arm in m or 1/m is told by its parameters' units.
+        let power = expression.as_ref()?.length_power(&reading.named.length_powers());
+        let changes = power == if body == Dimension::Rotation { 1 } else { -1 };
+        let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
+        return Some((reading.following(entry, expression?, kind)?, measured));
+    }
     let changes = entry.value.as_str().is_some_and(|text| has_unit(with_unit.unit(other), text));
     let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
     let arm = number(entry.value, kind, measured);

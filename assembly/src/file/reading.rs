@@ -2,7 +2,8 @@
 
 use super::Records;
 use crate::description::Dimension;
-use crate::kinds::NumberKind;
+use crate::kinds::{self, NumberKind};
+use crate::named::{Expression, NamedParameters};
 use crate::parameters;
 use crate::refusal::{Problem, SHOWN, advice, cut};
 use std::collections::HashMap;
@@ -119,13 +120,25 @@ pub(super) struct Reading<'a> {
     text: &'a str,
     lines: Lines,
     written: HashMap<String, Written>,
+    /// The named parameters, to be read before all else.
+    pub named: NamedParameters,
+    /// Expressions of numbers, by the numbers' names in the file.
+    pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
     pub problems: Vec<Problem>,
 }
 
 impl<'a> Reading<'a> {
     pub fn new(text: &'a str, records: Records<'a>) -> Self {
-        Self { text, lines: Lines::of(text), written: HashMap::new(), records, problems: Vec::new() }
+        Self {
+            text,
+            lines: Lines::of(text),
+            written: HashMap::new(),
+            named: NamedParameters::default(),
+            follow: Vec::new(),
+            records,
+            problems: Vec::new(),
+        }
     }
 
     /// Returns the problems in the order of their lines.
@@ -285,11 +298,45 @@ impl<'a> Reading<'a> {
 
     /// A value as a number of a kind, in SI.
     pub fn number(&mut self, entry: &Entry, kind: NumberKind, dimension: Dimension) -> Option<f64> {
+        if let Some(expression) = self.expression(entry) {
+            return self.following(entry, expression?, kind);
+        }
         let found = number(entry.value, kind, dimension);
         if found.is_none() {
             self.refuse(entry, kind.allowed(dimension));
         }
         found
+    }
+
+    /// The expression of a value that is one; the inner `None` stands for a problem.
+    pub fn expression(&mut self, entry: &Entry) -> Option<Option<Expression>> {
+        let text = entry.value.as_str()?.trim();
+        let names: Vec<_> = self.named.all().iter().map(|own| own.name.clone()).collect();
+        let Some(text) = text.strip_prefix('=') else {
+            let is_name = names.iter().any(|name| name == text);
+            return is_name.then(|| {
+                self.refuse(entry, format!("is a parameter's name; write \"= {text}\""));
+                None
+            });
+        };
+        let parsed = Expression::parse(text, &names);
+        Some(parsed.map_err(|text| self.refuse(entry, text)).ok())
+    }
+
+    /// The value of a number's expression, in SI, which is kept.
+    pub fn following(&mut self, entry: &Entry, expression: Expression, kind: NumberKind) -> Option<f64> {
+        let found = expression.value(&self.named.values());
+        let found = found.and_then(|value| {
+            let allowed = || format!("is {value:?}; allowed is {}", kind.range.allowed);
+            if kind.contains(value) { Ok(value) } else { Err(allowed()) }
+        });
+        self.follow.push((entry.name.clone(), expression));
+        found.map_err(|text| self.refuse(entry, text)).ok()
+    }
+
+    /// Adds the problem of a name that was read.
+    pub fn refuse_name_of(&mut self, name: &str, text: &str) {
+        self.place(Problem::new(name, None, text));
     }
 
     /// The number of a key that must be present.
@@ -328,6 +375,12 @@ pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) ->
         DeValue::String(text) => parameters::read(kind, dimension, text),
         _ => None,
     }
+}
+
+/// A value as a finite number without a unit.
+pub(super) fn finite(value: &DeValue) -> Option<f64> {
+    let plain = !value.is_str();
+    plain.then(|| number(value, kinds::named("1"), Dimension::Translation)).flatten()
 }
 
 /// An integer of any size as the nearest double.

@@ -5,6 +5,7 @@ use crate::description::{
 };
 use crate::elements::Element;
 use crate::kinds;
+use crate::slots::of_harmonic;
 use std::fmt::Write;
 
 /// Appends a line to a string, which cannot fail.
@@ -17,135 +18,192 @@ macro_rules! line {
 /// The whole file.
 pub(super) fn machine(machine: &Description) -> String {
     let mut text = String::new();
+    let own = Writing { machine };
     line!(text, "name = {:?}", machine.name);
-    line!(text, "gravity = {:?}", machine.gravity);
+    line!(text, "gravity = {}", own.number("gravity", machine.gravity));
     if machine.starts_at_rest {
         line!(text, "start = \"rest\"");
     }
+    parameters(&mut text, machine);
     for body in &machine.bodies {
         line!(text, "\n[body.{}]", body.name);
-        self::body(&mut text, body);
+        own.body(&mut text, body);
     }
     for element in machine.elements() {
-        line!(text, "\n[{}]", element.dotted());
+        let of = element.dotted();
+        line!(text, "\n[{of}]");
         if let Some(arms) = element.arms() {
-            self::arms(&mut text, machine, arms);
+            own.arms(&mut text, &of, arms);
         }
         match element {
             Element::Spring(spring) => {
-                line!(text, "stiffness = {:?}", spring.stiffness);
-                line!(text, "damping = {:?}", spring.damping);
-                line!(text, "preload = {:?}", spring.preload);
+                own.line(&mut text, &of, "stiffness", spring.stiffness);
+                own.line(&mut text, &of, "damping", spring.damping);
+                own.line(&mut text, &of, "preload", spring.preload);
             }
-            Element::Damper(damper) => line!(text, "damping = {:?}", damper.damping),
-            Element::Stop(stop) => self::stop(&mut text, stop),
-            Element::Friction(friction) => self::friction(&mut text, friction),
+            Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
+            Element::Stop(stop) => own.stop(&mut text, &of, stop),
+            Element::Friction(friction) => own.friction(&mut text, &of, friction),
             Element::Link(_) => {}
             Element::Load(load) => {
                 line!(text, "on = {:?}", machine.bodies[load.body].name);
-                parts(&load.force).iter().for_each(|part| line!(text, "{part}"));
+                own.parts(&of, &load.force).iter().for_each(|part| line!(text, "{part}"));
             }
         }
     }
     text
 }
 
-fn body(text: &mut String, body: &Body) {
-    match &body.kind {
-        BodyKind::Free(free) => {
-            match body.dimension {
-                Dimension::Translation => {
-                    line!(text, "mass = {:?}", free.inertia);
-                    line!(text, "gravity = {:?}", free.gravity);
+/// The named parameters, with the units of their values.
+fn parameters(text: &mut String, machine: &Description) {
+    let all = machine.named.all();
+    if !all.is_empty() {
+        line!(text, "\n[parameters]");
+    }
+    for own in all {
+        match &own.expression {
+            Some(expression) => line!(text, "{} = \"= {}\"", own.name, expression.text),
+            None if own.unit == "1" => line!(text, "{} = {:?}", own.name, own.value),
+            None => line!(text, "{} = \"{:?} {}\"", own.name, own.value, own.unit),
+        }
+    }
+}
+
+/// The machine whose numbers are written, each as a number or as its expression.
+struct Writing<'a> {
+    machine: &'a Description,
+}
+
+impl Writing<'_> {
+    fn expression(&self, name: &str) -> Option<String> {
+        self.machine.named.of_number(name).map(|expression| format!("\"= {}\"", expression.text))
+    }
+
+    fn number(&self, name: &str, value: f64) -> String {
+        self.expression(name).unwrap_or_else(|| format!("{value:?}"))
+    }
+
+    fn line(&self, text: &mut String, of: &str, key: &str, value: f64) {
+        line!(text, "{key} = {}", self.number(&format!("{of}.{key}"), value));
+    }
+
+    fn body(&self, text: &mut String, body: &Body) {
+        let of = format!("body.{}", body.name);
+        match &body.kind {
+            BodyKind::Free(free) => {
+                match body.dimension {
+                    Dimension::Translation => {
+                        self.line(text, &of, "mass", free.inertia);
+                        self.line(text, &of, "gravity", free.gravity);
+                    }
+                    Dimension::Rotation => self.line(text, &of, "inertia", free.inertia),
                 }
-                Dimension::Rotation => line!(text, "inertia = {:?}", free.inertia),
+                let start = |key: &str, value| self.number(&format!("{of}.start.{key}"), value);
+                let (s, v) = (start("s", free.s), start("v", free.v));
+                let follows = s.starts_with('"') || v.starts_with('"');
+                if follows || (free.s, free.v) != (0.0, 0.0) {
+                    line!(text, "start = {{ s = {s}, v = {v} }}");
+                }
             }
-            if (free.s, free.v) != (0.0, 0.0) {
-                line!(text, "start = {{ s = {:?}, v = {:?} }}", free.s, free.v);
+            BodyKind::Prescribed { motion, rate } => {
+                let dimension = match body.dimension {
+                    Dimension::Translation => "translation",
+                    Dimension::Rotation => "rotation",
+                };
+                line!(text, "dimension = {dimension:?}");
+                let of = format!("{of}.motion");
+                let mut parts = self.parts(&of, motion);
+                parts.push(format!("rate = {}", self.number(&format!("{of}.rate"), *rate)));
+                line!(text, "motion = {{ {} }}", parts.join(", "));
             }
         }
-        BodyKind::Prescribed { motion, rate } => {
-            let dimension = match body.dimension {
-                Dimension::Translation => "translation",
-                Dimension::Rotation => "rotation",
+    }
+
+    fn arms(&self, text: &mut String, element: &str, arms: &Arms) {
+        let machine = self.machine;
+        let name = |body: usize| machine.bodies[body].name.as_str();
+        if arms.levers {
+            let arm = |&(body, arm): &(usize, f64)| {
+                let of = &machine.bodies[body];
+                if let Some(expression) = self.expression(&format!("{element}.arms.{}", of.name)) {
+                    return format!("{} = {expression}", of.name);
+                }
+                match kinds::arm_of(of.dimension, arms.dimension).unit(arms.dimension) {
+                    "1" => format!("{} = {arm:?}", of.name),
+                    unit => format!("{} = \"{arm:?} {unit}\"", of.name),
+                }
             };
-            line!(text, "dimension = {dimension:?}");
-            let mut parts = parts(motion);
-            parts.push(format!("rate = {rate:?}"));
-            line!(text, "motion = {{ {} }}", parts.join(", "));
+            let all: Vec<_> = arms.terms.iter().map(arm).collect();
+            return line!(text, "arms = {{ {} }}", all.join(", "));
         }
+        let end =
+            |sign: f64| arms.terms.iter().find(|term| term.1 == sign).map_or("ground", |term| name(term.0));
+        line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
     }
-}
 
-fn arms(text: &mut String, machine: &Description, arms: &Arms) {
-    let name = |body: usize| machine.bodies[body].name.as_str();
-    if arms.levers {
-        let arm = |&(body, arm): &(usize, f64)| {
-            let of = &machine.bodies[body];
-            match kinds::arm_of(of.dimension, arms.dimension).unit(arms.dimension) {
-                "1" => format!("{} = {arm:?}", of.name),
-                unit => format!("{} = \"{arm:?} {unit}\"", of.name),
+    fn stop(&self, text: &mut String, of: &str, stop: &Stop) {
+        self.line(text, of, "gap", stop.gap);
+        match stop.law {
+            StopLaw::Rigid { restitution } => self.line(text, of, "restitution", restitution),
+            StopLaw::Compliant { stiffness, damping, limit } => {
+                self.line(text, of, "stiffness", stiffness);
+                self.line(text, of, "damping", damping);
+                let law = match limit {
+                    DampingLimit::NoPull => "no-pull",
+                    DampingLimit::Elastogap => "elastogap",
+                };
+                line!(text, "law = {law:?}");
             }
-        };
-        let all: Vec<_> = arms.terms.iter().map(arm).collect();
-        return line!(text, "arms = {{ {} }}", all.join(", "));
-    }
-    let end = |sign: f64| arms.terms.iter().find(|term| term.1 == sign).map_or("ground", |term| name(term.0));
-    line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
-}
-
-fn stop(text: &mut String, stop: &Stop) {
-    line!(text, "gap = {:?}", stop.gap);
-    match stop.law {
-        StopLaw::Rigid { restitution } => line!(text, "restitution = {restitution:?}"),
-        StopLaw::Compliant { stiffness, damping, limit } => {
-            line!(text, "stiffness = {stiffness:?}");
-            line!(text, "damping = {damping:?}");
-            let law = match limit {
-                DampingLimit::NoPull => "no-pull",
-                DampingLimit::Elastogap => "elastogap",
-            };
-            line!(text, "law = {law:?}");
         }
     }
-}
 
-fn friction(text: &mut String, friction: &Friction) {
-    line!(text, "force = {}", signal(&friction.force));
-    if let Some(level) = &friction.static_force {
-        line!(text, "static = {}", signal(level));
+    fn friction(&self, text: &mut String, of: &str, friction: &Friction) {
+        line!(text, "force = {}", self.level(&format!("{of}.force"), &friction.force));
+        if let Some(level) = &friction.static_force {
+            line!(text, "static = {}", self.level(&format!("{of}.static"), level));
+        }
     }
-}
 
-/// A signal as a number or as an inline table.
-fn signal(signal: &Signal) -> String {
-    if signal.is_constant() {
-        return format!("{:?}", signal.constant);
+    /// A level of friction as a number or as an inline table.
+    fn level(&self, of: &str, signal: &Signal) -> String {
+        if signal.is_constant() {
+            return self.number(of, signal.constant);
+        }
+        format!("{{ {} }}", self.parts(of, signal).join(", "))
     }
-    format!("{{ {} }}", parts(signal).join(", "))
-}
 
-/// The keys of a signal with their values.
-fn parts(signal: &Signal) -> Vec<String> {
-    let mut parts = vec![format!("constant = {:?}", signal.constant)];
-    let harmonics = signal.harmonics.iter().map(|h| {
-        format!("{{ amplitude = {:?}, frequency = {:?}, phase = {:?} }}", h.amplitude, h.frequency, h.phase)
-    });
-    let pairs = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
-        pairs.map(|(time, value)| format!("[{time:?}, {value:?}]")).collect::<Vec<_>>().join(", ")
-    };
-    if !signal.harmonics.is_empty() {
-        parts.push(format!("harmonics = [{}]", harmonics.collect::<Vec<_>>().join(", ")));
+    /// The keys of a signal with their values.
+    fn parts(&self, of: &str, signal: &Signal) -> Vec<String> {
+        let number = |of: &str, key: &str, value: f64| self.number(&format!("{of}.{key}"), value);
+        let mut parts = vec![format!("constant = {}", number(of, "constant", signal.constant))];
+        let count = signal.harmonics.len();
+        let harmonics = signal.harmonics.iter().enumerate().map(|(i, h)| {
+            let of = of_harmonic(of, i, count);
+            format!(
+                "{{ amplitude = {}, frequency = {}, phase = {} }}",
+                number(&of, "amplitude", h.amplitude),
+                number(&of, "frequency", h.frequency),
+                number(&of, "phase", h.phase)
+            )
+        });
+        if !signal.harmonics.is_empty() {
+            parts.push(format!("harmonics = [{}]", harmonics.collect::<Vec<_>>().join(", ")));
+        }
+        let steps = signal.steps.iter().enumerate().map(|(i, step)| {
+            let of = format!("{of}.steps[{i}]");
+            format!("[{}, {}]", number(&of, "time", step.time), number(&of, "height", step.height))
+        });
+        if !signal.steps.is_empty() {
+            parts.push(format!("steps = [{}]", steps.collect::<Vec<_>>().join(", ")));
+        }
+        if let Some(record) = &signal.table {
+            let knots = record.knots.iter().map(|(time, value)| format!("[{time:?}, {value:?}]"));
+            parts.push(format!("table = [{}]", knots.collect::<Vec<_>>().join(", ")));
+            parts.push(format!("interpolation = {:?}", if record.cubic { "cubic" } else { "straight" }));
+        }
+        if signal.input {
+            parts.push("input = true".into());
+        }
+        parts
     }
-    if !signal.steps.is_empty() {
-        parts.push(format!("steps = [{}]", pairs(&mut signal.steps.iter().map(|s| (s.time, s.height)))));
-    }
-    if let Some(record) = &signal.table {
-        parts.push(format!("table = [{}]", pairs(&mut record.knots.iter().copied())));
-        parts.push(format!("interpolation = {:?}", if record.cubic { "cubic" } else { "straight" }));
-    }
-    if signal.input {
-        parts.push("input = true".into());
-    }
-    parts
 }

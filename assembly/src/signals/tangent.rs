@@ -163,12 +163,16 @@ impl SignalTangent {
         self.frequencies.iter().flat_map(both)
     }
 
-    /// The step at `time` whose time varies, if there is one.
+    /// The first step at `time` whose time varies, if there is one.
     pub fn later(&self, time: f64) -> Option<StepTime> {
-        let own = |piece: &PieceTangent| {
+        self.all_later(time).next()
+    }
+
+    /// The steps at `time` whose times vary: several where they follow from one parameter.
+    pub fn all_later(&self, time: f64) -> impl Iterator<Item = StepTime> {
+        self.pieces.iter().filter_map(move |piece| {
             let step = piece.steps.iter().find(|s| s.time == time && s.later != 0.0)?;
             Some(StepTime { place: piece.first, height: step.size, later: step.later })
-        };
-        self.pieces.iter().find_map(own)
+        })
     }
 }

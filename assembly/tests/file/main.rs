@@ -4,6 +4,7 @@
 mod damaged;
 mod examples;
 mod grammar;
+mod named;
 mod parameters;
 mod random;
 mod refusals;

@@ -10,6 +10,7 @@ use vibro_analysis::assembly::StopContact;
 use vibro_assembly::description::{BodyKind, Description, Dimension, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::mode::{FrictionState, StopState};
+use vibro_assembly::named::Following;
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::Part;
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
@@ -70,11 +71,23 @@ pub fn summary(machine: Description) -> Result<String> {
     }
     lines.push("elements at the start".into());
     lines.extend(elements(d, &motion));
+    lines.extend(following(d));
     lines.extend(neutral(&assembly));
     lines.push(equilibrium(&assembly));
     lines.push("natural frequencies in the start's mode".into());
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
+}
+
+/// What follows from named parameters, in SI.
+fn following(d: &Description) -> Vec<String> {
+    let line = |own: Following| {
+        let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit.replace('.', "·")) };
+        format!("  {} = {}{unit} ({})", own.name, short(own.value), own.expression)
+    };
+    let lines: Vec<_> = d.following().into_iter().map(line).collect();
+    let title = (!lines.is_empty()).then(|| "what follows from parameters".to_owned());
+    title.into_iter().chain(lines).collect()
 }
 
 /// Neutral directions: no force depends on them, and returns and exponents leave them out.

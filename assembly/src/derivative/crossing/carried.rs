@@ -68,9 +68,12 @@ impl Crossing<'_> {
     /// of all that follows.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
-        let knot = tangent.signals.later(time).filter(|_| machine.system.signals.knots_at(time) > 1);
-        if let Some(knot) = knot {
-            return self.one_of_many_knots(&knot, delta).map(|()| 0.0);
+        let knots: Vec<_> = tangent.signals.all_later(time).collect();
+        let count = machine.system.signals.knots_at(time);
+        // Knots that are all delayed alike delay what happens as one knot does.
+        let alike = knots.len() == count && knots.iter().all(|knot| knot.later == later);
+        if count > 1 && !knots.is_empty() && !alike {
+            return knots.iter().try_for_each(|knot| self.some_of_many_knots(knot, delta)).map(|()| 0.0);
         }
         let was = delta.clone();
         machine.fill(p, time, self.after.z, delta);
@@ -85,7 +88,7 @@ impl Crossing<'_> {
     }
 
     /// A step at a time with several knots: δt delays the height of this step only.
-    fn one_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
+    fn some_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, n) = (self.machine, self.machine.system.coordinates);
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
             let element = format!("the step at {} s", self.before.time);

@@ -1,0 +1,133 @@
+//! Reading of `[parameters]`, and which numbers of the machine its expressions are.
+
+use super::reading::{Entry, FileTable, Reading, finite};
+use crate::check::problem_of_name;
+use crate::description::Description;
+use crate::elements::SECTIONS;
+use crate::kinds;
+use crate::named::{Expression, Named, NamedParameters};
+use crate::slots::slots;
+use std::collections::HashSet;
+use vibro_impact::quantities::{UNITS, split};
+
+/// Most named parameters.
+const MOST: usize = 1_000;
+
+/// What a parameter may be, in words.
+const VALUE: &str =
+    "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
+
+/// Dimensions in whose SI unit a unit of several is read: angular velocities before frequencies.
+const FIRST: [&str; 2] = ["Hz", "rad/s"];
+
+/// Reads the named parameters; with problems there are none.
+pub(super) fn read(reading: &mut Reading, root: &FileTable) -> NamedParameters {
+    let none = NamedParameters::default();
+    let Some(whole) = reading.optional(root, "parameters") else { return none };
+    let allowed = "allowed is a table such as [parameters] with backlash = \"0.1 mm\"";
+    let Some(table) = reading.table(&whole, allowed) else { return none };
+    let entries = reading.all(&table);
+    if entries.len() > MOST {
+        let text = format!("there are {}; allowed are up to {MOST}", entries.len());
+        reading.refuse_table(&table, text);
+        return none;
+    }
+    let names: Vec<String> = entries.iter().map(|entry| entry.key.clone()).collect();
+    let before = reading.problems.len();
+    let all: Vec<_> = entries.iter().filter_map(|entry| parameter(reading, entry, &names)).collect();
+    if reading.problems.len() > before {
+        return none;
+    }
+    NamedParameters::new(all).unwrap_or_else(|(place, text)| {
+        reading.refuse(&entries[place], text);
+        none
+    })
+}
+
+fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<Named> {
+    let reserved = ["gravity", "name", "start", "time", "parameters", "body", "signal", "pi"];
+    if let Some(text) = problem_of_name(&entry.key) {
+        reading.refuse(entry, text);
+    } else if SECTIONS.iter().map(|section| section.0).chain(reserved).any(|own| own == entry.key) {
+        reading.refuse(entry, "this name has another meaning; allowed is another name");
+    }
+    let (name, number) = (entry.key.clone(), |value| (value, "1", None));
+    let text = entry.value.as_str().map(str::trim);
+    let found = match text.map(|text| (text, text.strip_prefix('='))) {
+        None => finite(entry.value).map(number).ok_or_else(|| VALUE.to_owned()),
+        Some((_, Some(text))) => {
+            Expression::parse(text, names).map(|expression| (f64::NAN, "1", Some(expression)))
+        }
+        Some((text, None)) if names.iter().any(|name| name == text) => {
+            Err(format!("is a parameter's name; allowed is \"= {text}\""))
+        }
+        Some((text, None)) => quantity(text).map(|(value, unit)| (value, unit, None)),
+    };
+    match found {
+        Ok((value, unit, expression)) => Some(Named { name, unit, value, expression }),
+        Err(text) => {
+            reading.refuse(entry, text);
+            None
+        }
+    }
+}
+
+/// The value of a text in SI, with the SI unit of its unit's dimension.
+fn quantity(text: &str) -> Result<(f64, &'static str), String> {
+    let refused = || VALUE.to_owned();
+    let (_, symbol) = split(text).ok_or_else(refused)?;
+    if symbol == "g" {
+        return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());
+    }
+    // Hz stays 1/s, and revolutions become rad.
+    let first = FIRST.into_iter().skip(usize::from(!symbol.ends_with("Hz")));
+    let dimensions = first.chain(UNITS.iter().map(|unit| unit.si));
+    let read =
+        |si| crate::parameters::read(kinds::named(si), crate::description::Dimension::Translation, text);
+    match symbol {
+        "" => read("1").map(|value| (value, "1")),
+        _ => dimensions.into_iter().find_map(|si| Some((read(si)?, si))),
+    }
+    .ok_or_else(refused)
+}
+
+/// Puts the expressions that were read into the machine, by the names of their numbers.
+pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
+    let follow = std::mem::take(&mut reading.follow);
+    if follow.is_empty() {
+        machine.named = std::mem::take(&mut reading.named);
+        return;
+    }
+    let names: HashSet<String> = slots(machine).into_iter().map(|slot| slot.name).collect();
+    machine.named = std::mem::take(&mut reading.named);
+    for (entry, expression) in follow {
+        match candidates(&entry).into_iter().find(|name| names.contains(name)) {
+            Some(name) => machine.named.put(name, expression),
+            // Where elements are refused, their numbers are missing.
+            None if !reading.problems.is_empty() => {}
+            None => reading.refuse_name_of(&entry, "an expression; allowed in a record are numbers"),
+        }
+    }
+}
+
+/// Names that a number may have, by its name in the file.
+fn candidates(entry: &str) -> [String; 6] {
+    let replaced = |end: &str, by: &str| {
+        let cut = entry.strip_suffix(end).unwrap_or(entry);
+        if cut.len() < entry.len() { format!("{cut}{by}") } else { entry.to_owned() }
+    };
+    let step = match entry.rsplit_once('[') {
+        Some((of, "0]")) if of.contains(".steps[") => format!("{of}.time"),
+        Some((of, "1]")) if of.contains(".steps[") => format!("{of}.height"),
+        _ => entry.to_owned(),
+    };
+    let one = entry.replace(".harmonics[0].", ".");
+    [
+        entry.to_owned(),
+        one,
+        step,
+        replaced(".offset", ".constant"),
+        replaced(".constant", ""),
+        format!("{entry}.constant"),
+    ]
+}

@@ -1,0 +1,261 @@
+//! Named parameters, and the numbers of a machine that follow from them by expressions.
+
+mod expression;
+
+pub(crate) use expression::Expression;
+
+use crate::description::Description;
+use crate::kinds::{self, NumberKind};
+use crate::refusal::Problem;
+use crate::slots::{Slot, slots};
+use std::collections::BTreeMap;
+
+/// The named parameters of a machine with the expressions of its file. A file's reader makes them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NamedParameters {
+    all: Vec<Named>,
+    /// Places of those with expressions, each after those from which it follows.
+    order: Vec<usize>,
+    /// By name of a number, as in [`Description::parameters`], the expression it follows from.
+    numbers: BTreeMap<String, Expression>,
+}
+
+/// A named parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Named {
+    pub name: String,
+    /// SI unit of the value in the file; `1` without one.
+    pub unit: &'static str,
+    pub value: f64,
+    pub expression: Option<Expression>,
+}
+
+/// A number that follows from named parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Following {
+    /// Its name, as in [`Description::parameters`], or that of a named parameter.
+    pub name: String,
+    /// SI unit; `1` for a named parameter.
+    pub unit: &'static str,
+    /// Value in the SI unit.
+    pub value: f64,
+    /// The expression, as the file writes it: `= backlash / 2`.
+    pub expression: String,
+}
+
+impl Named {
+    /// The kind of its value.
+    fn kind(&self) -> NumberKind {
+        kinds::named(self.unit)
+    }
+
+    /// A slot of its value, unless that follows from others.
+    pub fn slot(&mut self) -> Option<(String, NumberKind, &mut f64)> {
+        let kind = self.kind();
+        self.expression.is_none().then(|| (self.name.clone(), kind, &mut self.value))
+    }
+}
+
+impl NamedParameters {
+    /// Named parameters with values; those of expressions are found. The second is a problem of a
+    /// parameter, by its place.
+    pub(crate) fn new(all: Vec<Named>) -> Result<Self, (usize, String)> {
+        let mut named = Self { all, ..Self::default() };
+        named.order = named.ordered()?;
+        named.evaluate()?;
+        Ok(named)
+    }
+
+    /// The parameters.
+    pub(crate) fn all(&self) -> &[Named] {
+        &self.all
+    }
+
+    /// The parameters, to be changed.
+    pub(crate) fn all_mut(&mut self) -> &mut [Named] {
+        &mut self.all
+    }
+
+    /// The values of all parameters.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        self.all.iter().map(|own| own.value).collect()
+    }
+
+    /// The expression of a number of the machine.
+    pub(crate) fn of_number(&self, name: &str) -> Option<&Expression> {
+        self.numbers.get(name)
+    }
+
+    /// Adds the expression of a number of the machine.
+    pub(crate) fn put(&mut self, number: String, expression: Expression) {
+        self.numbers.insert(number, expression);
+    }
+
+    /// Places of the parameters with expressions, each after those from which it follows.
+    fn ordered(&self) -> Result<Vec<usize>, (usize, String)> {
+        let mut order = Vec::new();
+        // 0 for unseen, 1 for being followed, 2 for placed.
+        let mut seen = vec![0u8; self.all.len()];
+        (0..self.all.len()).try_for_each(|place| self.visit(place, &mut seen, &mut order))?;
+        Ok(order)
+    }
+
+    fn visit(&self, place: usize, seen: &mut [u8], order: &mut Vec<usize>) -> Result<(), (usize, String)> {
+        if seen[place] == 2 {
+            return Ok(());
+        }
+        let name = &self.all[place].name;
+        if seen[place] == 1 {
+            return Err((place, format!("follows from itself; allowed is an expression without `{name}`")));
+        }
+        seen[place] = 1;
+        if let Some(expression) = &self.all[place].expression {
+            let mut from = Vec::new();
+            expression.add_parameters(&mut from);
+            from.into_iter().try_for_each(|other| self.visit(other, seen, order))?;
+            order.push(place);
+        }
+        seen[place] = 2;
+        Ok(())
+    }
+
+    /// Sets the values that follow from others.
+    fn evaluate(&mut self) -> Result<(), (usize, String)> {
+        let mut values = self.values();
+        for &place in &self.order {
+            let Some(expression) = &self.all[place].expression else { continue };
+            values[place] = expression.value(&values).map_err(|text| (place, text))?;
+            self.all[place].value = values[place];
+        }
+        Ok(())
+    }
+
+    /// The power of length in the unit of each parameter.
+    pub(crate) fn length_powers(&self) -> Vec<i32> {
+        let of = |own: &Named| match own.unit {
+            "m" => 1,
+            "1/m" => -1,
+            _ => 0,
+        };
+        let mut powers: Vec<_> = self.all.iter().map(of).collect();
+        for &place in &self.order {
+            powers[place] = self.all[place].expression.as_ref().map_or(0, |own| own.length_power(&powers));
+        }
+        powers
+    }
+
+    /// The numbers that follow from a parameter, with their derivatives by it.
+    pub(crate) fn derivatives(&self, parameter: &str) -> BTreeMap<&str, f64> {
+        let Some(own) = self.all.iter().position(|named| named.name == parameter) else {
+            return BTreeMap::new();
+        };
+        let (values, mut along) = (self.values(), vec![0.0; self.all.len()]);
+        along[own] = 1.0;
+        for &place in &self.order {
+            if let Some(expression) = &self.all[place].expression {
+                along[place] = expression.derivative(&values, &along);
+            }
+        }
+        let follows = |expression: &Expression| {
+            self.sources(expression).contains(&own).then(|| expression.derivative(&values, &along))
+        };
+        let all = self.numbers.iter();
+        all.filter_map(|pair| Some((pair.0.as_str(), follows(pair.1)?))).collect()
+    }
+
+    /// The names of the numbers that follow from a parameter; none for another name.
+    pub fn numbers_of(&self, parameter: &str) -> Vec<&str> {
+        self.derivatives(parameter).into_keys().collect()
+    }
+
+    /// The parameters without expressions from which an expression follows.
+    fn sources(&self, expression: &Expression) -> Vec<usize> {
+        let (mut next, mut found, mut seen) = (Vec::new(), Vec::new(), vec![false; self.all.len()]);
+        expression.add_parameters(&mut next);
+        while let Some(place) = next.pop() {
+            if std::mem::replace(&mut seen[place], true) {
+                continue;
+            }
+            match &self.all[place].expression {
+                Some(further) => further.add_parameters(&mut next),
+                None => found.push(place),
+            }
+        }
+        found.sort_unstable();
+        found
+    }
+
+    fn expression_of(&self, name: &str) -> Option<&Expression> {
+        let own = || self.all.iter().find(|named| named.name == name)?.expression.as_ref();
+        let number = |name: &str| self.numbers.get(name);
+        number(name).or_else(|| number(&name.replace(".harmonics[0].", "."))).or_else(own)
+    }
+
+    /// The problem of setting, or of differentiating by, what follows from parameters.
+    pub(crate) fn refusal(&self, name: &str) -> Option<Problem> {
+        let expression = self.expression_of(name)?;
+        let sources = self.sources(expression).into_iter().map(|place| format!("`{}`", self.all[place].name));
+        let sources = sources.collect::<Vec<_>>().join(", ");
+        let text = match sources.as_str() {
+            "" => format!("is fixed by its expression `= {}`", expression.text),
+            _ => {
+                format!(
+                    "follows from {sources} by the expression `= {}`; allowed is {sources}",
+                    expression.text
+                )
+            }
+        };
+        Some(Problem::new(name, None, text))
+    }
+}
+
+impl Description {
+    /// What follows from named parameters: parameters with expressions, then numbers of the
+    /// machine in the order of [`parameters`](Self::parameters).
+    pub fn following(&self) -> Vec<Following> {
+        let of_expression = |own: &Named| {
+            let expression = format!("= {}", own.expression.as_ref()?.text);
+            Some(Following { name: own.name.clone(), unit: own.unit, value: own.value, expression })
+        };
+        let mut all: Vec<_> = self.named.all.iter().filter_map(of_expression).collect();
+        if self.named.numbers.is_empty() {
+            return all;
+        }
+        let mut copy = self.clone();
+        all.extend(slots(&mut copy).into_iter().filter_map(|slot| {
+            let expression = format!("= {}", self.named.numbers.get(&slot.name)?.text);
+            let (unit, value) = (slot.kind.unit(slot.dimension), *slot.value);
+            Some(Following { name: slot.name, unit, value, expression })
+        }));
+        all
+    }
+
+    /// Sets what follows from named parameters.
+    pub(crate) fn follow(&mut self) -> Vec<Problem> {
+        // Values that are not finite are refused with the parameters' own names.
+        if self.named.all.iter().any(|own| !own.value.is_finite()) || self.named.all.is_empty() {
+            return Vec::new();
+        }
+        let mut named = std::mem::take(&mut self.named);
+        let mut problems = Vec::new();
+        if let Err((place, text)) = named.evaluate() {
+            problems.push(Problem::new(&named.all[place].name, None, text));
+        } else {
+            problems = self.put_numbers(&named);
+        }
+        self.named = named;
+        problems
+    }
+
+    fn put_numbers(&mut self, named: &NamedParameters) -> Vec<Problem> {
+        let (values, mut problems) = (named.values(), Vec::new());
+        for Slot { name, value, .. } in slots(self) {
+            match named.numbers.get(&name).map(|expression| expression.value(&values)) {
+                Some(Ok(found)) => *value = found,
+                Some(Err(text)) => problems.push(Problem::new(name, None, text)),
+                None => {}
+            }
+        }
+        problems
+    }
+}

@@ -1,0 +1,236 @@
+//! Expressions: sums and products of numbers, `pi` and named parameters.
+
+use crate::refusal::advice;
+use std::f64::consts::PI;
+
+/// Longest text of an expression, bytes; it bounds the depth of its parentheses.
+const LONGEST: usize = 1_000;
+
+/// An expression with its text, without the `=` before it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Expression {
+    pub text: String,
+    root: Term,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Term {
+    Number(f64),
+    /// By place among the named parameters.
+    Parameter(usize),
+    Minus(Box<Term>),
+    Of(Operator, Box<(Term, Term)>),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operator {
+    Plus,
+    Minus,
+    Times,
+    Over,
+}
+
+impl Expression {
+    /// Parses the text after the `=`; `names` are those of the parameters.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn parse(text: &str, names: &[String]) -> Result<Self, String> {
+        let text = text.trim();
+        if text.len() > LONGEST {
+            return Err(format!("allowed is an expression of up to {LONGEST} bytes"));
+        }
+        let mut parser = Parser { rest: text, names };
+        let root = parser.sum()?;
+        match parser.rest {
+            "" => Ok(Self { text: text.into(), root }),
+            rest => Err(format!("allowed before `{rest}` is an operator: + - * /{}", no_unit(rest))),
+        }
+    }
+
+    /// The value where the parameters have these values.
+    ///
+    /// # Errors
+    /// What is wrong, in words: a division by zero, or a value that is not finite.
+    pub fn value(&self, parameters: &[f64]) -> Result<f64, String> {
+        Ok(self.root.along(parameters, &|_| 0.0)?.0)
+    }
+
+    /// The derivative where the parameters have these values and these derivatives; 0 where there
+    /// is no value.
+    pub fn derivative(&self, parameters: &[f64], derivatives: &[f64]) -> f64 {
+        self.root.along(parameters, &|place| derivatives[place]).map_or(0.0, |found| found.1)
+    }
+
+    /// The power of length in its unit; `of` has those of the parameters.
+    pub fn length_power(&self, of: &[i32]) -> i32 {
+        self.root.length_power(of)
+    }
+
+    /// Adds the places of its parameters.
+    pub fn add_parameters(&self, to: &mut Vec<usize>) {
+        self.root.add_parameters(to);
+    }
+}
+
+impl Term {
+    /// The value and its derivative, by forward differentiation.
+    fn along(&self, parameters: &[f64], dot: &dyn Fn(usize) -> f64) -> Result<(f64, f64), String> {
+        let (value, derivative) = match self {
+            Self::Number(x) => (*x, 0.0),
+            Self::Parameter(place) => (parameters[*place], dot(*place)),
+            Self::Minus(term) => {
+                let (x, dx) = term.along(parameters, dot)?;
+                (-x, -dx)
+            }
+            Self::Of(operator, terms) => {
+                let ((x, dx), (y, dy)) = (terms.0.along(parameters, dot)?, terms.1.along(parameters, dot)?);
+                match operator {
+                    Operator::Plus => (x + y, dx + dy),
+                    Operator::Minus => (x - y, dx - dy),
+                    Operator::Times => (x * y, dx * y + x * dy),
+                    Operator::Over if y == 0.0 => return Err("divides by zero".into()),
+                    Operator::Over => (x / y, (dx - x / y * dy) / y),
+                }
+            }
+        };
+        if value.is_finite() { Ok((value, derivative)) } else { Err("is not finite".into()) }
+    }
+
+    fn length_power(&self, of: &[i32]) -> i32 {
+        match self {
+            Self::Number(_) => 0,
+            Self::Parameter(place) => of[*place],
+            Self::Minus(term) => term.length_power(of),
+            Self::Of(operator, terms) => {
+                let (x, y) = (terms.0.length_power(of), terms.1.length_power(of));
+                match operator {
+                    Operator::Times => x.saturating_add(y),
+                    Operator::Over => x.saturating_sub(y),
+                    // Of a parameter and a number without a unit, the parameter's.
+                    Operator::Plus | Operator::Minus => {
+                        if x == 0 {
+                            y
+                        } else {
+                            x
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_parameters(&self, to: &mut Vec<usize>) {
+        match self {
+            Self::Number(_) => {}
+            Self::Parameter(place) => to.push(*place),
+            Self::Minus(term) => term.add_parameters(to),
+            Self::Of(_, terms) => {
+                terms.0.add_parameters(to);
+                terms.1.add_parameters(to);
+            }
+        }
+    }
+}
+
+struct Parser<'t> {
+    rest: &'t str,
+    names: &'t [String],
+}
+
+/// A hint where a unit may have been meant.
+fn no_unit(rest: &str) -> &'static str {
+    let is_word = rest.starts_with(|c: char| c.is_alphabetic() || c == '°' || c == '%');
+    if is_word { "; numbers in an expression are in SI, without a unit" } else { "" }
+}
+
+impl<'t> Parser<'t> {
+    fn skip(&mut self, bytes: usize) {
+        self.rest = self.rest[bytes..].trim_start();
+    }
+
+    fn operator(&mut self, allowed: [(char, Operator); 2]) -> Option<Operator> {
+        let first = self.rest.chars().next()?;
+        let found = allowed.into_iter().find(|(c, _)| *c == first)?.1;
+        self.skip(1);
+        Some(found)
+    }
+
+    fn sum(&mut self) -> Result<Term, String> {
+        let mut term = self.product()?;
+        while let Some(operator) = self.operator([('+', Operator::Plus), ('-', Operator::Minus)]) {
+            term = Term::Of(operator, Box::new((term, self.product()?)));
+        }
+        Ok(term)
+    }
+
+    fn product(&mut self) -> Result<Term, String> {
+        let mut term = self.factor()?;
+        while let Some(operator) = self.operator([('*', Operator::Times), ('/', Operator::Over)]) {
+            term = Term::Of(operator, Box::new((term, self.factor()?)));
+        }
+        Ok(term)
+    }
+
+    fn factor(&mut self) -> Result<Term, String> {
+        match self.rest.chars().next() {
+            Some('-') => {
+                self.skip(1);
+                Ok(Term::Minus(Box::new(self.factor()?)))
+            }
+            Some('(') => {
+                self.skip(1);
+                let term = self.sum()?;
+                if !self.rest.starts_with(')') {
+                    let rest = self.rest;
+                    return Err(match rest {
+                        "" => "a `)` is missing at its end".into(),
+                        _ => format!("allowed before `{rest}` is `)` or an operator{}", no_unit(rest)),
+                    });
+                }
+                self.skip(1);
+                Ok(term)
+            }
+            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some(c) if c.is_ascii_alphabetic() => self.name(),
+            _ => {
+                let at =
+                    if self.rest.is_empty() { "at its end".into() } else { format!("at `{}`", self.rest) };
+                Err(format!("allowed {at} is a number, `pi`, a parameter, `-` or `(`"))
+            }
+        }
+    }
+
+    fn number(&mut self) -> Result<Term, String> {
+        let bytes = self.rest.as_bytes();
+        let digits = |from: usize| {
+            bytes[from..].iter().take_while(|b| b.is_ascii_digit() || **b == b'.').count() + from
+        };
+        let mut end = digits(0);
+        if bytes.get(end).is_some_and(|b| b.eq_ignore_ascii_case(&b'e')) {
+            let sign = usize::from(bytes.get(end + 1).is_some_and(|b| b"+-".contains(b)));
+            let exponent = digits(end + 1 + sign);
+            end = if exponent > end + 1 + sign { exponent } else { end };
+        }
+        let text = &self.rest[..end];
+        let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+        self.skip(end);
+        Ok(Term::Number(value))
+    }
+
+    fn name(&mut self) -> Result<Term, String> {
+        let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let end = self.rest.find(|c| !is_part(c)).unwrap_or(self.rest.len());
+        let name = &self.rest[..end];
+        let term = match self.names.iter().position(|own| own == name) {
+            Some(place) => Term::Parameter(place),
+            None if name == "pi" => Term::Number(PI),
+            None => {
+                let near = advice(name, self.names.iter().map(String::as_str));
+                return Err(format!("no parameter is called `{name}`; {near}"));
+            }
+        };
+        self.skip(end);
+        Ok(term)
+    }
+}
