@@ -6,7 +6,7 @@ use fmi_doors::description::{Kind, Variability};
 use std::collections::HashSet;
 use std::path::Path;
 use vibro_assembly::file;
-use vibro_assembly_fmi::{Plan, Quantity};
+use vibro_assembly_fmi::{Plan, Quantity, Role};
 
 fn plans() -> Vec<Plan> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
@@ -16,6 +16,33 @@ fn plans() -> Vec<Plan> {
     plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
+}
+
+/// A named parameter is a variable, tunable where all that follows from it is; what follows is none.
+#[test]
+fn golden_named_parameters_are_variables_and_what_follows_is_none() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly/play_by_one_number.toml");
+    let plan = Plan::of(&file::read(&path).unwrap()).unwrap();
+    let role = |name: &str| Some(plan.table.rows[plan.table.reference(name)? as usize - 1].role);
+    for (name, expected) in [
+        ("backlash", Some(Role::Tunable)),
+        ("radius", Some(Role::Parameter)),
+        ("ratio", Some(Role::Parameter)),
+        ("speed", Some(Role::Parameter)),
+        ("stop.drive_flank.gap", None),
+        ("stop.drive_flank.arms.wheel", None),
+        ("body.engine.motion.frequency", None),
+        ("body.engine.motion.phase", Some(Role::Tunable)),
+    ] {
+        assert_eq!(role(name), expected, "{name}");
+    }
+    // The force of a flank depends on the play, as its gap would be listed.
+    let description = plan.description();
+    let force = plan.table.reference("drive_flank.f").unwrap();
+    let known = description.outputs.iter().find(|unknown| unknown.reference == force).unwrap();
+    let backlash = plan.table.reference("backlash").unwrap();
+    let listed = known.dependencies.as_ref().unwrap().iter().filter(|own| own.0 == backlash);
+    assert_eq!(listed.count(), 1);
 }
 
 #[test]
@@ -222,7 +249,11 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
             }
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
-            let tunable = !row.name.contains(".start.") && !row.name.contains(".arms.");
+            let follows = plan.assembly.description.named.numbers_of(&row.name);
+            let fixed = [".start.", ".arms."]
+                .iter()
+                .any(|part| row.name.contains(part) || follows.iter().any(|name| name.contains(part)));
+            let tunable = !fixed && !follows.iter().any(|name| name.ends_with(".frequency"));
             let expected = if tunable { Variability::Tunable } else { Variability::Fixed };
             assert_eq!(
                 (variable.variability, variable.start),

@@ -105,7 +105,8 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
         assert!(page.contains(&format!("](sketches/{name}.svg)")), "{name} shows no sketch");
         let before = std::fs::read_to_string(&kept).expect("a sketch; VIBRO_IMPACT_UPDATE=1 writes it");
         assert!(before == sketch, "sketches/{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
-        let commands: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.lines().next()).collect();
+        let commands: Vec<&str> =
+            page.split("```sh\n").skip(1).filter_map(|rest| rest.lines().next()).collect();
         assert!((1..=2).contains(&commands.len()), "{name}: {commands:?}");
         for (command, further) in commands.iter().zip(["", "_response"]) {
             compare(&gallery, &format!("{name}{further}"), command, update);

@@ -203,3 +203,21 @@ fn refusals_name_the_expression_and_its_line() {
         "m.toml:6: load.l.table[0][1]: an expression; allowed in a record are numbers"
     );
 }
+
+/// The example with parameters moves as the one with its numbers written out.
+#[test]
+fn second_method_the_example_moves_as_the_one_with_numbers() {
+    let end = |name: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly").join(name);
+        let machine = vibro_assembly::file::read(&path).unwrap();
+        let mut motion =
+            vibro_assembly::Motion::new(vibro_assembly::Assembly::new(machine).unwrap().into()).unwrap();
+        motion.advance_to(0.02).unwrap();
+        motion.states().to_vec()
+    };
+    // Quotients such as speed / ratio are rounded otherwise than the numbers written out.
+    const ROUNDING: f64 = 1e-10;
+    for (found, written) in end("play_by_one_number.toml").iter().zip(end("gear_backlash.toml")) {
+        assert!((found - written).abs() < ROUNDING * written.abs(), "{found} and {written}");
+    }
+}
