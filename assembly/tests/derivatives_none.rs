@@ -380,3 +380,26 @@ fn shares_that_the_law_leaves_open_have_no_derivative() {
     let lost = sum.gradient().unwrap().remove(0).unwrap_err();
     assert_eq!((lost.element.as_str(), lost.cause), ("f.f", Cause::Shared));
 }
+
+#[test]
+fn a_lash_that_is_passed_within_a_piece_of_a_record_is_no_touch() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/valve_train.toml");
+    let machine = file::read(std::path::Path::new(path)).unwrap();
+    let (gap, end) = ("stop.lash.gap", 7e-3);
+    let lift = |by: f64| {
+        let changed = machine.with([(gap, machine.get(gap).unwrap() + by)]).unwrap();
+        let mut motion = Motion::new(Arc::new(Assembly::new(changed).unwrap())).unwrap();
+        motion.advance_to(end).unwrap();
+        motion.state()[0]
+    };
+    let assembly = Arc::new(Assembly::new(machine.clone()).unwrap());
+    let mut motion = Differentiated::new(assembly, &[By::Parameter(gap.into())]).unwrap();
+    motion.advance_to(end).unwrap();
+    let found = motion.state_derivative(0).unwrap_or_else(|| panic!("{:?}", motion.lost(0)))[0];
+    // Of a lash of 0.15 mm and a lift of 0.2 mm.
+    let step = 1e-9;
+    for side in [-step, step] {
+        let slope = (lift(side) - lift(0.0)) / side;
+        assert!((slope - found).abs() < NEAR, "{slope} {found}");
+    }
+}

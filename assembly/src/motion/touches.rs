@@ -124,7 +124,7 @@ impl PassageSearch<'_> {
         let (mut lowest, mut rising) = (c[0], rate[0] > 0.0);
         turns(&rate, (0.0, 1.0), &mut rising, |u, is_highest| {
             let value = c.iter().rev().fold(0.0, |sum, c| sum * u + c);
-            if is_highest && lowest < -zero && value >= -zero {
+            if is_highest && lowest < -zero && value.abs() <= zero {
                 to.push(Touch { time: time(u), place });
             }
             lowest = lowest.min(value);

@@ -251,8 +251,9 @@ impl Cycle {
         let (own, size) = (2 * system.coordinates, system.signals.size);
         let (mut c, mut next_c) = (DMatrix::identity(size, own), DMatrix::zeros(size, own));
         let stay = Letter::staying(word);
-        let last = word.letters.last().unwrap_or(&stay);
-        last.keep(system, c.as_mut_slice().chunks_mut(size));
+        // The start follows the first event.
+        let first = word.letters.first().unwrap_or(&stay);
+        first.keep(system, c.as_mut_slice().chunks_mut(size));
         for (k, leg) in self.legs.iter().enumerate() {
             let chatter = word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
             if let (Some(chatter), Some((time, z))) = (chatter, &leg.run) {

@@ -70,11 +70,17 @@ impl Family {
     ///
     /// # Errors
     /// [`Error::Refusal`] for an unknown name or a value that is not allowed;
-    /// [`Error::Described`] for a range without length, and as [`Place::new`] at either end.
+    /// [`Error::Described`] for a number of the start and for a range without length, and as
+    /// [`Place::new`] at either end.
     pub fn new(machine: &Machine, parameter: &str, range: (f64, f64)) -> Result<Self> {
         let name = machine.description.parameter(parameter)?.name;
         if !(range.0 < range.1 && (range.1 - range.0).is_finite()) {
             let problem = format!("{name}: {} to {}; allowed is a range with length", range.0, range.1);
+            return Err(Error::Described { problem });
+        }
+        if name.contains(".start.") {
+            let problem =
+                format!("{name}: no orbit depends on the start; allowed are the machine's other numbers");
             return Err(Error::Described { problem });
         }
         let family = Self { machine: machine.clone(), parameter: name, range };

@@ -4,8 +4,10 @@ use super::*;
 use crate::assembly::problem::Problem;
 use crate::curve::Equations;
 use std::sync::Arc;
+use vibro_assembly::Differentiated;
 use vibro_assembly::Motion;
 use vibro_assembly::Start;
+use vibro_assembly::derivative::By;
 
 /// Largest difference of an event's time, in periods: rounding of a flight.
 const TIME: f64 = 1e-11;
@@ -183,4 +185,44 @@ fn second_method_the_parameters_column_is_that_of_differences_of_the_equations()
         let apart = ((at(step) - at(-step)) / (2.0 * step) - &own).norm() / own.norm();
         assert!(apart < left, "{name}, {parameter}: {apart:e}");
     }
+}
+
+/// A piston that strikes a bit, which friction holds until then.
+const HAMMER: &str = r#"
+name = "Hammer"
+body.p = { mass = 1.0, start = { v = 0.5 } }
+body.b = { mass = 3.0 }
+spring.p = { between = ["ground", "p"], stiffness = 600.0, damping = 2.0 }
+spring.b = { between = ["ground", "b"], stiffness = 5e4, damping = 20.0 }
+stop.an = { between = ["b", "p"], gap = 0.001, restitution = 0.6 }
+friction.g = { between = ["ground", "b"], force = 40.0 }
+load.l = { on = "p", amplitude = 36.0, frequency = 4.5 }
+"#;
+
+#[test]
+fn second_method_multipliers_are_those_of_the_motions_own_transition() {
+    for machine in [machine(HAMMER), example("percussion_drill.toml"), example("damper_with_buffer.toml")] {
+        let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
+        let (assembly, (time, state)) = (orbit.place().assembly.clone(), orbit.middle_state());
+        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+        let mut motion = Differentiated::from_state(assembly, time, &state, &columns).unwrap();
+        motion.advance_to(time + orbit.period()).unwrap();
+        let column = |p: usize| motion.state_derivative(p).unwrap_or_else(|| panic!("{:?}", motion.lost(p)));
+        let all: Vec<f64> = (0..state.len()).flat_map(|p| column(p)[..state.len()].to_vec()).collect();
+        let map = nalgebra::DMatrix::from_vec(state.len(), state.len(), all);
+        let mut own: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
+        own.sort_by(|a, b| b.total_cmp(a));
+        for (a, b) in orbit.multipliers().iter().zip(&own) {
+            assert!((a.norm() - b).abs() < TRANSITION, "{:?} {own:?}", orbit.multipliers());
+        }
+    }
+}
+
+/// Largest difference of multipliers: rounding that stiff contacts magnify.
+const TRANSITION: f64 = 1e-6;
+
+#[test]
+fn invariant_no_branch_runs_over_a_number_of_the_start() {
+    let refused = Family::new(&machine(HAMMER), "body.p.start.v", (0.0, 1.0)).unwrap_err().to_string();
+    assert!(refused.contains("body.p.start.v") && refused.contains("allowed"), "{refused}");
 }
