@@ -226,3 +226,17 @@ fn invariant_no_branch_runs_over_a_number_of_the_start() {
     let refused = Family::new(&machine(HAMMER), "body.p.start.v", (0.0, 1.0)).unwrap_err().to_string();
     assert!(refused.contains("body.p.start.v") && refused.contains("allowed"), "{refused}");
 }
+
+#[test]
+fn second_method_a_stick_slip_cycle_doubles_where_its_return_map_says() {
+    // Differences of the return map from slip to slip, by another program: a multiplier of
+    // -1.07381407 at 30 mm/s, and a pair of modulus 0.822 at 31 mm/s.
+    let family = Family::new(&example("brake_squeal.toml"), "body.disc.motion.rate", (0.025, 0.04)).unwrap();
+    let orbits: Vec<Orbit> = grown(&family, 4, 0).iter().flat_map(|branch| branch.orbits_at(0.03)).collect();
+    let own = orbits.iter().find(|orbit| (orbit.period() - 0.002999918515).abs() < RETURN);
+    let multiplier = own.expect("the cycle").multipliers()[0];
+    assert!((multiplier.re + 1.07381407).abs() < RETURN, "{multiplier}");
+}
+
+/// Error of the differences.
+const RETURN: f64 = 1e-7;
