@@ -402,3 +402,18 @@ steps = [[200.0, 10.0]]
     found = machine.bifurcation("a.s", anew=True, periods=(40, 4), **{"spring.k.stiffness": values})
     assert list(found.up.kind) == ["1T"] * 3
     assert not found.hysteresis.any() and list(found.down.kind) == ["refused"] * 3
+
+
+def test_a_named_parameter_moves_all_that_follows_from_it():
+    machine = vi.Assembly(EXAMPLES / "play_by_one_number.toml")
+    assert machine.replace(backlash="0.2 mm").parameters["backlash"] == 2e-4
+
+    def end(backlash):
+        return machine.replace(backlash=backlash).simulate(0.05)["wheel.s"][-1]
+
+    step = 1e-9  # of 0.1 mm: the differences have six digits
+    slope = (end(1e-4 + step) - end(1e-4 - step)) / (2 * step)
+    found = machine.simulate(0.05, derivatives=["backlash"]).derivative("wheel.s", "backlash")[-1]
+    assert abs(found - slope) < 1e-4 * abs(slope)
+    with pytest.raises(ValueError, match=r"stop\.drive_flank\.gap: follows from `backlash`.*allowed is `backlash`"):
+        machine.replace(**{"stop.drive_flank.gap": 1e-4})
