@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Default size of the cache, bytes; beyond it all entries are dropped, and those in use are made
 /// again. Modes without stored matrices are made in some microseconds a body and seldom recur.
-const KEPT: usize = 1216 << 20;
+const KEPT: usize = 128 << 20;
 const KEPT_WITHOUT_MATRICES: usize = 16 << 20;
 
 /// A mode in the cache.
@@ -110,5 +110,17 @@ impl Tables {
         let next = self.place_of(&mode, system);
         self.met[place].changes.push((element, next));
         next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KEPT;
+
+    #[test]
+    fn golden_the_default_memory_of_tables_is_that_of_the_guarantees() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/guarantees.md");
+        let page = std::fs::read_to_string(path).unwrap();
+        assert!(page.contains(&format!("by default {} MB", KEPT >> 20)), "{KEPT}");
     }
 }
