@@ -18,7 +18,8 @@ fn plans() -> Vec<Plan> {
     plans
 }
 
-/// A named parameter is a variable, tunable where all that follows from it is; what follows is none.
+/// A named parameter is a variable of the FMU: tunable where every number that follows from it is
+/// tunable, else fixed. Numbers that follow from one are no variables.
 #[test]
 fn golden_named_parameters_are_variables_and_what_follows_is_none() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly/play_by_one_number.toml");

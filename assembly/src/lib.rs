@@ -17,6 +17,7 @@ pub mod energy;
 pub mod error;
 pub mod file;
 pub mod flow;
+pub mod following;
 mod kernel;
 mod kinds;
 pub mod law;

@@ -4,10 +4,7 @@ mod expression;
 
 pub(crate) use expression::Expression;
 
-use crate::description::Description;
-use crate::kinds::{self, NumberKind};
 use crate::refusal::Problem;
-use crate::slots::{Slot, slots};
 use std::collections::BTreeMap;
 
 /// The named parameters of a machine with the expressions of its file. A file's reader makes them.
@@ -30,32 +27,6 @@ pub(crate) struct Named {
     pub expression: Option<Expression>,
 }
 
-/// A number that follows from named parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Following {
-    /// Its name, as in [`Description::parameters`], or that of a named parameter.
-    pub name: String,
-    /// SI unit; `1` for a named parameter.
-    pub unit: &'static str,
-    /// Value in the SI unit.
-    pub value: f64,
-    /// The expression, as the file writes it: `= backlash / 2`.
-    pub expression: String,
-}
-
-impl Named {
-    /// The kind of its value.
-    fn kind(&self) -> NumberKind {
-        kinds::named(self.unit)
-    }
-
-    /// A slot of its value, unless that follows from others.
-    pub fn slot(&mut self) -> Option<(String, NumberKind, &mut f64)> {
-        let kind = self.kind();
-        self.expression.is_none().then(|| (self.name.clone(), kind, &mut self.value))
-    }
-}
-
 impl NamedParameters {
     /// Named parameters with values; those of expressions are found. The second is a problem of a
     /// parameter, by its place.
@@ -76,9 +47,19 @@ impl NamedParameters {
         &mut self.all
     }
 
+    /// Their names.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.all.iter().map(|own| own.name.as_str())
+    }
+
     /// The values of all parameters.
     pub(crate) fn values(&self) -> Vec<f64> {
         self.all.iter().map(|own| own.value).collect()
+    }
+
+    /// Whether a number of the machine follows from them.
+    pub(crate) fn has_numbers(&self) -> bool {
+        !self.numbers.is_empty()
     }
 
     /// The expression of a number of the machine.
@@ -120,7 +101,7 @@ impl NamedParameters {
     }
 
     /// Sets the values that follow from others.
-    fn evaluate(&mut self) -> Result<(), (usize, String)> {
+    pub(crate) fn evaluate(&mut self) -> Result<(), (usize, String)> {
         let mut values = self.values();
         for &place in &self.order {
             let Some(expression) = &self.all[place].expression else { continue };
@@ -206,56 +187,5 @@ impl NamedParameters {
             }
         };
         Some(Problem::new(name, None, text))
-    }
-}
-
-impl Description {
-    /// What follows from named parameters: parameters with expressions, then numbers of the
-    /// machine in the order of [`parameters`](Self::parameters).
-    pub fn following(&self) -> Vec<Following> {
-        let of_expression = |own: &Named| {
-            let expression = format!("= {}", own.expression.as_ref()?.text);
-            Some(Following { name: own.name.clone(), unit: own.unit, value: own.value, expression })
-        };
-        let mut all: Vec<_> = self.named.all.iter().filter_map(of_expression).collect();
-        if self.named.numbers.is_empty() {
-            return all;
-        }
-        let mut copy = self.clone();
-        all.extend(slots(&mut copy).into_iter().filter_map(|slot| {
-            let expression = format!("= {}", self.named.numbers.get(&slot.name)?.text);
-            let (unit, value) = (slot.kind.unit(slot.dimension), *slot.value);
-            Some(Following { name: slot.name, unit, value, expression })
-        }));
-        all
-    }
-
-    /// Sets what follows from named parameters.
-    pub(crate) fn follow(&mut self) -> Vec<Problem> {
-        // Values that are not finite are refused with the parameters' own names.
-        if self.named.all.iter().any(|own| !own.value.is_finite()) || self.named.all.is_empty() {
-            return Vec::new();
-        }
-        let mut named = std::mem::take(&mut self.named);
-        let mut problems = Vec::new();
-        if let Err((place, text)) = named.evaluate() {
-            problems.push(Problem::new(&named.all[place].name, None, text));
-        } else {
-            problems = self.put_numbers(&named);
-        }
-        self.named = named;
-        problems
-    }
-
-    fn put_numbers(&mut self, named: &NamedParameters) -> Vec<Problem> {
-        let (values, mut problems) = (named.values(), Vec::new());
-        for Slot { name, value, .. } in slots(self) {
-            match named.numbers.get(&name).map(|expression| expression.value(&values)) {
-                Some(Ok(found)) => *value = found,
-                Some(Err(text)) => problems.push(Problem::new(name, None, text)),
-                None => {}
-            }
-        }
-        problems
     }
 }

@@ -9,8 +9,8 @@
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
+use crate::following::Following;
 use crate::kinds::NumberKind;
-use crate::named::Following;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use vibro_impact::parameters::Range;

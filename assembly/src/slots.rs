@@ -141,8 +141,10 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);
         slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE);
     }
-    for (name, kind, value) in machine.named.all_mut().iter_mut().filter_map(Named::slot) {
-        slots.push(name, kind, value);
+    // The value of a parameter with an expression follows from others.
+    let own = |named: &&mut Named| named.expression.is_none();
+    for Named { name, unit, value, .. } in machine.named.all_mut().iter_mut().filter(own) {
+        slots.push(name.clone(), kinds::named(unit), value);
     }
     slots.all
 }

@@ -7,8 +7,8 @@ use vibro_assembly::{Assembly, Description, Differentiated, Motion, Quantity, fi
 
 /// Step of one-sided differences, far above rounding, far below the machines' own lengths.
 const STEP: f64 = 1e-7;
-/// What a one-sided difference with this step differs from a derivative: its curvature, and roundings
-/// of 1e-15 over 1e-7, magnified a hundred times.
+/// Largest error of a one-sided difference with [`STEP`]: the second derivative times the step, and
+/// rounding of 1e-15 divided by the step, which the motion magnifies a hundredfold.
 const NEAR: f64 = 1e-5;
 /// Least difference of both sides' derivatives where there is none.
 const APART: f64 = 1e-2;

@@ -115,10 +115,7 @@ pub fn assembly_section<'py>(
     let request = PoincareRequest { start: machine.start_of(&start)?, phase, discard: settle, keep };
     let (own, count) = (machine.machine(section), columns(machine.description()).len());
     let found = compute(py, progress, move |control| {
-        let points = poincare(&own, &request, &mut || {
-            control.add(1);
-            !control.is_cancelled()
-        })?;
+        let points = poincare(&own, &request, &mut || control.goes_on())?;
         control.check()?;
         Ok(points)
     })?;
@@ -158,10 +155,7 @@ pub fn assembly_spectrum<'py>(
 ) -> PyResult<AssemblySpectrum<'py>> {
     let (start, own) = (machine.start_of(&start)?, machine.machine(section));
     let found = compute(py, progress, move |control| {
-        let found = spectrum(&own, &start, (settle, periods), &mut || {
-            control.add(1);
-            !control.is_cancelled()
-        })?;
+        let found = spectrum(&own, &start, (settle, periods), &mut || control.goes_on())?;
         control.check()?;
         Ok(found)
     })?;

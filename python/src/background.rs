@@ -41,6 +41,12 @@ impl Control {
         self.total.store(parts, Ordering::Relaxed);
     }
 
+    /// Counts a part that is done; returns whether the caller still waits.
+    pub fn goes_on(&self) -> bool {
+        self.add(1);
+        !self.is_cancelled()
+    }
+
     /// Counts parts that are done.
     pub fn add(&self, parts: usize) {
         self.done.fetch_add(parts, Ordering::Relaxed);

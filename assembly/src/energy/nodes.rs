@@ -83,8 +83,8 @@ fn squares(columns: &[f64], to: &mut [f64]) {
     }
 }
 
-/// Householder's reflection of columns that leaves a coordinate, whose size in all of them is given,
-/// in the first one alone. `by` and `sum` are scratch memory.
+/// Householder's reflection of the columns of a matrix among themselves: row `row`, whose Euclidean
+/// norm is `size`, is zero after it but in the first column. `by` and `sum` are scratch memory.
 fn reflect(columns: &mut [f64], row: usize, size: f64, by: &mut Vec<f64>, sum: &mut [f64]) {
     by.clear();
     by.extend(columns.chunks_exact(sum.len()).map(|column| column[row]));

@@ -55,9 +55,8 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
     let text = entry.value.as_str().map(str::trim);
     let found = match text.map(|text| (text, text.strip_prefix('='))) {
         None => finite(entry.value).map(number).ok_or_else(|| VALUE.to_owned()),
-        Some((_, Some(text))) => {
-            Expression::parse(text, names).map(|expression| (f64::NAN, "1", Some(expression)))
-        }
+        Some((_, Some(text))) => Expression::parse(text, names.iter().map(String::as_str))
+            .map(|expression| (f64::NAN, "1", Some(expression))),
         Some((text, None)) if names.iter().any(|name| name == text) => {
             Err(format!("is a parameter's name; allowed is \"= {text}\""))
         }

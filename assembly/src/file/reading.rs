@@ -311,15 +311,14 @@ impl<'a> Reading<'a> {
     /// The expression of a value that is one; the inner `None` stands for a problem.
     pub fn expression(&mut self, entry: &Entry) -> Option<Option<Expression>> {
         let text = entry.value.as_str()?.trim();
-        let names: Vec<_> = self.named.all().iter().map(|own| own.name.clone()).collect();
         let Some(text) = text.strip_prefix('=') else {
-            let is_name = names.iter().any(|name| name == text);
+            let is_name = self.named.names().any(|name| name == text);
             return is_name.then(|| {
                 self.refuse(entry, format!("is a parameter's name; write \"= {text}\""));
                 None
             });
         };
-        let parsed = Expression::parse(text, &names);
+        let parsed = Expression::parse(text, self.named.names());
         Some(parsed.map_err(|text| self.refuse(entry, text)).ok())
     }
 

@@ -35,7 +35,7 @@ impl Expression {
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub fn parse(text: &str, names: &[String]) -> Result<Self, String> {
+    pub fn parse<'t>(text: &'t str, names: impl Iterator<Item = &'t str> + Clone) -> Result<Self, String> {
         let text = text.trim();
         if text.len() > LONGEST {
             return Err(format!("allowed is an expression of up to {LONGEST} bytes"));
@@ -133,9 +133,9 @@ impl Term {
     }
 }
 
-struct Parser<'t> {
+struct Parser<'t, N> {
     rest: &'t str,
-    names: &'t [String],
+    names: N,
 }
 
 /// A hint where a unit may have been meant.
@@ -144,7 +144,7 @@ fn no_unit(rest: &str) -> &'static str {
     if is_word { "; numbers in an expression are in SI, without a unit" } else { "" }
 }
 
-impl<'t> Parser<'t> {
+impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
     fn skip(&mut self, bytes: usize) {
         self.rest = self.rest[bytes..].trim_start();
     }
@@ -222,11 +222,11 @@ impl<'t> Parser<'t> {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let end = self.rest.find(|c| !is_part(c)).unwrap_or(self.rest.len());
         let name = &self.rest[..end];
-        let term = match self.names.iter().position(|own| own == name) {
+        let term = match self.names.clone().position(|own| own == name) {
             Some(place) => Term::Parameter(place),
             None if name == "pi" => Term::Number(PI),
             None => {
-                let near = advice(name, self.names.iter().map(String::as_str));
+                let near = advice(name, self.names.clone());
                 return Err(format!("no parameter is called `{name}`; {near}"));
             }
         };

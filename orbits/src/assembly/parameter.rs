@@ -12,7 +12,7 @@ use super::word::{Chatter, Letter};
 use crate::curve::slope;
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
-use vibro_analysis::assembly::flight::dot;
+use vibro_analysis::assembly::flight::{Flow, dot};
 
 /// Distance of the two machines from the present one, in the parameter's unit: rounding and the
 /// third derivative leave about 1e-10 of each source.
@@ -90,47 +90,28 @@ impl Problem {
         let Some(beside) = Beside::of(self, (place, u), step)? else {
             return self.by_whole_motions(u, cycle, step);
         };
-        let longer = beside.rate(|place| self.driven_period(place).unwrap_or(period));
+        let mut carried = Carried {
+            problem: self,
+            place,
+            beside: &beside,
+            longer: beside.rate(|place| self.driven_period(place).unwrap_or(period)),
+            v: vec![0.0; cycle.back.len()],
+        };
         let mut column = DVector::zeros(last);
-        let mut v = vec![0.0; cycle.back.len()];
-        beside.signals(times[0], own, &mut v);
-        for (k, leg) in cycle.legs.iter().enumerate() {
+        beside.signals(times[0], own, &mut carried.v);
+        for k in 0..cycle.legs.len() {
             let next = if m == 0 { 0 } else { (k + 1) % m };
-            if let (Some(letter), Some(run)) = (self.word.letters.get(k), &leg.run)
-                && let Some(chatter) = &letter.chatter
-            {
-                v = through_run(place, &beside, (chatter, leg), run, v)?;
+            if let Some(moved) = carried.over_flight(cycle, k, next)? {
+                column[first + next] = moved / self.scale(cycle, next);
             }
-            let flows = beside.places.each_ref().map(|place| place.flow(&leg.flow.mode));
-            v = leg.flow.varied([&flows[0], &flows[1]], beside.width, [&leg.states[0], &v], leg.span);
-            beside.signals(leg.time + leg.span, own, &mut v);
-            let end = &leg.states[1];
-            if let Some(i) = leg.ending {
-                let row =
-                    |flow: &vibro_analysis::assembly::flight::Flow| dot(flow.watched[i].1.as_slice(), end);
-                let moves = (row(&flows[1]) - row(&flows[0])) / beside.width;
-                let row = leg.flow.watched[i].1.as_slice();
-                let later = if next == 0 { longer * dot(row, &leg.rate) } else { 0.0 };
-                column[first + next] = (dot(row, &v) + moves + later) / self.scale(cycle, next);
-            }
-            let stay = Letter::staying(&self.word);
-            let letter = self.word.letters.get(next).unwrap_or(&stay);
-            if next == 0 {
-                // The signals too: the law of an impact feels the rates of prescribed bodies.
-                v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += longer * rate);
-            }
-            letter.apply(place.assembly.system(), [&mut v[..]]);
-            beside.add(&mut v[..own], |place| {
-                let mut after = end.clone();
-                letter.apply(place.assembly.system(), [&mut after[..]]);
-                Ok(after)
-            })?;
+            carried.over_event(&cycle.legs[k], next)?;
             if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
-                for (i, v) in v.iter_mut().enumerate().take(own) {
+                for (i, v) in carried.v.iter_mut().enumerate().take(own) {
                     column[node * own + i] = -std::mem::take(v) / self.units.state[i];
                 }
             }
         }
+        let v = carried.v;
         let mut along = vec![0.0; own];
         beside.add(&mut along, |place| {
             let period = self.driven_period(place).unwrap_or(period);
@@ -163,6 +144,54 @@ impl Problem {
                 there.value[first + k] *= self.scale(&there.cycle, k) / self.scale(cycle, k);
             }
             Ok(there.value.as_slice().to_vec())
+        })
+    }
+}
+
+/// A variation by the parameter on its way along a cycle.
+struct Carried<'a> {
+    problem: &'a Problem,
+    place: &'a Place,
+    beside: &'a Beside,
+    /// Rate by which the period changes.
+    longer: f64,
+    v: Vec<f64>,
+}
+
+impl Carried<'_> {
+    /// Carries it over the run of impacts and the flight before event `next`; returns the rate by
+    /// which the event's functional changes at its time.
+    fn over_flight(&mut self, cycle: &Cycle, k: usize, next: usize) -> Result<Option<f64>, Obstacle> {
+        let (leg, beside) = (&cycle.legs[k], self.beside);
+        let chatter = self.problem.word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
+        if let (Some(chatter), Some(run)) = (chatter, &leg.run) {
+            self.v = through_run(self.place, beside, (chatter, leg), run, std::mem::take(&mut self.v))?;
+        }
+        let flows = beside.places.each_ref().map(|place| place.flow(&leg.flow.mode));
+        self.v = leg.flow.varied([&flows[0], &flows[1]], beside.width, [&leg.states[0], &self.v], leg.span);
+        beside.signals(leg.time + leg.span, self.problem.units.state.len(), &mut self.v);
+        let Some(i) = leg.ending else { return Ok(None) };
+        let value = |flow: &Flow| dot(flow.watched[i].1.as_slice(), &leg.states[1]);
+        let moves = (value(&flows[1]) - value(&flows[0])) / beside.width;
+        let row = leg.flow.watched[i].1.as_slice();
+        let later = if next == 0 { self.longer * dot(row, &leg.rate) } else { 0.0 };
+        Ok(Some(dot(row, &self.v) + moves + later))
+    }
+
+    /// Carries it over the law of event `next`, at the end of a flight.
+    fn over_event(&mut self, leg: &Leg, next: usize) -> Result<(), Obstacle> {
+        let Self { problem, place, beside, longer, v } = self;
+        let stay = Letter::staying(&problem.word);
+        let letter = problem.word.letters.get(next).unwrap_or(&stay);
+        if next == 0 {
+            // The signals too: the law of an impact feels the rates of prescribed bodies.
+            v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += *longer * rate);
+        }
+        letter.apply(place.assembly.system(), [&mut v[..]]);
+        beside.add(&mut v[..problem.units.state.len()], |place| {
+            let mut after = leg.states[1].clone();
+            letter.apply(place.assembly.system(), [&mut after[..]]);
+            Ok(after)
         })
     }
 }

@@ -276,14 +276,14 @@ impl Problem {
         let problem = Self { word: self.word.repeated(times), ..self.clone() };
         // Each turn begins where the one before has drifted to.
         let drift = |i: usize| cycle.back[i] - states[0][i];
-        let state = |k: usize| {
+        let state = |&k: &usize| {
             let (turn, k) = turns(k);
             let entered = cycle.legs[k].entered().iter().take(states[0].len()).enumerate();
             entered.map(|(i, x)| x + turn as f64 * drift(i)).collect()
         };
         let all = (0..times).flat_map(|turn| events.iter().map(move |t| t + f64::from(turn) * period));
         let longer = Numbers {
-            states: problem.word.nodes().into_iter().map(state).collect(),
+            states: problem.word.nodes().iter().map(state).collect(),
             times: all.collect(),
             period: f64::from(times) * period,
             drifts: drifts.iter().map(|x| x * f64::from(times)).collect(),
@@ -308,7 +308,7 @@ impl Problem {
         }
         let letters: Vec<_> = letters[..part].to_vec();
         let periods = self.word.periods.map(|periods| periods / times);
-        let word = Word { letters: letters.into(), mode: self.word.mode.clone(), periods };
+        let word = Word::new(letters.into(), self.word.mode.clone(), periods);
         Some(Self { word, ..self.clone() })
     }
 
@@ -327,11 +327,11 @@ impl Problem {
         let numbers = self.numbers(&place, u);
         let cycle = self.cycle(&place, u)?;
         let (count, period) = (half.word.len(), 0.5 * numbers.period);
-        let mean = |k: usize| {
+        let mean = |&k: &usize| {
             let pair = cycle.legs[k].entered().iter().zip(cycle.legs[count + k].entered());
             pair.take(self.units.state.len()).map(|(a, b)| 0.5 * (a + b)).collect()
         };
-        let states = half.word.nodes().into_iter().map(mean).collect();
+        let states = half.word.nodes().iter().map(mean).collect();
         let time = |k: usize| 0.5 * (numbers.times[k] + numbers.times[count + k] - period);
         let times = (0..count).map(time).collect();
         let drifts = numbers.drifts.iter().map(|x| 0.5 * x).collect();

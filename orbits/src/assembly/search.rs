@@ -56,6 +56,7 @@ pub struct WordSearch {
 struct Seeker<'a> {
     family: Arc<Family>,
     value: f64,
+    place: Place,
     section: Section,
     /// Numbers of returns of an orbit.
     returns: Vec<u32>,
@@ -123,7 +124,7 @@ impl<'a> Seeker<'a> {
             }
         };
         let value = family.present()?;
-        Ok(Self { family, value, section, returns, request, others: Mutex::default() })
+        Ok(Self { family, value, place, section, returns, request, others: Mutex::default() })
     }
 
     /// Whether an orbit has the word and the period that are asked for; if not it is noted.
@@ -190,8 +191,7 @@ impl<'a> Seeker<'a> {
             uniform();
         }
         let d = &machine.description;
-        let place = self.family.place(self.value).ok()?;
-        let of = &place.assembly.system().bodies_of;
+        let of = &self.place.assembly.system().bodies_of;
         for _ in 0..ATTEMPTS {
             let mut number = |i: usize| {
                 let (least, largest) = bounds.get(i).copied()?;
@@ -203,7 +203,7 @@ impl<'a> Seeker<'a> {
                 (d.bodies[*body].name.clone(), own)
             };
             let bodies = of.iter().enumerate().map(body).collect();
-            let time = place.period.map_or(0.0, |period| period * uniform());
+            let time = self.place.period.map_or(0.0, |period| period * uniform());
             if let Ok((motion, _)) = machine.motion(&Start { time, bodies }) {
                 return Some(motion);
             }

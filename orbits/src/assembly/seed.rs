@@ -204,9 +204,9 @@ pub(super) fn seed(
     // Times count from within the first period of the drive.
     let whole = place.period.map_or(times[0], |period| (times[0] / period).floor() * period);
     let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
-    let word = Word { letters: record.letters.into(), mode, periods };
+    let word = Word::new(record.letters.into(), mode, periods);
     let mut states = Vec::new();
-    for k in word.nodes() {
+    for &k in word.nodes() {
         let mut state = own_states[k].clone();
         move_back(system, &mut state, times[k], whole)?;
         state.truncate(own);

@@ -148,7 +148,7 @@ fn with_impact(
         // An impact is no node.
         numbers.times.insert(index, time);
     }
-    let word = Word { letters: letters.into(), ..problem.word.clone() };
+    let word = Word::new(letters.into(), problem.word.mode.clone(), problem.word.periods);
     Ok((Problem { word, ..problem.clone() }, numbers, Condition::Rises { letter: index }))
 }
 
@@ -192,7 +192,7 @@ fn without_impact(
         (problem.origin, Condition::Stays { letter: flight, watch, place })
     };
     let mode = letters.last().map_or(mode, |letter| letter.last_mode().clone());
-    let word = Word { letters: letters.into(), mode, periods: problem.word.periods };
+    let word = Word::new(letters.into(), mode, problem.word.periods);
     let mut other = Problem { word, origin, ..problem.clone() };
     other.fixed =
         other.neutral.iter().map(|n| n.iter().zip(&numbers.states[0]).map(|(n, x)| n * x).sum()).collect();

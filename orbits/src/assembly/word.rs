@@ -124,14 +124,21 @@ pub struct Word {
     pub mode: Mode,
     /// Number of the drive's common periods; `None` for an autonomous machine.
     pub periods: Option<u32>,
+    nodes: Arc<[usize]>,
 }
 
 impl Word {
+    /// A word with its mode after the last event.
+    pub(super) fn new(letters: Arc<[Letter]>, mode: Mode, periods: Option<u32>) -> Self {
+        let later = (1..letters.len()).filter(|k| letters[*k].opens_compliant());
+        let nodes = std::iter::once(0).chain(later).collect();
+        Self { letters, mode, periods, nodes }
+    }
+
     /// The events after which the state is an unknown: the first one, and those that open a
     /// compliant stop, so that no contact magnifies what another one has magnified.
-    pub(super) fn nodes(&self) -> Vec<usize> {
-        let later = (1..self.len()).filter(|k| self.letters[*k].opens_compliant());
-        std::iter::once(0).chain(later).collect()
+    pub(super) fn nodes(&self) -> &[usize] {
+        &self.nodes
     }
 
     /// Number of events.
@@ -153,7 +160,7 @@ impl Word {
     #[must_use]
     pub(super) fn repeated(&self, times: u32) -> Self {
         let letters = self.letters.iter().cloned().cycle().take(self.len() * times as usize);
-        Self { letters: letters.collect(), mode: self.mode.clone(), periods: self.periods.map(|n| n * times) }
+        Self::new(letters.collect(), self.mode.clone(), self.periods.map(|n| n * times))
     }
 
     /// The word that begins with letter `first`.
@@ -162,7 +169,7 @@ impl Word {
         let mut letters = self.letters.to_vec();
         letters.rotate_left(first);
         let mode = letters.last().map_or_else(|| self.mode.clone(), |letter| letter.last_mode().clone());
-        Self { letters: letters.into(), mode, periods: self.periods }
+        Self::new(letters.into(), mode, self.periods)
     }
 
     /// The events in words: `impact steel, press buffer, free buffer`; empty without events.

@@ -1,0 +1,70 @@
+//! What follows from named parameters by the expressions of a machine's file.
+
+use crate::description::Description;
+use crate::named::{Named, NamedParameters};
+use crate::refusal::Problem;
+use crate::slots::{Slot, slots};
+
+/// A number that follows from named parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Following {
+    /// Its name, as in [`Description::parameters`], or that of a named parameter.
+    pub name: String,
+    /// SI unit; `1` for a named parameter.
+    pub unit: &'static str,
+    /// Value in the SI unit.
+    pub value: f64,
+    /// The expression, as the file writes it: `= backlash / 2`.
+    pub expression: String,
+}
+
+impl Description {
+    /// What follows from named parameters: parameters with expressions, then numbers of the
+    /// machine in the order of [`parameters`](Self::parameters).
+    pub fn following(&self) -> Vec<Following> {
+        let of_expression = |own: &Named| {
+            let expression = format!("= {}", own.expression.as_ref()?.text);
+            Some(Following { name: own.name.clone(), unit: own.unit, value: own.value, expression })
+        };
+        let mut all: Vec<_> = self.named.all().iter().filter_map(of_expression).collect();
+        if !self.named.has_numbers() {
+            return all;
+        }
+        let mut copy = self.clone();
+        all.extend(slots(&mut copy).into_iter().filter_map(|slot| {
+            let expression = format!("= {}", self.named.of_number(&slot.name)?.text);
+            let (unit, value) = (slot.kind.unit(slot.dimension), *slot.value);
+            Some(Following { name: slot.name, unit, value, expression })
+        }));
+        all
+    }
+
+    /// Sets what follows from named parameters.
+    pub(crate) fn follow(&mut self) -> Vec<Problem> {
+        // Values that are not finite are refused with the parameters' own names.
+        if self.named.all().iter().any(|own| !own.value.is_finite()) || self.named.all().is_empty() {
+            return Vec::new();
+        }
+        let mut named = std::mem::take(&mut self.named);
+        let mut problems = Vec::new();
+        if let Err((place, text)) = named.evaluate() {
+            problems.push(Problem::new(&named.all()[place].name, None, text));
+        } else {
+            problems = self.put_numbers(&named);
+        }
+        self.named = named;
+        problems
+    }
+
+    fn put_numbers(&mut self, named: &NamedParameters) -> Vec<Problem> {
+        let (values, mut problems) = (named.values(), Vec::new());
+        for Slot { name, value, .. } in slots(self) {
+            match named.of_number(&name).map(|expression| expression.value(&values)) {
+                Some(Ok(found)) => *value = found,
+                Some(Err(text)) => problems.push(Problem::new(name, None, text)),
+                None => {}
+            }
+        }
+        problems
+    }
+}
