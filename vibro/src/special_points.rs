@@ -9,6 +9,10 @@
 //! special-points.csv:@2.3     every special point at that value
 //! ```
 
+mod of_file;
+
+pub use of_file::PointOfFile;
+
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -17,6 +21,9 @@ use vibro_orbits::{Label, LocusStart, OrbitWord};
 
 /// Tolerance of a value in units of its last digit: one half, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;
+
+/// Labels that only points of described machines have.
+const FURTHER: [&str; 2] = ["ST", "CC"];
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +38,7 @@ pub struct Selection {
 enum ChosenRows {
     All,
     Row(usize),
-    Kind { label: Option<Label>, value: Option<String> },
+    Kind { label: Option<&'static str>, value: Option<String> },
 }
 
 /// A special point with its row, counted from 1.
@@ -66,7 +73,8 @@ impl FromStr for Selection {
         } else {
             let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
             let label = label.trim();
-            let known = Label::STARTS.into_iter().find(|l| l.name().eq_ignore_ascii_case(label));
+            let mut labels = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
+            let known = labels.find(|name| name.eq_ignore_ascii_case(label));
             // A colon may belong to the path.
             if known.is_none() && !(label.is_empty() && value.is_some()) {
                 return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
@@ -85,64 +93,52 @@ impl Selection {
     /// curve starts from the row, or if no row meets the choice. If rows have the chosen label but
     /// not the chosen value, the error names the nearest row.
     pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
-        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
-        let unread =
-            |e| wrong(format!("{e}; allowed is a table of special points, as `vibro orbits` writes it"));
-        let mut reader = csv::Reader::from_path(&self.path).map_err(unread)?;
-        let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
-        let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
-        let records = records.map_err(|e| wrong(e.to_string()))?;
-        let rows: Vec<PointRow> = records
-            .iter()
-            .zip(1..)
-            .map(|(record, number)| PointRow { number, record, header: &header, path: &self.path })
-            .collect();
+        let table = Table::read(&self.path)?;
+        let rows = table.rows();
         if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
-            let problem =
-                format!("has points over {}, but the first --vary is of {}", other.name(), along.name());
-            return Err(wrong(problem));
+            return Err(rows[0].other_parameter(other.name(), along.name()));
         }
-        match &self.rows {
+        let seen =
+            |p: &SpecialPoint| Seen { row: p.row, label: p.start.label.name(), value: p.start.values[0] };
+        self.chosen(&rows, &|row| row.point(along, held), &seen, &|text| Ok(number(along, text)?))
+    }
+
+    /// The points that the rows of the choice are read as.
+    fn chosen<P>(
+        &self,
+        rows: &[PointRow],
+        read: &dyn Fn(&PointRow) -> Result<Option<P>>,
+        seen: &dyn Fn(&P) -> Seen,
+        number: &dyn Fn(&str) -> Result<f64>,
+    ) -> Result<Vec<P>> {
+        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
+        let (label, value) = match &self.rows {
             ChosenRows::Row(number) => {
                 let row = rows
                     .get(number - 1)
                     .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
-                let point = row.point(along, held)?;
                 let label = row.cell("label")?;
-                Ok(vec![point.ok_or_else(|| {
+                return Ok(vec![read(row)?.ok_or_else(|| {
                     wrong(format!("row {number} is {label}; curves start from LP, BP, PD, NS, GR and CH"))
-                })?])
+                })?]);
             }
-            ChosenRows::All => self.chosen(&rows, along, held, None, None),
-            ChosenRows::Kind { label, value } => self.chosen(&rows, along, held, *label, value.as_deref()),
-        }
-    }
-
-    fn chosen(
-        &self,
-        rows: &[PointRow],
-        along: Name,
-        held: f64,
-        label: Option<Label>,
-        value: Option<&str>,
-    ) -> Result<Vec<SpecialPoint>> {
-        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
-        let all = rows.iter().map(|row| row.point(along, held)).collect::<Result<Vec<_>>>()?;
-        let mut found: Vec<SpecialPoint> =
-            all.into_iter().flatten().filter(|p| label.is_none_or(|label| p.start.label == label)).collect();
-        let what = label.map_or("point from which a curve starts", Label::name);
+            ChosenRows::All => (None, None),
+            ChosenRows::Kind { label, value } => (*label, value.as_deref()),
+        };
+        let all = rows.iter().map(read).collect::<Result<Vec<_>>>()?;
+        let mut found: Vec<P> =
+            all.into_iter().flatten().filter(|p| label.is_none_or(|label| seen(p).label == label)).collect();
+        let what = label.unwrap_or("point from which a curve starts");
         if found.is_empty() {
             return Err(wrong(format!("has no {what}")));
         }
         if let Some(text) = value {
-            let (wanted, room) = (number(along, text)?, last_digit(along, text)?);
-            let distance = |p: &SpecialPoint| (p.start.values[0] - wanted).abs();
-            let nearest = found
-                .iter()
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-                .map(|p| (p.row, p.start.values[0]));
+            let wanted = number(text)?;
+            let room = last_digit(text, wanted);
+            let distance = |p: &P| (seen(p).value - wanted).abs();
+            let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(seen);
             found.retain(|p| distance(p) <= room);
-            if let (true, Some((row, value))) = (found.is_empty(), nearest) {
+            if let (true, Some(Seen { row, value, .. })) = (found.is_empty(), nearest) {
                 return Err(wrong(format!("has no {what} at {text}; the nearest is row {row} at {value}")));
             }
         }
@@ -150,14 +146,48 @@ impl Selection {
     }
 }
 
+/// What a choice sees of a point.
+struct Seen {
+    row: usize,
+    label: &'static str,
+    value: f64,
+}
+
+/// A table as it was read.
+struct Table<'a> {
+    path: &'a Path,
+    header: csv::StringRecord,
+    records: Vec<csv::StringRecord>,
+}
+
+impl<'a> Table<'a> {
+    fn read(path: &'a Path) -> Result<Self> {
+        let wrong = |problem: String| Error::Config { path: path.into(), problem };
+        let unread =
+            |e| wrong(format!("{e}; allowed is a table of special points, as `vibro orbits` writes it"));
+        let mut reader = csv::Reader::from_path(path).map_err(unread)?;
+        let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
+        let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
+        let records = records.map_err(|e| wrong(e.to_string()))?;
+        Ok(Self { path, header, records })
+    }
+
+    fn rows(&self) -> Vec<PointRow<'_>> {
+        let numbered = self.records.iter().zip(1..);
+        numbered
+            .map(|(record, number)| PointRow { number, record, header: &self.header, path: self.path })
+            .collect()
+    }
+}
+
 /// Tolerance of a value that is given as text: half of the text's last digit, in SI.
-fn last_digit(along: Name, text: &str) -> Result<f64> {
+fn last_digit(text: &str, value: f64) -> f64 {
     let mantissa = text.trim().trim_start_matches(['+', '-']);
     let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
     let digits = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len());
     let written: f64 = plain.parse().unwrap_or(0.0);
-    let unit = if written == 0.0 { 1.0 } else { (number(along, text)? / written).abs() };
-    Ok(LAST_DIGIT * unit / 10f64.powi(i32::try_from(digits).unwrap_or(i32::MAX)))
+    let unit = if written == 0.0 { 1.0 } else { (value / written).abs() };
+    LAST_DIGIT * unit / 10f64.powi(i32::try_from(digits).unwrap_or(i32::MAX))
 }
 
 /// A row of a table.
@@ -171,6 +201,10 @@ struct PointRow<'a> {
 impl PointRow<'_> {
     fn wrong(&self, problem: String) -> Error {
         Error::Config { path: self.path.into(), problem }
+    }
+
+    fn other_parameter(&self, own: &str, along: &str) -> Error {
+        self.wrong(format!("has points over {own}, but the first --vary is of {along}"))
     }
 
     fn cell(&self, name: &str) -> Result<&str> {
@@ -215,8 +249,8 @@ mod tests {
         let kind = |label, value: Option<&str>| ChosenRows::Kind { label, value: value.map(str::to_owned) };
         assert_eq!(rows("a.csv"), ChosenRows::All);
         assert_eq!(rows("a.csv:3"), ChosenRows::Row(3));
-        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some(Label::Fold), None));
-        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some(Label::PeriodDoubling), Some("2.3041")));
+        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some("LP"), None));
+        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some("PD"), Some("2.3041")));
         assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));
         for text in ["a.csv:0", "a.csv:XX", "a.csv:XX@2", "a.csv:"] {
             assert!(text.parse::<Selection>().is_err(), "{text}");
@@ -226,9 +260,10 @@ mod tests {
     #[test]
     fn closed_form_room_of_a_value_as_it_is_written() {
         let [f10, frequency] = ["f10", "drive.frequency"].map(|name| Name::find(name).unwrap());
-        assert_eq!(last_digit(f10, "2.30").unwrap(), LAST_DIGIT / 100.0);
-        assert_eq!(last_digit(f10, "-2").unwrap(), LAST_DIGIT);
-        let hertz = last_digit(frequency, "10.6Hz").unwrap();
+        let room = |name: Name, text: &str| last_digit(text, number(name, text).unwrap());
+        assert_eq!(room(f10, "2.30"), LAST_DIGIT / 100.0);
+        assert_eq!(room(f10, "-2"), LAST_DIGIT);
+        let hertz = room(frequency, "10.6Hz");
         assert!((hertz - LAST_DIGIT * 0.1 * std::f64::consts::TAU).abs() < 1e-12, "{hertz}");
     }
 }

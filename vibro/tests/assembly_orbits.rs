@@ -14,6 +14,8 @@ use std::process::{Command, Output};
 
 /// Rounding of an orbit's numbers, relative.
 const ROUNDING: f64 = 1e-11;
+/// Rounding of a fold's parameter along a curve, where the equations are singular by definition.
+const LOCATED: f64 = 1e-9;
 /// Share of a picture's points that may come or go with the last digits of the starts.
 const POINTS: f64 = 0.1;
 
@@ -64,6 +66,15 @@ fn closed_form_of_the_page_and_its_picture() {
     assert_eq!(header[..5], ["label", "branch", "point", "parameter", "value"]);
     let folds = special.iter().filter(|row| row[0] == "LP").map(|row| row[4].parse::<f64>().unwrap());
     assert!(folds.map(|x| (x / fold - 1.0).abs()).fold(f64::INFINITY, f64::min) < ROUNDING, "{fold}");
+
+    // The fold's amplitude does not depend on the frequency.
+    let (header, curve) = table(&home.join("curves/locus.csv"));
+    assert_eq!(header[4..6], ["body.joint.motion.amplitude", "body.joint.motion.frequency"]);
+    let curve: Vec<Vec<String>> = curve.into_iter().filter(|row| row[0] == "0").collect();
+    let number = |row: &Vec<String>, column: usize| row[column].parse::<f64>().unwrap();
+    assert!(curve.iter().all(|row| (number(row, 4) / fold - 1.0).abs() < LOCATED), "{fold}");
+    let ends: Vec<f64> = curve.iter().filter(|row| row[8] == "EP").map(|row| number(row, 5)).collect();
+    assert!(ends.len() == 2 && (ends[0] - ends[1]).abs() == 25.0, "{ends:?}");
 
     let drawn = std::fs::read_to_string(home.join("all/orbits.svg")).unwrap();
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/orbits-of-your-machine/rattle.svg");
@@ -127,6 +138,25 @@ fn what_has_no_orbit_is_refused_by_name() {
             "an option of the paper's machine",
         ),
         ("orbit --section right", "an option of a machine's file"),
+        (
+            "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2",
+            "allowed are two parameters",
+        ),
+        (
+            "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
+             --vary body.base.motion.amplitude=0.5:2",
+            "allowed are two parameters",
+        ),
+        (
+            "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
+             --vary stop.right.restitution=0.1:0.2",
+            "so it must lie in the range 0.1 to 0.2",
+        ),
+        (
+            "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
+             --vary stop.right.restitution=0.1:0.9",
+            "none.csv",
+        ),
     ] {
         let output = vibro(&format!("{line} --out {}", folder("orbit-refused").display()));
         let error = String::from_utf8_lossy(&output.stderr);

@@ -1,6 +1,6 @@
 //! Branches of orbits of described machines as plain data.
 
-use super::cycle::Condition;
+use super::conditions::Condition;
 use super::orbit::{Orbit, Stability, element_of};
 use super::place::Place;
 use super::problem::Problem;

@@ -2,7 +2,7 @@
 //! born, conditions that cease to hold, bifurcations.
 
 use super::branch::{OrbitPoint, Special};
-use super::cycle::Condition;
+use super::conditions::Condition;
 use super::orbit::Orbit;
 use super::path::{Follower, Position, doubling};
 use crate::branch::Label;

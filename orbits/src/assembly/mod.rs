@@ -9,10 +9,12 @@
 //! its events. A word is found by the machine's own motion, never written by hand.
 
 mod branch;
+mod conditions;
 mod cycle;
 mod examined;
 mod gradient;
 mod location;
+mod locus;
 mod orbit;
 mod parameter;
 mod path;
@@ -29,9 +31,11 @@ mod word;
 mod tests;
 
 pub use branch::{Branch, Kind, OrbitPoint, Special};
-pub use cycle::{Condition, Leg};
+pub use conditions::Condition;
+pub use cycle::Leg;
 pub use examined::check_measure;
 pub use gradient::ParameterDerivative;
+pub use locus::{LocusPoint, LocusStart, check_second, locus};
 pub use orbit::{Orbit, Stability};
 pub use place::{Family, Place};
 pub use search::{WantedPeriod, WordSearch};

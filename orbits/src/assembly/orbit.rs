@@ -1,7 +1,8 @@
 //! One periodic orbit of a described machine: found by Newton's method, examined, with its
 //! multipliers.
 
-use super::cycle::{Condition, Cycle, Leg, with_signals};
+use super::conditions::Condition;
+use super::cycle::{Cycle, Leg, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::word::Word;
@@ -347,8 +348,14 @@ pub(super) fn same_word(a: &Word, b: &Word) -> bool {
 
 /// Time and augmented state in the middle of a flight, on the contacts that are held.
 pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
-    let half = leg.flow.propagator(0.5 * leg.span) * DVector::from_column_slice(&leg.states[0]);
-    let (time, mut z) = (leg.time + 0.5 * leg.span, half.as_slice().to_vec());
+    within(place, leg, 0.5)
+}
+
+/// Time and augmented state after a part of a flight, on the contacts that are held.
+pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
+    let span = part * leg.span;
+    let there = leg.flow.propagator(span) * DVector::from_column_slice(&leg.states[0]);
+    let (time, mut z) = (leg.time + span, there.as_slice().to_vec());
     let system = place.assembly.system();
     with_signals(system, time, &mut z);
     keep(system, &leg.flow.mode.basis, &mut z);

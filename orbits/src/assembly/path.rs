@@ -1,7 +1,7 @@
 //! One branch followed along the parameter, with its special points.
 
 use super::branch::{Branch, OrbitPoint, Special};
-use super::cycle::Condition;
+use super::conditions::Condition;
 use super::orbit::{Orbit, Stability};
 use super::problem::{Problem, Residual};
 use crate::branch::Label;

@@ -341,6 +341,9 @@ impl Problem {
     /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
     /// shorter one several times.
     pub fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
+        if let Some(once) = self.once(u)? {
+            return Ok(once);
+        }
         let most = self.word.len() as u32;
         for times in (2..=most).rev() {
             let Some(part) = self.part(times) else { continue };
@@ -362,6 +365,23 @@ impl Problem {
             }
         }
         Ok((self.clone(), u.clone()))
+    }
+
+    /// The orbit without events that returns after each of several periods of the drive, in the
+    /// equations of one.
+    fn once(&self, u: &DVector<f64>) -> Result<Option<(Self, DVector<f64>)>, Obstacle> {
+        let Some(times) = self.word.periods.filter(|n| self.word.is_empty() && *n > 1) else {
+            return Ok(None);
+        };
+        let place = self.place(u)?;
+        let mut numbers = self.numbers(&place, u);
+        numbers.period /= f64::from(times);
+        numbers.drifts.iter_mut().for_each(|drift| *drift /= f64::from(times));
+        let word = Word::new(self.word.letters.clone(), self.word.mode.clone(), Some(1));
+        let once = Self { word, ..self.clone() };
+        let at = once.point(&place, &numbers, self.value(u));
+        let returns = once.residual(&place, &at, false)?.value.amax() < REPETITION;
+        Ok(returns.then_some((once, at)))
     }
 
     /// The neutral directions of a machine, as changes of a state.

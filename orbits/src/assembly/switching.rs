@@ -1,8 +1,9 @@
 //! Starts of branches at the special points of another one.
 
 use super::branch::{Branch, Special};
-use super::cycle::{Condition, Cycle};
-use super::orbit::Orbit;
+use super::conditions::Condition;
+use super::cycle::Cycle;
+use super::orbit::{Orbit, within};
 use super::path::Departure;
 use super::place::Place;
 use super::problem::{Numbers, Problem};
@@ -25,6 +26,9 @@ const SIDE_STEP: f64 = 1e-5;
 /// Ways along the parameter, in its unit, at which the machine's own motion is asked for the word
 /// beyond a special point.
 const BEYOND: [f64; 3] = [1e-5, 1e-3, 1e-2];
+
+/// Part of a flight at which no touch lies that recurs after a fraction of the flight.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// The departures of a doubled branch at a doubling.
 pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departure, Obstacle> {
@@ -67,6 +71,30 @@ pub(super) fn at_touch(
     condition: Condition,
     special: &Special,
 ) -> Result<Departure, Obstacle> {
+    let (other, at, sought) = other_side(problem, u, condition)?;
+    let axis = crate::curve::axis(at.len(), at.len() - 1);
+    let direction = tangent(&other, &at, &axis)?;
+    // The side on which the sought condition holds.
+    let side = |sign: f64| {
+        let moved = &at + &direction * (sign * SIDE_STEP);
+        let place = other.place(&moved)?;
+        let conditions = other.cycle(&place, &moved)?.conditions(&place, &other.word);
+        let own = conditions.iter().find(|(own, _)| *own == sought).map(|(_, value)| *value);
+        Ok::<f64, Obstacle>(own.unwrap_or(1.0))
+    };
+    let sign = if side(1.0)? >= side(-1.0)? { 1.0 } else { -1.0 };
+    let special = Some(special.clone());
+    Ok(Departure { problem: other, u: at, direction: direction * sign, step: SWITCH_STEP, special })
+}
+
+/// The orbit that touches a rigid stop in the shortest word on the other side: with the touch as an
+/// impact without speed where the word does not list it, without that impact where it does; with
+/// the condition that ceases to hold there.
+pub(super) fn other_side(
+    problem: &Problem,
+    u: &DVector<f64>,
+    condition: Condition,
+) -> Result<(Problem, DVector<f64>, Condition), Obstacle> {
     let place = problem.place(u)?;
     let cycle = problem.cycle(&place, u)?;
     let (other, numbers, sought) = match condition {
@@ -87,20 +115,7 @@ pub(super) fn at_touch(
         }
         lasts => lasts,
     };
-    let other = short;
-    let axis = crate::curve::axis(at.len(), at.len() - 1);
-    let direction = tangent(&other, &at, &axis)?;
-    // The side on which the sought condition holds.
-    let side = |sign: f64| {
-        let moved = &at + &direction * (sign * SIDE_STEP);
-        let place = other.place(&moved)?;
-        let conditions = other.cycle(&place, &moved)?.conditions(&place, &other.word);
-        let own = conditions.iter().find(|(own, _)| *own == sought).map(|(_, value)| *value);
-        Ok::<f64, Obstacle>(own.unwrap_or(1.0))
-    };
-    let sign = if side(1.0)? >= side(-1.0)? { 1.0 } else { -1.0 };
-    let special = Some(special.clone());
-    Ok(Departure { problem: other, u: at, direction: direction * sign, step: SWITCH_STEP, special })
+    Ok((short, at, sought))
 }
 
 type Other = (Problem, Numbers, Condition);
@@ -176,8 +191,12 @@ fn without_impact(
     };
     let watch = Watch::Meets(stop);
     let (origin, sought) = if count == 1 {
-        let place = functional(&cycle.legs[0]);
-        (numbers.times[0], Condition::Stays { letter: 0, watch, place })
+        // A touch at the orbit's begin would be left out.
+        let (leg, own) = (&cycle.legs[0], numbers.states[0].len());
+        let (origin, state) = within(place, leg, GOLDEN);
+        numbers.states = vec![state[..own].to_vec()];
+        numbers.times = vec![origin];
+        (origin, Condition::Stays { letter: 0, watch, place: functional(leg) })
     } else {
         numbers.times.remove(letter);
         if letter == 0 {

@@ -1,6 +1,8 @@
 //! Equations of a curve in two parameters: those of contact, and a condition for the bifurcation or
 //! the touch.
 
+use super::LocusEnd;
+use super::following::TwoParameters;
 use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
 use crate::family::{ContactEquations, Family};
@@ -10,6 +12,7 @@ use crate::orbit::is_clear;
 use crate::system::Anchor;
 use crate::word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
+use std::f64::consts::PI;
 
 /// Step of the differences of the condition. It sets the speed of convergence and never the result.
 const DIFFERENCE: f64 = 1e-6;
@@ -17,7 +20,10 @@ const DIFFERENCE: f64 = 1e-6;
 /// Bordered measure of singularity of a matrix: zero where the matrix is singular, and of the size
 /// of its least singular value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical
 /// Equilibria, 2000).
-fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Border<T>) -> Option<T> {
+pub(crate) fn smallness<T: ComplexField<RealField = f64>>(
+    matrix: &DMatrix<T>,
+    border: &Border<T>,
+) -> Option<T> {
     let n = matrix.nrows();
     let mut whole = matrix.clone().resize(n + 1, n + 1, T::zero());
     whole.view_mut((0, n), (n, 1)).copy_from(&border.left);
@@ -30,8 +36,8 @@ fn smallness<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, border: &Bor
 /// The singular vectors of the least singular value.
 #[derive(Clone, Debug)]
 pub(crate) struct Border<T: ComplexField> {
-    left: DVector<T>,
-    right: DVector<T>,
+    pub left: DVector<T>,
+    pub right: DVector<T>,
 }
 
 impl<T: ComplexField<RealField = f64>> Border<T> {
@@ -54,6 +60,7 @@ pub(crate) enum Condition {
 
 /// Equations of a curve. A point holds the phases, the angle of the multipliers where it is an
 /// unknown, and the two parameters.
+#[derive(Clone)]
 pub(crate) struct Locus<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,
@@ -63,6 +70,11 @@ pub(crate) struct Locus<'a> {
 impl Locus<'_> {
     pub fn n(&self) -> usize {
         self.word.len()
+    }
+
+    /// The angle of the multipliers at a point of a curve of Neimark-Sacker points, rad.
+    pub fn angle(&self, u: &DVector<f64>) -> Option<f64> {
+        matches!(self.condition, Condition::Complex(_)).then(|| u[self.n()])
     }
 
     /// Values of a bifurcation's condition at a point, in a machine anchored as given.
@@ -99,14 +111,6 @@ impl Locus<'_> {
             Condition::Touch(index) => Some(Condition::Touch(*index)),
         };
         adapted.ok_or(Obstacle::NoConvergence)
-    }
-
-    /// Whether a point is an orbit of the machine, except for the touch that defines the curve.
-    pub fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
-        let system = self.family.system_at(u)?;
-        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
-        let exempt = |i: usize| matches!(self.condition, Condition::Touch(index) if index == i);
-        Ok((0..self.n()).all(|i| exempt(i) || cycle.speed(i) > 0.0) && is_clear(&cycle))
     }
 }
 
@@ -145,5 +149,35 @@ impl Equations for Locus<'_> {
             matrix.view_mut((n, k), (column.len(), 1)).copy_from(&column);
         }
         Ok(Linearization { value, matrix })
+    }
+}
+
+impl TwoParameters for Locus<'_> {
+    fn range(&self, k: usize) -> (f64, f64) {
+        let span = &self.family.spans()[k];
+        (span.from / span.unit(), span.to / span.unit())
+    }
+
+    fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle> {
+        let system = self.family.system_at(u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
+        let exempt = |i: usize| matches!(self.condition, Condition::Touch(index) if index == i);
+        Ok((0..self.n()).all(|i| exempt(i) || cycle.speed(i) > 0.0) && is_clear(&cycle))
+    }
+
+    fn adapt(&mut self, u: &DVector<f64>) {
+        if let Ok(condition) = self.adapted(u) {
+            self.condition = condition;
+        }
+    }
+
+    fn passed(&self, u: &DVector<f64>) -> Option<LocusEnd> {
+        let angle = self.angle(u)?;
+        let is_inside = (0.0..PI).contains(&angle);
+        (!is_inside).then_some(LocusEnd::Resonance(if angle < 0.0 { 1 } else { -1 }))
+    }
+
+    fn near_end(&self, u: &DVector<f64>) -> Option<LocusEnd> {
+        LocusEnd::resonance(self.angle(u)?)
     }
 }

@@ -159,7 +159,8 @@ fn branch_table(
     table.text()
 }
 
-/// Table of the special points.
+/// Table of the special points, each with an orbit of its branch beside it, from which a curve over
+/// two parameters starts.
 pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<u8>> {
     let mut table = CsvRows::new([
         "label",
@@ -173,6 +174,9 @@ pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<
         "stability_before",
         "stability_after",
         "element",
+        "beside_value",
+        "beside_period",
+        "beside_start",
     ])?;
     for branch in branches {
         let word = words(family, branch);
@@ -180,6 +184,8 @@ pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<
             let Some(special) = &point.special else { continue };
             let after = point.stability;
             let before = i.checked_sub(1).map_or(after, |last| branch.points[last].stability);
+            let beside = branch.locus_start(i).and_then(|_| branch.beside(i));
+            let number = |of: &dyn Fn(&Orbit) -> f64| beside.as_ref().map_or(String::new(), |o| exact(of(o)));
             table.push([
                 special.kind.name().into(),
                 branch.id.to_string(),
@@ -192,6 +198,9 @@ pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<
                 before.to_string(),
                 after.to_string(),
                 special.element.clone(),
+                number(&|orbit| orbit.value()),
+                number(&|orbit| orbit.period()),
+                beside.as_ref().map_or(String::new(), |orbit| orbit.start().to_string()),
             ])?;
         }
     }

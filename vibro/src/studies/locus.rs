@@ -24,15 +24,10 @@ pub struct LocusCurve {
 }
 
 impl LocusCurve {
-    /// Special points at its ends and along it, except ends of the ranges, in words.
-    fn ends(&self) -> String {
-        let told = |point: &LocusPoint| {
-            let what = point.end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
-            let [x, y] = point.values.map(|value| format!("{value:.6}"));
-            Some(format!("{what} at ({x}, {y})"))
-        };
-        let all: Vec<String> = self.points.iter().filter_map(told).collect();
-        if all.is_empty() { String::new() } else { format!("; {}", all.join(", ")) }
+    fn drawn(&self) -> DrawnCurve {
+        let LocusStart { label, word, .. } = &self.start;
+        let name = format!("{label} {} {}T", word.signed(), word.period());
+        DrawnCurve { name, points: self.points.iter().map(|p| (p.values, p.end)).collect() }
     }
 
     fn in_words(&self) -> String {
@@ -44,9 +39,27 @@ impl LocusCurve {
             self.from,
             also.concat(),
             self.points.len(),
-            self.ends()
+            ends(self.points.iter().map(|p| (p.values, p.end)))
         )
     }
+}
+
+/// A curve as it is drawn.
+pub(super) struct DrawnCurve {
+    pub name: String,
+    /// Both parameters at each point, and the end there if it is one.
+    pub points: Vec<([f64; 2], Option<LocusEnd>)>,
+}
+
+/// Special points at a curve's ends and along it, except ends of the ranges, in words.
+pub(super) fn ends(points: impl Iterator<Item = ([f64; 2], Option<LocusEnd>)>) -> String {
+    let told = |(values, end): ([f64; 2], Option<LocusEnd>)| {
+        let what = end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
+        let [x, y] = values.map(|value| format!("{value:.6}"));
+        Some(format!("{what} at ({x}, {y})"))
+    };
+    let all: Vec<String> = points.filter_map(told).collect();
+    if all.is_empty() { String::new() } else { format!("; {}", all.join(", ")) }
 }
 
 /// The kind of a special point in words; `None` for an end of the ranges.
@@ -82,24 +95,7 @@ pub fn loci(
     problems: &[String],
 ) -> Result<Study> {
     let [x, y] = [0, 1].map(|i| family.spans()[i]);
-    let mut layers = Vec::new();
-    for (i, curve) in curves.iter().enumerate() {
-        let path = curve.points.iter().map(|p| (p.values[0], p.values[1])).collect();
-        let name =
-            format!("{} {} {}T", curve.start.label, curve.start.word.signed(), curve.start.word.period());
-        layers.push(Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path).labelled(name));
-    }
-    for (end, mark) in MARKS {
-        let at: Path = curves
-            .iter()
-            .flat_map(|c| &c.points)
-            .filter(|p| p.end == Some(end))
-            .map(|p| (p.values[0], p.values[1]))
-            .collect();
-        if let (Some(name), false) = (in_words(end), at.is_empty()) {
-            layers.push(Layer::marks(name, BLACK, mark, at).stroke(9));
-        }
-    }
+    let layers = layers(&curves.iter().map(LocusCurve::drawn).collect::<Vec<_>>());
     let axis = |span: &Span| parameter_axis(set, span.name, (span.from, span.to));
     let what =
         format!("{} curves of bifurcations over ({}, {})", curves.len(), x.name.symbol(), y.name.symbol());
@@ -118,6 +114,25 @@ pub fn loci(
         figure: Some(figure),
         ..Study::without_figure("locus", what).with_remarks(remarks)
     })
+}
+
+/// The curves with their special points.
+pub(super) fn layers(curves: &[DrawnCurve]) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (i, curve) in curves.iter().enumerate() {
+        let path = curve.points.iter().map(|([x, y], _)| (*x, *y)).collect();
+        let line = Layer::line("", FAMILY[i % FAMILY.len()], Dash::Solid, path);
+        layers.push(line.labelled(curve.name.clone()));
+    }
+    for (end, mark) in MARKS {
+        let of = |curve: &'_ DrawnCurve| curve.points.clone();
+        let own = curves.iter().flat_map(of).filter(|(_, own)| *own == Some(end));
+        let at: Path = own.map(|([x, y], _)| (x, y)).collect();
+        if let (Some(name), false) = (in_words(end), at.is_empty()) {
+            layers.push(Layer::marks(name, BLACK, mark, at).stroke(9));
+        }
+    }
+    layers
 }
 
 fn table(x: Span, y: Span, curves: &[LocusCurve]) -> Result<Vec<u8>> {

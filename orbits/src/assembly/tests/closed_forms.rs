@@ -10,7 +10,7 @@ const LOCATED: f64 = 1e-10;
 const ROUNDING: f64 = 1e-12;
 
 /// x'' + 0.04 x' + x = F cos ωt with a wall at x = 1 and ε = 0.9.
-fn wall(omega: &str) -> Machine {
+pub(super) fn wall(omega: &str) -> Machine {
     machine(&format!(
         "name = \"Wall\"\nbody.block = {{ mass = 1.0 }}\n\
          spring.holder = {{ between = [\"ground\", \"block\"], stiffness = 1.0, damping = 0.04 }}\n\

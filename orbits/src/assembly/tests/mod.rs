@@ -2,6 +2,7 @@
 //! orbits, and the machines' own motions.
 
 mod closed_forms;
+mod curves;
 mod motions;
 mod paper;
 

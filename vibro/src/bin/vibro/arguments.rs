@@ -93,7 +93,7 @@ pub fn command() -> clap::Command {
         let notes: &[&str] = match command.get_name() {
             "check" | "draw" | "section" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" => {
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" | "locus" => {
                 &[NUMBERS, LIMITS]
             }
             _ => &[LIMITS],
@@ -329,6 +329,7 @@ impl Command {
                 }
                 a.range = texts("--vary", &a.vary)?.pop();
             }
+            Self::Locus(a) => a.ranges = texts("--vary", &a.vary)?,
             _ => {}
         }
         Ok(())

@@ -41,6 +41,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Response(a) => assembly_orbits::response(file, common, a)?,
         Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
         Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,
+        Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
         // `vibro check`: no other command takes a file.
         _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
     }

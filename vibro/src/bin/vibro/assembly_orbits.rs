@@ -1,24 +1,27 @@
-//! `orbit`, `orbits` and `response` with a machine's file: from arguments to the library's studies.
+//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's studies.
 
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
-use crate::common_arguments::{Common, time};
+use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
-use crate::orbits_arguments::{OneOrbit, Orbits, ResponseOfFile};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile};
 use crate::output;
 use crate::progress::Progress;
 use crate::ranges::in_option;
 use crate::study_arguments::Response;
+use rayon::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::part_folder::write_whole;
-use vibro::studies::{self, Study};
+use vibro::special_points::PointOfFile;
+use vibro::studies::{self, CurveOfFile, Study};
 use vibro::{Error, Result};
 use vibro_analysis::assembly::{Machine, Measure};
 use vibro_assembly::{Assembly, Start};
 use vibro_orbits::PathOptions;
 use vibro_orbits::assembly::{
-    Branch, Family, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, check_measure, tree,
+    Branch, Family, LocusPoint, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    check_measure, check_second, locus, tree,
 };
 
 /// Longest period in common periods of the drive.
@@ -103,6 +106,11 @@ fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
         let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
         return Err(Error::Refused { what: format!("{} --vary", vary.len()), problem });
     };
+    family_over(machine, vary)
+}
+
+/// The family over a range of a parameter.
+fn family_over(machine: &mut Machine, vary: &str) -> Result<Family> {
     let axis = read_axis(machine, vary)?;
     let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
     let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
@@ -187,4 +195,70 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<()> {
     let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
     study.remarks.extend(remark);
     written(&[study], &machine, &destination, common)
+}
+
+/// Curves of special points over two parameters.
+pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
+    let mut machine = machine(file, &SectionArguments { period: None, section: None }, common)?;
+    let [first, second] = &a.vary[..] else {
+        let problem = "allowed are two parameters, the first that of the special points, e.g. --vary load.shaker.amplitude=1N:9N --vary \
+                       stop.steel.gap=1mm:8mm"
+            .into();
+        return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
+    };
+    let families = [family_over(&mut machine, first)?, family_over(&mut machine, second)?];
+    let [over, second] = &families;
+    check_second(over, second)?;
+    let number = |text: &str| Ok(machine.quantity(&over.parameter, text)?.value);
+    let mut points: Vec<(String, PointOfFile)> = Vec::new();
+    for selection in &a.from {
+        let chosen = selection.points_of_file(&over.parameter, &number).map_err(in_option("--from"))?;
+        let of_kind = |p: &PointOfFile| a.label.as_ref().is_none_or(|label| label == p.special.kind.name());
+        let told = |p: PointOfFile| (format!("{}:{}", selection.path.display(), p.row), p);
+        points.extend(chosen.into_iter().filter(of_kind).map(told));
+    }
+    if points.is_empty() {
+        let what = format!("--label {}", a.label.as_deref().unwrap_or_default());
+        return Err(Error::Refused { what, problem: "none of the points has this label".into() });
+    }
+    let from: Vec<&str> = points.iter().map(|(from, _)| from.as_str()).collect();
+    let options = [("vary", format!("{} {}", in_words(over), in_words(second))), ("from", from.join(" "))];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    destination.place(&[destination.result("locus")])?;
+    let progress = Progress::new(points.len(), "curves");
+    let followed = points.par_iter().map(|(from, point)| {
+        let found = curve(&families, point);
+        progress.step();
+        found.map_err(|error| format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value))
+    });
+    let followed: Vec<_> = followed.collect();
+    drop(progress);
+    let (mut curves, mut problems) = (Vec::new(), Vec::new());
+    for ((from, point), found) in points.into_iter().zip(followed) {
+        match found {
+            Ok((start, points)) => curves.push(CurveOfFile { from, point, start, points }),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if curves.is_empty() {
+        return Err(Error::Refused { what: "--from".into(), problem: problems.join("; ") });
+    }
+    let study = studies::assembly_loci(&machine, [over, second], &curves, &problems)?;
+    written(&[study], &machine, &destination, common)
+}
+
+/// The curve from a row: its special point is sought on the branch of the orbit beside it.
+fn curve(
+    [over, second]: &[Family; 2],
+    PointOfFile { special, value, beside, .. }: &PointOfFile,
+) -> Result<(LocusStart, Vec<LocusPoint>)> {
+    let (at, period, start) = beside;
+    let machine = over.at(*at)?;
+    let orbit = Orbit::near(&machine, start, *period)?;
+    let family = Family::new(&machine, &over.parameter, over.range)?;
+    let start = LocusStart::find(&family, &orbit, special, *value)?;
+    let points = locus(&start, second)?;
+    Ok((start.shortest(), points))
 }

@@ -127,7 +127,7 @@ pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
 }
 
 pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
-    let [first, second] = a.vary[..] else {
+    let [first, second] = a.ranges[..] else {
         return Err(Error::form(
             format!("{} --vary", a.vary.len()),
             "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",

@@ -194,13 +194,17 @@ pub struct OrbitsOfPaper {
 /// Arguments of `locus`.
 #[derive(Args, Debug)]
 pub struct Loci {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
     /// Special points from which curves start, in a table of `vibro orbits`. FILE:12 is row 12,
     /// counted from 1; FILE:LP all folds; FILE:LP@2.3041 the folds at this value, to the digits
     /// written; FILE all points. May be repeated. If no curve can be followed from a point, the
     /// program says so and goes on with the others
     #[arg(long, required = true, value_name = "FILE[:ROW|:LABEL@VALUE]")]
     pub from: Vec<Selection>,
-    /// Follow only this kind: LP, BP, PD, NS, GR or CH
+    /// Follow only this kind: LP, BP, PD, NS, GR or CH, with FILE also ST or CC
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
     /// The two parameters and their ranges. The first, on the horizontal axis, is that of the
@@ -212,8 +216,11 @@ pub struct Loci {
         value_name = "NAME=FROM:TO",
         allow_hyphen_values = true
     )]
-    pub vary: Vec<ParameterRange>,
+    pub vary: Vec<String>,
+    /// The parsed ranges of the paper's machine.
+    #[arg(skip)]
+    pub ranges: Vec<ParameterRange>,
     /// Constant loads.
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
     pub loads: ConstantLoads,
 }

@@ -37,7 +37,7 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
             vec![("vary", dynamic(&mut a.of_paper.vary)), ("over", dynamic(&mut a.of_paper.over))]
         }
         Command::Orbits(a) => vec![("vary", dynamic(&mut a.range))],
-        Command::Locus(a) => vec![("vary", dynamic(&mut a.vary))],
+        Command::Locus(a) => vec![("vary", dynamic(&mut a.ranges))],
         _ => Vec::new(),
     };
     for (name, axes) in axes {

@@ -1,0 +1,208 @@
+//! Curves of special points of a described machine over two parameters (docs/theory.md, section 14).
+
+mod equations;
+
+use self::equations::{Condition, Locus};
+use super::branch::{Branch, Kind, Special};
+use super::conditions;
+use super::orbit::Orbit;
+use super::place::Family;
+use super::problem::Problem;
+use super::{switching, tree};
+use crate::branch::Label;
+use crate::curve::{axis, correct};
+use crate::locus::{LocusEnd, both_ways};
+use crate::obstacle::Obstacle;
+use crate::path::PathOptions;
+use nalgebra::DVector;
+use vibro_analysis::{Error, Result};
+
+/// Points along a branch to either side among which an orbit beside a special point is sought.
+const BESIDE: usize = 6;
+/// Distance from a special point beyond which an orbit is beside it, in units of the unknowns.
+const APART: f64 = 1e-4;
+/// Largest multiplier of an orbit that a table's start leads to again.
+const LEADS_BACK: f64 = 1e6;
+/// Points of a branch among which a special point is found again from an orbit beside it.
+const SHORT: usize = 60;
+/// Largest distance of a special point from where a table has it, in parts of the range.
+const FOUND: f64 = 1e-6;
+/// Value of a condition at a special point at which it ceases to hold.
+const CEASES: f64 = 1e-4;
+
+/// A point from which a curve over two parameters is followed.
+#[derive(Clone, Debug)]
+pub struct LocusStart {
+    /// Kind of all points of the curve, with the element that is meant.
+    pub special: Special,
+    problem: Problem,
+    u: DVector<f64>,
+}
+
+/// A point of a curve over two parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusPoint {
+    /// The two parameters, SI.
+    pub values: [f64; 2],
+    /// The orbit's period, s.
+    pub period: f64,
+    /// For Neimark-Sacker points the angle of the multipliers, rad.
+    pub angle: Option<f64>,
+    /// Type of end, if the point is one.
+    pub end: Option<LocusEnd>,
+}
+
+impl Branch {
+    /// The start of a curve from one of its points; `None` for a point that is not special, an end
+    /// of the range and an end of the following.
+    pub fn locus_start(&self, point: usize) -> Option<LocusStart> {
+        let at = self.points.get(point)?;
+        let special = at.special.clone()?;
+        let is_start = match special.kind {
+            Kind::As(label) => Label::STARTS.contains(&label),
+            Kind::Stick | Kind::Crossing => true,
+        };
+        is_start.then(|| LocusStart { special, problem: self.problem.clone(), u: at.u.clone() })
+    }
+
+    /// An orbit of the branch beside one of its points, to which a motion from its
+    /// [start](Orbit::start) leads again; `None` where there is none nearby.
+    pub fn beside(&self, point: usize) -> Option<Orbit> {
+        let at = &self.points.get(point)?.u;
+        let near = (1..=BESIDE).flat_map(|k| [point.checked_sub(k), Some(point + k)]).flatten();
+        let plain = near.filter_map(|k| self.points.get(k)).filter(|p| p.special.is_none());
+        plain
+            .filter(|p| (&p.u - at).norm() > APART)
+            .filter_map(|p| self.orbit(p))
+            .find(|orbit| orbit.is_certified() && orbit.spectral_radius() < LEADS_BACK)
+    }
+}
+
+impl LocusStart {
+    /// The special point of a branch over the first parameter that an orbit beside it leads to: of
+    /// a kind, and nearest to a value of the parameter. The family's machine has the orbit's value.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where the branch of the orbit has no such point at the value; as
+    /// [`branch`](tree::branch).
+    pub fn find(family: &Family, orbit: &Orbit, special: &Special, value: f64) -> Result<Self> {
+        let options = PathOptions { most_points: SHORT, ..PathOptions::default() };
+        let branch = tree::branch(family, orbit, &options)?;
+        let off = |k: &usize| (branch.points[*k].value - value).abs();
+        let own = |k: &usize| branch.points[*k].special.as_ref() == Some(special);
+        let found = (0..branch.points.len()).filter(own).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let start = found.filter(|k| off(k) <= FOUND * (family.range.1 - family.range.0));
+        start.and_then(|k| branch.locus_start(k)).ok_or_else(|| {
+            let Special { kind, element } = special;
+            let nearest = found.map_or(String::new(), |k| format!("; the nearest is at {}", branch.points[k].value));
+            let what = format!("{} {element}", kind.name());
+            let problem = format!(
+                "the branch has no point {} at {} = {value}{nearest}; allowed is a row of the table of this machine",
+                what.trim(),
+                family.parameter
+            );
+            Error::Described { problem }
+        })
+    }
+
+    /// The special point in the shortest word of its orbit, in which its curve is followed; at a touch
+    /// of a rigid stop in the shortest word that does not list it.
+    #[must_use]
+    pub fn shortest(&self) -> Self {
+        self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
+    }
+
+    /// The events of the orbit in words.
+    pub fn word(&self) -> String {
+        let place = self.problem.place(&self.u);
+        place.map_or_else(|_| String::new(), |place| self.problem.word.in_words(&place.assembly))
+    }
+
+    /// Number of the drive's common periods of the orbit; `None` for an autonomous machine.
+    pub fn periods(&self) -> Option<u32> {
+        self.problem.word.periods
+    }
+
+    /// The point in the shortest word of its orbit, with the condition of its curve. A touch of a rigid
+    /// stop stands in the word without it, where several words meet.
+    fn normal(&self) -> std::result::Result<(Self, Condition), Obstacle> {
+        let special = self.special.clone();
+        let Kind::As(
+            label @ (Label::Fold | Label::BranchPoint | Label::PeriodDoubling | Label::NeimarkSacker),
+        ) = special.kind
+        else {
+            let touch = self.touch()?;
+            let is_impact = matches!(touch, conditions::Condition::Rises { .. });
+            return Ok(match switching::other_side(&self.problem, &self.u, touch) {
+                Ok((problem, u, touch)) if is_impact => {
+                    (Self { special, problem, u }, Condition::Touch(touch))
+                }
+                _ => (self.clone(), Condition::Touch(touch)),
+            });
+        };
+        let (problem, u) = self.problem.reduced(&self.u)?;
+        let condition = Condition::of(label, &problem, &u)?;
+        Ok((Self { special, problem, u }, condition))
+    }
+
+    /// The condition that ceases to hold at the point.
+    fn touch(&self) -> std::result::Result<conditions::Condition, Obstacle> {
+        let place = self.problem.place(&self.u)?;
+        let all = self.problem.cycle(&place, &self.u)?.conditions(&place, &self.problem.word);
+        let own = all.into_iter().filter(|(condition, value)| {
+            let is_own = Special::of_condition(*condition, &self.problem.word, &place) == self.special;
+            is_own && value.abs() < CEASES && !matches!(condition, conditions::Condition::Together { .. })
+        });
+        // An orbit may touch a stop again and again where one of its impacts has no speed.
+        let is_other =
+            |condition: &conditions::Condition| !matches!(condition, conditions::Condition::Rises { .. });
+        let nearest =
+            own.min_by(|a, b| is_other(&a.0).cmp(&is_other(&b.0)).then(a.1.abs().total_cmp(&b.1.abs())));
+        nearest.map(|(condition, _)| condition).ok_or(Obstacle::NoConvergence)
+    }
+}
+
+/// The curve over two parameters on which an orbit has the special point of a start, in both
+/// directions from it. The first parameter is that of the start's branch.
+///
+/// # Errors
+/// As [`check_second`]; [`Error::Described`] where no such curve passes the start.
+pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
+    let first = start.problem.family.as_ref();
+    let held = check_second(first, second)?;
+    let refused = |problem: String| Error::Described { problem };
+    let failed = |obstacle: Obstacle| match obstacle {
+        Obstacle::Refused(error) => error,
+        _ => refused(format!(
+            "no curve over {} and {} passes this point: the equations have no solution beside it, as where orbits cross for this value alone",
+            first.parameter, second.parameter
+        )),
+    };
+    let (LocusStart { problem, u, .. }, condition) = start.normal().map_err(failed)?;
+    let locus = Locus::new([first.clone(), second.clone()], problem, condition);
+    let guess = locus.point(&u, held);
+    let last = guess.len() - 1;
+    let at = correct(&locus, &guess, &axis(guess.len(), last)).map_err(failed)?;
+    let found = both_ways(&locus, &at.u).map_err(failed)?;
+    found.into_iter().map(|(w, end)| locus.seen(&w, end).map_err(failed)).collect()
+}
+
+/// The present value of a second parameter, from which curves begin.
+///
+/// # Errors
+/// [`Error::Described`] where both parameters are one, and where the present value of the second
+/// lies outside its range.
+pub fn check_second(first: &Family, second: &Family) -> Result<f64> {
+    let name = &second.parameter;
+    let refused = |problem: String| Err(Error::Described { problem });
+    if first.parameter == *name {
+        return refused(format!("{name} twice: allowed are two parameters"));
+    }
+    let (held, (from, to)) = (second.present()?, second.range);
+    if !(from..=to).contains(&held) {
+        return refused(format!(
+            "{name} = {held}: curves begin here, so it must lie in the range {from} to {to}; --set gives it another value"
+        ));
+    }
+    Ok(held)
+}

@@ -1,0 +1,297 @@
+//! Equations of a curve over two parameters: those of the orbit, and a condition for the special
+//! point.
+
+use super::super::conditions;
+use super::super::cycle::Cycle;
+use super::super::orbit::Orbit;
+use super::super::path::doubling;
+use super::super::place::{Family, Place};
+use super::super::problem::{Problem, Residual};
+use super::LocusPoint;
+use crate::branch::Label;
+use crate::curve::{Equations, Linearization, slope};
+use crate::locus::{Border, LocusEnd, TwoParameters, smallness};
+use crate::obstacle::Obstacle;
+use crate::test_functions::{SignedLog, is_on_circle, pair_test};
+use nalgebra::{Complex, DMatrix, DVector};
+use std::sync::Arc;
+
+/// Step of the differences of the condition. It sets the speed of convergence and never the result.
+const DIFFERENCE: f64 = 1e-6;
+/// Value of a further condition at the end of a curve below which the end is its touch.
+const TOUCHES: f64 = 1e-4;
+/// Largest part of the unfolding of a crossing that is rounding, in units of the equations.
+const KEPT: f64 = 1e-7;
+
+/// Condition that holds along a curve.
+#[derive(Clone, Debug)]
+pub(super) enum Condition {
+    /// The equations are singular.
+    Fold(Border<f64>),
+    /// The equations are singular, the parameter's column among them, up to a multiple of the
+    /// border's left vector by which they are unfolded (G. Moore, The numerical treatment of
+    /// non-trivial bifurcation points, 1980). The multiple is an unknown: it is 0 where the two
+    /// parameters keep the crossing, as that of a symmetric orbit.
+    Crossing(Border<f64>),
+    /// A multiplier -1.
+    Doubling,
+    /// A pair of multipliers with the product 1.
+    Pair,
+    /// A condition of the orbit that just ceases to hold.
+    Touch(conditions::Condition),
+}
+
+impl Condition {
+    /// The condition of a bifurcation at a point.
+    pub fn of(label: Label, problem: &Problem, u: &DVector<f64>) -> Result<Self, Obstacle> {
+        let border = || {
+            let matrix = problem.residual(&problem.place(u)?, u, true)?.matrix;
+            matrix.and_then(Border::of).ok_or(Obstacle::NoConvergence)
+        };
+        Ok(match label {
+            Label::Fold => Self::Fold(border()?),
+            Label::BranchPoint => Self::Crossing(border()?),
+            Label::PeriodDoubling => Self::Doubling,
+            _ => Self::Pair,
+        })
+    }
+}
+
+/// Equations of a curve. A point holds the orbit's unknowns without the parameter, the unfolding of
+/// a crossing, and the two parameters.
+#[derive(Clone)]
+pub(super) struct Locus {
+    families: [Family; 2],
+    problem: Problem,
+    condition: Condition,
+}
+
+/// The machine and the orbit's equations at a point of a curve, over each parameter.
+struct At {
+    place: Place,
+    problems: [Problem; 2],
+    points: [DVector<f64>; 2],
+}
+
+impl Locus {
+    pub fn new(families: [Family; 2], problem: Problem, condition: Condition) -> Self {
+        Self { families, problem, condition }
+    }
+
+    fn n(&self) -> usize {
+        self.problem.size()
+    }
+
+    /// Whether a condition is the touch that defines the curve.
+    fn is_own(&self, condition: &conditions::Condition) -> bool {
+        matches!(&self.condition, Condition::Touch(own) if own == condition)
+    }
+
+    fn unfolds(&self) -> bool {
+        matches!(self.condition, Condition::Crossing(_))
+    }
+
+    /// The point of an orbit with a value of the second parameter.
+    pub fn point(&self, u: &DVector<f64>, second: f64) -> DVector<f64> {
+        let n = self.n();
+        let unfolding = self.unfolds().then_some(0.0);
+        let parameters = [u[n], second / self.families[1].unit()];
+        let all = u.as_slice()[..n].iter().copied().chain(unfolding).chain(parameters);
+        DVector::from_vec(all.collect())
+    }
+
+    /// Both parameters at a point, SI.
+    fn values(&self, w: &DVector<f64>) -> [f64; 2] {
+        let last = w.len() - 1;
+        [w[last - 1] * self.families[0].unit(), w[last] * self.families[1].unit()]
+    }
+
+    fn at(&self, w: &DVector<f64>) -> Result<At, Obstacle> {
+        let values = self.values(w);
+        let over = |k: usize| -> Result<Problem, Obstacle> {
+            let machine = self.families[1 - k].at(values[1 - k])?;
+            let family = Arc::new(Family { machine, ..self.families[k].clone() });
+            Ok(Problem { family, ..self.problem.clone() })
+        };
+        let problems = [over(0)?, over(1)?];
+        let place = problems[0].family.place(values[0])?;
+        let own = &w.as_slice()[..self.n()];
+        let point = |k: usize| {
+            let parameter = values[k] / self.families[k].unit();
+            DVector::from_iterator(self.n() + 1, own.iter().copied().chain([parameter]))
+        };
+        Ok(At { place, problems, points: [point(0), point(1)] })
+    }
+
+    /// The orbit of a point.
+    fn orbit(&self, w: &DVector<f64>) -> Result<Orbit, Obstacle> {
+        let At { place, problems: [problem, _], points: [u, _] } = self.at(w)?;
+        Orbit::at(problem, place, u)
+    }
+
+    /// The point as others see it.
+    pub fn seen(&self, w: &DVector<f64>, end: Option<LocusEnd>) -> Result<LocusPoint, Obstacle> {
+        let orbit = self.orbit(w)?;
+        let angle = matches!(self.condition, Condition::Pair).then(|| angle(orbit.multipliers())).flatten();
+        Ok(LocusPoint { values: self.values(w), period: orbit.period(), angle, end })
+    }
+
+    /// Values of the condition at a point.
+    fn tests(&self, w: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
+        let at = self.at(w)?;
+        let At { place, problems: [problem, _], points: [u, _] } = at;
+        let found = match &self.condition {
+            Condition::Doubling => Some(vec![doubling(Orbit::at(problem, place, u)?.multipliers())]),
+            Condition::Pair => {
+                let test = pair_test(Orbit::at(problem, place, u)?.multipliers());
+                Some(vec![test.relative_to(SignedLog { sign: 1.0, log: 0.0 })])
+            }
+            Condition::Touch(condition) => {
+                let cycle = problem.cycle(&place, &u)?;
+                cycle.value_of(*condition, &place, &problem.word).map(|value| vec![value])
+            }
+            Condition::Fold(border) => {
+                let matrix = problem.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
+                smallness(&matrix, border).map(|g| vec![g])
+            }
+            Condition::Crossing(border) => {
+                let Residual { matrix, cycle, .. } = problem.residual(&place, &u, true)?;
+                let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
+                let column = problem.by_parameter((&place, &u), &cycle, &matrix)?;
+                crossing(&matrix, &column, border)
+            }
+        };
+        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
+    }
+
+    /// The columns of both parameters.
+    fn columns(&self, at: &At, cycle: &Cycle, matrix: &DMatrix<f64>) -> Result<[DVector<f64>; 2], Obstacle> {
+        let column = |k: usize| at.problems[k].by_parameter((&at.place, &at.points[k]), cycle, matrix);
+        Ok([column(0)?, column(1)?])
+    }
+}
+
+/// The bordered measure of a matrix, and the product of the parameter's column with its left vector.
+fn crossing(matrix: &DMatrix<f64>, column: &DVector<f64>, border: &Border<f64>) -> Option<Vec<f64>> {
+    let turned = Border { left: border.right.clone(), right: border.left.clone() };
+    let n = matrix.nrows();
+    let mut whole = matrix.transpose().resize(n + 1, n + 1, 0.0);
+    whole.view_mut((0, n), (n, 1)).copy_from(&turned.left);
+    whole.view_mut((n, 0), (1, n)).copy_from(&turned.right.transpose());
+    let mut right = DVector::zeros(n + 1);
+    right[n] = 1.0;
+    let found = whole.lu().solve(&right)?;
+    Some(vec![found[n], found.rows(0, n).dot(column)])
+}
+
+/// The angle, rad, of the complex pair that is nearest to the unit circle.
+fn angle(multipliers: &[Complex<f64>]) -> Option<f64> {
+    let pairs = multipliers.iter().filter(|m| m.im > 0.0);
+    let off = |m: &Complex<f64>| (m.norm() - 1.0).abs();
+    pairs.min_by(|a, b| off(a).total_cmp(&off(b))).map(|m| m.arg())
+}
+
+impl Equations for Locus {
+    fn linearize(&self, w: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let (n, columns) = (self.n(), w.len());
+        let at = self.at(w)?;
+        let Residual { value, matrix, cycle } = at.problems[0].residual(&at.place, &at.points[0], true)?;
+        let by_unknowns = matrix.ok_or(Obstacle::NoConvergence)?;
+        let mut whole = DMatrix::zeros(columns - 1, columns);
+        whole.view_mut((0, 0), (n, n)).copy_from(&by_unknowns);
+        let mut all = DVector::zeros(columns - 1);
+        all.rows_mut(0, n).copy_from(&value);
+        if let Condition::Crossing(border) = &self.condition {
+            all.rows_mut(0, n).axpy(w[n], &border.left, 1.0);
+            whole.view_mut((0, n), (n, 1)).copy_from(&border.left);
+        }
+        self.tests(w)?.iter().enumerate().for_each(|(i, test)| all[n + i] = *test);
+        if let Some(known) = known {
+            let rows = columns - 1 - n;
+            whole.view_mut((0, columns - 2), (n, 2)).copy_from(&known.view((0, columns - 2), (n, 2)));
+            whole.rows_mut(n, rows).copy_from(&known.rows(n, rows));
+            return Ok(Linearization { value: all, matrix: whole });
+        }
+        for (k, column) in self.columns(&at, &cycle, &by_unknowns)?.iter().enumerate() {
+            whole.view_mut((0, columns - 2 + k), (n, 1)).copy_from(column);
+        }
+        for k in (0..columns).filter(|k| *k != n || !self.unfolds()) {
+            let moved = |by: f64| {
+                let mut moved = w.clone();
+                moved[k] += by;
+                self.tests(&moved)
+            };
+            let column = slope(DIFFERENCE, moved)?;
+            whole.view_mut((n, k), (column.len(), 1)).copy_from(&column);
+        }
+        Ok(Linearization { value: all, matrix: whole })
+    }
+
+    fn rounding(&self) -> f64 {
+        self.problem.rounding()
+    }
+
+    fn stalled(&self) -> f64 {
+        self.problem.stalled()
+    }
+}
+
+impl TwoParameters for Locus {
+    fn range(&self, k: usize) -> (f64, f64) {
+        let family = &self.families[k];
+        (family.range.0 / family.unit(), family.range.1 / family.unit())
+    }
+
+    fn is_orbit(&self, w: &DVector<f64>) -> Result<bool, Obstacle> {
+        let orbit = self.orbit(w)?;
+        let is_kept = !self.unfolds() || w[self.n()].abs() < KEPT;
+        let holds = |(condition, value): &(conditions::Condition, f64)| {
+            self.is_own(condition) || !condition.fails(*value)
+        };
+        Ok(is_kept && orbit.conditions().iter().all(holds))
+    }
+
+    fn adapt(&mut self, w: &DVector<f64>) {
+        let Ok(At { place, problems: [problem, _], points: [u, _] }) = self.at(w) else { return };
+        let border = || problem.residual(&place, &u, true).ok()?.matrix.and_then(Border::of);
+        let adapted = match &self.condition {
+            Condition::Fold(_) => border().map(Condition::Fold),
+            Condition::Crossing(_) => border().map(Condition::Crossing),
+            Condition::Doubling | Condition::Pair | Condition::Touch(_) => None,
+        };
+        if let Some(adapted) = adapted {
+            self.condition = adapted;
+        }
+    }
+
+    fn passed(&self, w: &DVector<f64>) -> Option<LocusEnd> {
+        if !matches!(self.condition, Condition::Pair) {
+            return None;
+        }
+        // Beyond a resonance the pair is two real multipliers, each the other's inverse.
+        let orbit = self.orbit(w).ok()?;
+        if is_on_circle(orbit.multipliers()) {
+            return None;
+        }
+        let largest = orbit.multipliers().iter().filter(|m| m.im == 0.0).map(|m| m.re);
+        let sum: f64 = largest.fold(0.0, |most, re| if re.abs() > f64::abs(most) { re } else { most });
+        Some(LocusEnd::Resonance(if sum < 0.0 { -1 } else { 1 }))
+    }
+
+    fn near_end(&self, w: &DVector<f64>) -> Option<LocusEnd> {
+        let orbit = self.orbit(w).ok()?;
+        let touches = |(condition, value): &(conditions::Condition, f64)| match condition {
+            conditions::Condition::Together { .. } => false,
+            // Near a touch the speed of an impact is a square root.
+            conditions::Condition::Rises { .. } => *value < TOUCHES.sqrt(),
+            _ => *value < TOUCHES,
+        };
+        if orbit.conditions().iter().any(|at| !self.is_own(&at.0) && touches(at)) {
+            return Some(LocusEnd::Touch);
+        }
+        matches!(self.condition, Condition::Pair)
+            .then(|| angle(orbit.multipliers()))
+            .flatten()
+            .and_then(LocusEnd::resonance)
+    }
+}
