@@ -10,6 +10,7 @@ use fmi_doors::Base;
 use fmi_doors::description::{
     self, Capabilities, Causality, CoSimulation, Description, Kind, ModelExchange, Variability, Variable,
 };
+use vibro_assembly::system::StopRows;
 
 impl Plan {
     /// The model description of this machine.
@@ -17,7 +18,8 @@ impl Plan {
         let machine = &self.assembly.description;
         let declared =
             || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
-        let types = declared().map(Declared::declared_type).chain(units::enumerations()).collect();
+        let rebounds = self.assembly.system().stops.iter().any(StopRows::may_rebound);
+        let types = declared().map(Declared::declared_type).chain(units::enumerations(rebounds)).collect();
         let structure = Structure::new(self);
         let outputs = of_roles(self, &[Role::Output, Role::Discrete]);
         let derivatives: Vec<_> = self.states(1).chain(self.states(2)).collect();

@@ -94,13 +94,14 @@ impl Declared {
 }
 
 /// Names and descriptions of the states of stops; the value is the place, counted from 1.
-const STOP_STATES: [(&str, &str); 6] = [
+const STOP_STATES: [(&str, &str); 7] = [
     ("Open", "A rigid stop that does not touch"),
     ("Closed", "A rigid stop that is kept at its gap"),
     ("Below", "A compliant stop that does not touch"),
     ("Pressed", "A compliant stop with its spring's and its dashpot's force"),
     ("Free", "A compliant stop beyond its gap whose force would pull: there is none"),
     ("Capped", "A compliant stop whose dashpot's share is as large as its spring's"),
+    ("Rebounding", "A compliant stop that rebounds with its spring's force alone"),
 ];
 
 /// Names and descriptions of the states of frictions; the value is the place, counted from 1.
@@ -120,6 +121,7 @@ pub(crate) fn stop_state(state: StopState) -> f64 {
         StopState::Pressed => 4.0,
         StopState::Free => 5.0,
         StopState::Capped => 6.0,
+        StopState::Rebounding => 7.0,
     }
 }
 
@@ -138,8 +140,9 @@ pub(crate) const STOP_STATE: &str = "StopState";
 /// Type name of the states of frictions.
 pub(crate) const FRICTION_STATE: &str = "FrictionState";
 
-/// The declared enumeration types.
-pub(crate) fn enumerations() -> [Type; 2] {
+/// The declared enumeration types. The last state of a stop is declared where a stop may have it.
+pub(crate) fn enumerations(rebounds: bool) -> [Type; 2] {
+    let states = if rebounds { &STOP_STATES[..] } else { &STOP_STATES[..STOP_STATES.len() - 1] };
     let items = |states: &[(&'static str, &'static str)]| {
         let item = |(i, (name, text)): (usize, &(&'static str, &'static str))| Item {
             name: (*name).into(),
@@ -149,7 +152,7 @@ pub(crate) fn enumerations() -> [Type; 2] {
         TypeKind::Enumeration(states.iter().enumerate().map(item).collect())
     };
     [
-        Type { name: STOP_STATE.into(), description: "State of a stop".into(), kind: items(&STOP_STATES) },
+        Type { name: STOP_STATE.into(), description: "State of a stop".into(), kind: items(states) },
         Type {
             name: FRICTION_STATE.into(),
             description: "State of a friction".into(),
@@ -166,7 +169,7 @@ mod tests {
     /// The engine's own names of its states, and whose they are.
     #[test]
     fn invariant_the_value_of_a_state_is_the_place_of_its_name() {
-        let [stops, frictions] = enumerations().map(|declared| match declared.kind {
+        let [stops, frictions] = enumerations(true).map(|declared| match declared.kind {
             TypeKind::Enumeration(items) => items,
             _ => panic!("{}", declared.name),
         });
@@ -175,8 +178,8 @@ mod tests {
             assert_eq!(found.len(), 1, "{value}");
             found[0].name.to_string()
         };
-        use StopState::{Below, Capped, Closed, Free, Open, Pressed};
-        for state in [Open, Closed, Below, Pressed, Free, Capped] {
+        use StopState::{Below, Capped, Closed, Free, Open, Pressed, Rebounding};
+        for state in [Open, Closed, Below, Pressed, Free, Capped, Rebounding] {
             assert_eq!(name(&stops, stop_state(state)), format!("{state:?}"));
         }
         use FrictionState::{Down, HeldDown, HeldUp, Off, Stuck, Up};
@@ -190,7 +193,7 @@ mod tests {
         ] {
             assert_eq!(name(&frictions, friction_state(state)), expected);
         }
-        assert_eq!((stops.len(), frictions.len()), (6, 4));
+        assert_eq!((stops.len(), frictions.len()), (7, 4));
     }
 
     #[test]

@@ -65,9 +65,12 @@ impl Assembly {
     /// Dotted name of the element of a watched functional, such as `stop.NAME`.
     pub(crate) fn name_of(&self, watch: Watch) -> String {
         match watch {
-            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-                self.name_of_stop(i)
-            }
+            Watch::Meets(i)
+            | Watch::Opens(i)
+            | Watch::Presses(i)
+            | Watch::Changes(i)
+            | Watch::Leaves(i)
+            | Watch::Turns(i) => self.name_of_stop(i),
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.name_of_friction(i),
         }
     }

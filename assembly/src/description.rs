@@ -153,18 +153,18 @@ pub enum StopLaw {
         /// Restitution coefficient, from 0 to 1: separation speed over closing speed.
         restitution: f64,
     },
-    /// While e is beyond the gap a spring and a dashpot resist it, and never pull.
+    /// While e is beyond the gap a spring and a dashpot act.
     Compliant {
         /// N/m or N m/rad, not negative.
         stiffness: f64,
         /// N s/m or N m s/rad, not negative.
         damping: f64,
-        /// Limit of the force.
+        /// What the dashpot's force is limited to.
         limit: DampingLimit,
     },
 }
 
-/// The limit of a compliant stop's force.
+/// The limit of a compliant stop's dashpot (docs/assembly-law.md (A13)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DampingLimit {
     /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.
@@ -172,6 +172,11 @@ pub enum DampingLimit {
     /// The dashpot's force is at most the spring's in size, so that f lies between 0 and 2
     /// stiffness (e - gap): the law of the Modelica Standard Library's `ElastoGap`.
     Elastogap,
+    /// None: f = stiffness (e - gap) + damping e', of any sign. The force jumps where e comes to the
+    /// gap and where it leaves it.
+    Pull,
+    /// The dashpot acts only while e grows: f = stiffness (e - gap) + damping max(0, e').
+    UndampedRebound,
 }
 
 /// Coulomb friction that resists e': its force has the size `force` while it slips, and at most

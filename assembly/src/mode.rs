@@ -97,7 +97,7 @@ pub enum Watch {
     Presses(usize),
     /// The force of a compliant stop falls to zero, rises from it, or meets or leaves its cap.
     Changes(usize),
-    /// A compliant stop that is free or capped is left: e falls to the gap.
+    /// A compliant stop whose force need not vanish there is left: e falls to the gap.
     Leaves(usize),
     /// The rate of a slipping friction reaches zero.
     Stops(usize),
@@ -105,15 +105,20 @@ pub enum Watch {
     Slips(usize, bool),
     /// The level of a friction passes zero.
     Level(usize),
+    /// e' of a compliant stop with the law `undamped-rebound` passes zero beyond its gap.
+    Turns(usize),
 }
 
 impl Watch {
     /// The contact whose functional it is.
     pub fn contact(self) -> Contact {
         match self {
-            Self::Meets(i) | Self::Opens(i) | Self::Presses(i) | Self::Changes(i) | Self::Leaves(i) => {
-                Contact::Stop(i)
-            }
+            Self::Meets(i)
+            | Self::Opens(i)
+            | Self::Presses(i)
+            | Self::Changes(i)
+            | Self::Leaves(i)
+            | Self::Turns(i) => Contact::Stop(i),
             Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => Contact::Friction(i),
         }
     }
@@ -154,6 +159,7 @@ impl System {
         match state {
             StopState::Pressed => Some(self.stops[i].force.at(z)),
             StopState::Capped => Some(2.0 * self.stops[i].spring.at(z)),
+            StopState::Rebounding => Some(self.stops[i].spring.at(z)),
             _ => None,
         }
     }

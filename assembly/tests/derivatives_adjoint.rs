@@ -7,6 +7,8 @@ use vibro_assembly::{Assembly, Description, Differentiated, file};
 
 /// Machines whose motions are known in 50 digits (tests/second_method.rs).
 const MACHINES: &str = include_str!("data/motions.txt");
+/// A machine with elements whose force has further pieces.
+const LAWS: &str = include_str!("data/laws.toml");
 /// Examples with links, prescribed bodies and static levels, and until when they are followed.
 const EXAMPLES: [(&str, f64); 5] = [
     ("msl_coupled_clutches", 1.3),
@@ -27,6 +29,8 @@ fn machines() -> impl Iterator<Item = (String, Description, f64)> {
         (name.to_owned(), file::parse(&toml, name, &file::no_records).unwrap(), 0.6)
     });
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/assembly");
+    let laws = file::parse(LAWS, "laws.toml", &file::no_records).unwrap();
+    let random = random.chain([("laws".to_owned(), laws, 0.7)]);
     random.chain(EXAMPLES.into_iter().map(move |(name, end)| {
         (name.to_owned(), file::read(&folder.join(name).with_extension("toml")).unwrap(), end)
     }))

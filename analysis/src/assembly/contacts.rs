@@ -179,7 +179,8 @@ impl ContactRecorder {
 
 /// Whether a stop has force in a state.
 fn holds(state: StopState) -> bool {
-    matches!(state, StopState::Closed | StopState::Pressed | StopState::Capped)
+    use StopState::{Capped, Closed, Pressed, Rebounding};
+    matches!(state, Closed | Pressed | Capped | Rebounding)
 }
 
 impl StopContact {

@@ -218,7 +218,9 @@ impl Crossing<'_> {
         let is_kept = is_due || self.before.mode.mode.contacts().any(|held| held == contact);
         match watch {
             // A rate that has come to zero at this instant, too, leaves it again.
-            Watch::Stops(_) => is_kept || self.together.iter().any(|own| own.0.contact() == contact),
+            Watch::Stops(_) | Watch::Turns(_) => {
+                is_kept || self.together.iter().any(|own| own.0.contact() == contact)
+            }
             Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) => is_kept,
             _ => false,
         }

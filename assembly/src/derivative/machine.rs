@@ -329,6 +329,7 @@ impl Machine {
         match watch {
             Watch::Meets(_) => true,
             Watch::Presses(_) => !self.is_smooth(watch),
+            Watch::Leaves(i) => !self.system.stops[i].is_limited() && !self.is_smooth(watch),
             _ => self.is_sharp(watch),
         }
     }
@@ -351,12 +352,12 @@ impl Machine {
     }
 
     /// Whether the force is continuous where this functional passes zero: that of a stop without
-    /// damping.
+    /// damping, or without it there.
     pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
-            Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-                self.system.stops[i].force == self.system.stops[i].spring
-            }
+            Watch::Turns(_) => true,
+            Watch::Leaves(i) if self.system.stops[i].may_rebound() => true,
+            Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => !self.system.stops[i].is_damped(),
             _ => false,
         }
     }

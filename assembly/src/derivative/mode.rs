@@ -211,6 +211,10 @@ impl VariedMode {
                     _ => cap,
                 }
             }
+            Watch::Turns(i) => {
+                let sign = if self.mode.stops[i] == StopState::Rebounding { 1.0 } else { -1.0 };
+                sign * &tangent.stops[i].elongation.rate
+            }
             Watch::Stops(i) => -self.mode.frictions[i].direction() * &tangent.frictions[i].elongation.rate,
             Watch::Slips(i, up) => {
                 let sign = if up { 1.0 } else { -1.0 };

@@ -115,6 +115,7 @@ impl Weights {
         match state {
             StopState::Pressed => self.stops[i].force.axpy(factor, row, 1.0),
             StopState::Capped => self.stops[i].spring.axpy(2.0 * factor, row, 1.0),
+            StopState::Rebounding => self.stops[i].spring.axpy(factor, row, 1.0),
             _ => {}
         }
     }
@@ -151,6 +152,10 @@ impl Weights {
                 };
                 self.stops[i].force.axpy(force, z, 1.0);
                 self.stops[i].spring.axpy(spring, z, 1.0);
+            }
+            Watch::Turns(i) => {
+                let factor = if mode.mode.stops[i] == StopState::Rebounding { factor } else { -factor };
+                self.stops[i].elongation.rate.axpy(factor, z, 1.0);
             }
             Watch::Stops(i) => {
                 let factor = -mode.mode.frictions[i].direction() * factor;

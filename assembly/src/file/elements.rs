@@ -113,8 +113,11 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
         Some(entry) => match entry.value.as_str() {
             Some("no-pull") => Some(DampingLimit::NoPull),
             Some("elastogap") => Some(DampingLimit::Elastogap),
+            Some("pull") => Some(DampingLimit::Pull),
+            Some("undamped-rebound") => Some(DampingLimit::UndampedRebound),
             _ => {
-                reading.refuse(&entry, "allowed is \"no-pull\" or \"elastogap\"");
+                let text = "allowed is \"no-pull\", \"elastogap\", \"pull\" or \"undamped-rebound\"";
+                reading.refuse(&entry, text);
                 None
             }
         },

@@ -151,6 +151,8 @@ impl Writing<'_> {
                 let law = match limit {
                     DampingLimit::NoPull => "no-pull",
                     DampingLimit::Elastogap => "elastogap",
+                    DampingLimit::Pull => "pull",
+                    DampingLimit::UndampedRebound => "undamped-rebound",
                 };
                 line!(text, "law = {law:?}");
             }

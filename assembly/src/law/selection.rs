@@ -44,6 +44,9 @@ enum Stop {
     AtLimit(StopState, StopState),
     /// An `ElastoGap` so near to its edge that its force is zero and at its cap within rounding.
     AtLimits,
+    /// A compliant stop beyond its gap with e' = 0, whose dashpot acts only while e grows, and zero
+    /// derivatives up to the present order.
+    Turning,
 }
 
 /// Verdict on a friction so far.
@@ -200,6 +203,13 @@ impl<'a> Selection<'a> {
                         self.stops[i] = Stop::Is(if sign > 0.0 { above } else { below });
                     }
                 }
+                Stop::Turning if order > 0 => {
+                    let sign = self.sign(&stop.elongation.rate, order);
+                    if sign != 0.0 {
+                        let state = if sign > 0.0 { StopState::Pressed } else { StopState::Rebounding };
+                        self.stops[i] = Stop::Is(state);
+                    }
+                }
                 Stop::AtLimits if order > 0 => {
                     let beyond = self.sign(&(&*stop.force - 2.0 * &*stop.spring), order);
                     let force = self.sign(&stop.force, order);
@@ -225,7 +235,7 @@ impl<'a> Selection<'a> {
             Stop::Touching => StopState::Closed,
             Stop::AtEdge => StopState::Below,
             Stop::AtLimit(_, below) => below,
-            Stop::AtLimits => StopState::Pressed,
+            Stop::AtLimits | Stop::Turning => StopState::Pressed,
         });
         let frictions = self.frictions.iter().map(|f| match *f {
             Friction::Is(state) => state,

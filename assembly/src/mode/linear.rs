@@ -97,7 +97,9 @@ impl System {
     /// compliant stops that act.
     fn elastic(&self, mode: &Mode, held: &Held, terms: Option<SplitTerms>) -> Option<Elastic> {
         let springs = self.stiff_springs.iter().map(|&i| &self.springs[i].elongation);
-        let acts = |i: &usize| matches!(mode.stops[*i], StopState::Pressed | StopState::Capped);
+        let acts = |i: &usize| {
+            matches!(mode.stops[*i], StopState::Pressed | StopState::Capped | StopState::Rebounding)
+        };
         let pressed: Vec<usize> = (0..mode.stops.len()).filter(acts).collect();
         let stops = pressed.iter().map(|&i| &self.stops[i].elongation);
         let elongations: Vec<&Elongation> = springs.chain(stops).collect();
@@ -165,23 +167,26 @@ impl System {
     /// Functionals that are watched for a stop in a state, without the force of a closed stop.
     pub(crate) fn watched_of_stop(&self, i: usize, state: StopState) -> Vec<(Watch, StateRow)> {
         let stop = &self.stops[i];
-        let damped = stop.force != stop.spring;
+        let damped = stop.is_damped();
+        let leaves = || (Watch::Leaves(i), -&*stop.excess);
         match state {
             StopState::Open => vec![(Watch::Meets(i), (*stop.excess).clone())],
             StopState::Closed => Vec::new(),
             StopState::Below => vec![(Watch::Presses(i), (*stop.excess).clone())],
+            StopState::Pressed if stop.turns() => vec![(Watch::Turns(i), -&*stop.elongation.rate)],
+            StopState::Pressed if !stop.is_limited() => vec![leaves()],
             StopState::Pressed => {
                 let cap = (stop.is_elastogap() && damped)
                     .then(|| (Watch::Changes(i), &*stop.force - 2.0 * &*stop.spring));
                 std::iter::once((Watch::Changes(i), -&*stop.force)).chain(cap).collect()
             }
             StopState::Free => {
-                vec![(Watch::Changes(i), (*stop.force).clone()), (Watch::Leaves(i), -&*stop.excess)]
+                vec![(Watch::Changes(i), (*stop.force).clone()), leaves()]
             }
-            StopState::Capped => vec![
-                (Watch::Changes(i), 2.0 * &*stop.spring - &*stop.force),
-                (Watch::Leaves(i), -&*stop.excess),
-            ],
+            StopState::Capped => vec![(Watch::Changes(i), 2.0 * &*stop.spring - &*stop.force), leaves()],
+            StopState::Rebounding => {
+                vec![(Watch::Turns(i), (*stop.elongation.rate).clone()), leaves()]
+            }
         }
     }
 

@@ -19,6 +19,8 @@ pub enum StopState {
     /// An `ElastoGap` whose dashpot's force is limited to its spring's: the force is 2 stiffness (e
     /// - gap).
     Capped,
+    /// A stop with the law `undamped-rebound` whose e falls: its spring's force alone.
+    Rebounding,
 }
 
 impl StopState {
@@ -28,13 +30,14 @@ impl StopState {
         match self {
             Self::Pressed => Some(linear.clone()),
             Self::Capped => Some(2.0 * spring),
+            Self::Rebounding => Some(spring.clone()),
             Self::Open | Self::Closed | Self::Below | Self::Free => None,
         }
     }
 
     /// Whether it is a compliant stop with e beyond the gap.
     pub fn is_inside(self) -> bool {
-        matches!(self, Self::Pressed | Self::Free | Self::Capped)
+        matches!(self, Self::Pressed | Self::Free | Self::Capped | Self::Rebounding)
     }
 }
 

@@ -177,6 +177,7 @@ impl Motion {
                 Watch::Meets(i) => flags.stops[i] = true,
                 Watch::Stops(i) => flags.resting[i] = true,
                 Watch::Presses(i) | Watch::Leaves(i) => flags.edges[i] = true,
+                Watch::Turns(i) => flags.limits[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
                     // A cap is met only on the way in, however near the edge: at its edge the stop

@@ -73,6 +73,7 @@ impl System {
                 self.first_indicator_of_stop(i)
             }
             Watch::Changes(i) => self.first_indicator_of_stop(i) + usize::from(!second),
+            Watch::Turns(i) => self.first_indicator_of_stop(i) + 1,
             // One indicator serves both: a friction either slips or sticks.
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,

@@ -60,6 +60,13 @@ impl Motion {
                     },
                 )
             }
+            Watch::Turns(i) => stop(
+                i,
+                match hybrid.mode.stops[i] {
+                    StopState::Pressed => StopState::Rebounding,
+                    _ => StopState::Pressed,
+                },
+            ),
             Watch::Stops(i) if !others_are_static(i) => {
                 let (friction, stuck) =
                     (&system.frictions[i], ElementState::Friction(i, FrictionState::Stuck));

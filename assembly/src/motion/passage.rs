@@ -27,7 +27,7 @@
 use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
 use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, TERMS, head_of};
-use crate::mode::Watch;
+use crate::mode::{StopState, Watch};
 use vibro_impact::events::{crossing_after_start, first_crossing};
 
 /// A span is halved while the bound of a stop's travel exceeds this many times its largest size so
@@ -129,7 +129,7 @@ impl PassageSearch<'_> {
     #[inline(always)]
     pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
-            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_)
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_)
                 if self.is_unwatched(place) =>
             {
                 f64::INFINITY
@@ -385,7 +385,11 @@ impl PassageSearch<'_> {
         let turns = match w.watch {
             Watch::Meets(_) | Watch::Level(_) => true,
             Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) => turns_round(begin, c, zero),
-            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) => false,
+            // The force of a pressed stop that may pull jumps where it is left.
+            Watch::Leaves(i) if self.hybrid.mode.stops[i] == StopState::Pressed => {
+                turns_round(begin, c, zero)
+            }
+            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_) => false,
         };
         let lower = begin - zero;
         // Most functionals are beyond at the end: they have passed.

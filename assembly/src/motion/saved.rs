@@ -28,9 +28,12 @@ impl Hybrid {
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let known = |watch: &Watch| match *watch {
-            Watch::Meets(i) | Watch::Opens(i) | Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
-                i < stops
-            }
+            Watch::Meets(i)
+            | Watch::Opens(i)
+            | Watch::Presses(i)
+            | Watch::Changes(i)
+            | Watch::Leaves(i)
+            | Watch::Turns(i) => i < stops,
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => i < frictions,
         };
         let there = |contact: &Contact| match *contact {
@@ -39,7 +42,12 @@ impl Hybrid {
         };
         let of_its_law = self.mode.stops.iter().zip(&system.stops).all(|(state, stop)| {
             let rigid = matches!(state, StopState::Open | StopState::Closed);
-            rigid == matches!(stop.law, StopLaw::Rigid { .. })
+            let law = match state {
+                StopState::Free | StopState::Capped => stop.is_limited(),
+                StopState::Rebounding => stop.may_rebound(),
+                _ => true,
+            };
+            rigid == matches!(stop.law, StopLaw::Rigid { .. }) && law
         });
         let due = match &self.due {
             Some(Due::Passage(watch)) => known(watch),

@@ -5,7 +5,7 @@
 use super::Motion;
 use super::passage::{PassageSearch, StepPoint, shortened};
 use crate::flow::Ahead;
-use crate::mode::Watch;
+use crate::mode::{StopState, Watch};
 use vibro_impact::events::turns;
 
 /// Multiples of what counts as zero within which a turning point is a touch.
@@ -100,8 +100,11 @@ impl PassageSearch<'_> {
     /// Whether a touch of a functional could matter.
     fn may_touch(&self, place: usize) -> bool {
         let watch = self.table.watched[place].watch;
-        let is_met =
-            matches!(watch, Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Slips(..));
+        let is_met = match watch {
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Stops(_) | Watch::Slips(..) => true,
+            Watch::Leaves(i) => self.hybrid.mode.stops[i] == StopState::Pressed,
+            _ => false,
+        };
         is_met && !self.is_unwatched(place)
     }
 

@@ -34,8 +34,9 @@ impl Motion {
     /// A stop's elongation, its rate and its force.
     pub fn stop(&self, i: usize) -> [f64; 3] {
         let [e, rate, force] = self.stop_varied(i);
-        // The force is never a pull, by (A13); where it vanishes, rounding has either sign.
-        [e, rate, force.max(0.0)]
+        // Of most stops the force is never a pull, by (A13); where it vanishes, rounding has either
+        // sign.
+        [e, rate, if self.assembly.system.stops[i].may_pull() { force } else { force.max(0.0) }]
     }
 
     /// A stop's elongation, its rate and its force as linear functions of the state, so that the

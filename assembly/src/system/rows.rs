@@ -138,7 +138,32 @@ impl StopRows {
     /// The state of a compliant stop just after it closes with speed: an `ElastoGap`'s dashpot
     /// starts at its limit.
     pub fn entered(&self) -> StopState {
-        if self.is_elastogap() && self.force != self.spring { StopState::Capped } else { StopState::Pressed }
+        if self.is_elastogap() && self.is_damped() { StopState::Capped } else { StopState::Pressed }
+    }
+
+    /// Whether it has a dashpot.
+    pub fn is_damped(&self) -> bool {
+        self.force != self.spring
+    }
+
+    /// Whether its force has a limit that is a multiple of its spring's.
+    pub fn is_limited(&self) -> bool {
+        matches!(self.law, StopLaw::Compliant { limit: DampingLimit::NoPull | DampingLimit::Elastogap, .. })
+    }
+
+    /// Whether its dashpot acts only while e grows.
+    pub fn turns(&self) -> bool {
+        self.is_damped() && self.may_rebound()
+    }
+
+    /// Whether its force may be negative.
+    pub fn may_pull(&self) -> bool {
+        matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Pull, .. })
+    }
+
+    /// Whether its law is that of stops without a dashpot in the rebound.
+    pub fn may_rebound(&self) -> bool {
+        matches!(self.law, StopLaw::Compliant { limit: DampingLimit::UndampedRebound, .. })
     }
 
     /// Whether the dashpot's force is limited as in an `ElastoGap`.

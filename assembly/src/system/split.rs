@@ -26,12 +26,12 @@ pub struct Split {
     pub base: Arc<SparseMatrix>,
     /// Stiff springs.
     stiff: Vec<Term>,
-    /// By stop, pressed and at its cap.
+    /// By stop, pressed, and at its cap or rebounding.
     stops: Vec<[Term; 2]>,
     /// By friction, in the states of [`LEVELS`].
     frictions: Vec<[Term; 4]>,
     /// By stop and state what is watched.
-    watched_stops: Vec<[Vec<Known>; 6]>,
+    watched_stops: Vec<[Vec<Known>; STATES.len()]>,
     /// By friction what is watched where it is off, slips upwards and downwards, and sticks.
     watched_frictions: Vec<[Vec<Known>; 4]>,
     norm: Norm,
@@ -56,13 +56,14 @@ const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
 /// The places of the states in [`Split::watched_stops`].
-const STATES: [StopState; 6] = [
+const STATES: [StopState; 7] = [
     StopState::Open,
     StopState::Closed,
     StopState::Below,
     StopState::Pressed,
     StopState::Free,
     StopState::Capped,
+    StopState::Rebounding,
 ];
 
 fn place_of(state: StopState) -> usize {
@@ -87,7 +88,8 @@ impl Split {
         let stiff = system.stiff_springs.iter().map(|&i| &system.springs[i]);
         let stiff: Vec<Term> = stiff.map(|s| term(s.force.clone(), &s.elongation)).collect();
         let of_stop = |i: usize| {
-            [StopState::Pressed, StopState::Capped].map(|state| {
+            let other = if system.stops[i].turns() { StopState::Rebounding } else { StopState::Capped };
+            [StopState::Pressed, other].map(|state| {
                 let force =
                     system.stop_force(i, state).unwrap_or_else(|| StateRow::zeros(system.signals.size));
                 term(force, &system.stops[i].elongation)
@@ -125,7 +127,7 @@ impl Split {
     pub fn elastic(&self, mode: &Mode) -> Vec<Term> {
         let stops = self.stops.iter().zip(&mode.stops).filter_map(|(own, state)| match state {
             StopState::Pressed => Some(&own[0]),
-            StopState::Capped => Some(&own[1]),
+            StopState::Capped | StopState::Rebounding => Some(&own[1]),
             _ => None,
         });
         self.stiff.iter().chain(stops).cloned().collect()

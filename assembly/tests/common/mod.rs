@@ -1,12 +1,18 @@
 //! Short constructors of machines, for tests.
 #![allow(dead_code)]
 
+pub mod differences;
 pub mod machines;
 
 use std::sync::Arc;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Motion};
+use vibro_assembly::{Assembly, Motion, file};
+
+/// A machine with elements whose force has further pieces.
+pub fn laws() -> Description {
+    file::parse(include_str!("../data/laws.toml"), "laws.toml", &file::no_records).unwrap()
+}
 
 /// A free body.
 pub fn body(name: &str, inertia: f64, s: f64, v: f64) -> Body {

@@ -308,7 +308,31 @@ def stiff(r):
     return d
 
 
-FAMILIES = [grazing, redundant, loops, repressed, corners, levels, stiff]
+def laws(r):
+    """Buffers that may pull, and buffers without a dashpot in the rebound, beside walls and friction; some are met at rest, or by bodies
+    that turn round at their edge."""
+    n = r.randint(1, 2)
+    d = empty(r.choice(["0", "9.81"]))
+    law = lambda: r.choice(["pull", "undamped-rebound"])
+    for i in range(n):
+        body(d, log(r, -1, 0.5), r.uniform(-0.1, 0.3), r.choice([0.0, r.uniform(-2, 2)]), r.choice([0.0, 1.0]))
+    base(d, r.uniform(0.05, 0.3), r.uniform(2, 6), r.uniform(0, 6))
+    for i in range(n):
+        spring(d, [(i, 1)], log(r, 1, 2.5), r.random())
+        if r.random() < 0.5:
+            buffer(d, [(i, 1)], float(d["bodies"][i]["s"]), log(r, 1, 3), r.choice([0.0, 10 * r.random()]), law())
+    for _ in range(r.randint(1, 2)):
+        arms = r.choice([[(0, 1), (n, -1)], [(n, 1), (0, -1)]] + ([[(0, 1), (1, -1)]] if n == 2 else []))
+        buffer(d, arms, r.uniform(-0.2, 0.05), log(r, 0.5, 2.5), log(r, -0.5, 1.5), law())
+    if n == 2:
+        rigid(d, [(0, -1), (1, 1)], 0.5, r.choice([0.5, 0.8]))
+    if r.random() < 0.3:
+        friction(d, [(0, 1)], r.uniform(0.1, 1))
+    load(d, 0, {"constant": num(r.uniform(-5, 5))})
+    return d
+
+
+FAMILIES = [grazing, redundant, loops, repressed, corners, levels, stiff, laws]
 
 
 def main(seed, count, only):

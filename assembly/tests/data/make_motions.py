@@ -134,11 +134,12 @@ class Machine:
                 e, rate = sum(w[i] * qs[i][k] for i in range(n)), sum(w[i] * qs[i][k + 1] * (k + 1) for i in range(n))
                 add(w, number(s["stiffness"]) * e + number(s["damping"]) * rate)
             for s, w, state in zip(d["stops"], arms["stops"], mode["s"]):
-                if state in ("pressed", "capped"):
+                if state in ("pressed", "capped", "rebounding"):
                     x = sum(w[i] * qs[i][k] for i in range(n)) - (number(s["gap"]) if k == 0 else 0)
                     rate = sum(w[i] * qs[i][k + 1] * (k + 1) for i in range(n))
                     spring = number(s["stiffness"]) * x
-                    add(w, spring + number(s["damping"]) * rate if state == "pressed" else 2 * spring)
+                    dashpot = {"pressed": number(s["damping"]) * rate, "capped": spring, "rebounding": 0}[state]
+                    add(w, spring + dashpot)
             for i, (w, state) in enumerate(zip(arms["frictions"], mode["f"])):
                 if state in ("up", "down", "held up", "held down"):
                     add(w, (1 if state.endswith("up") else -1) * self.level(i, mode, t, k))
@@ -183,7 +184,12 @@ class Machine:
                 k, c = self.number(s["stiffness"]), self.number(s["damping"])
                 force = [k * a + c * b for a, b in zip(x, rate_of(x))]
                 excess = [a - 2 * k * b for a, b in zip(force, x)]
-                if state == "pressed":
+                if s["law"] == "pull":
+                    found.append(neg(x))
+                elif s["law"] == "undamped-rebound":
+                    rate = rate_of(x)
+                    found += [neg(x)] + ([] if c == 0 else [neg(rate) if state == "pressed" else rate])
+                elif state == "pressed":
                     found += [neg(force), neg(x)]
                     if s["law"] == "elastogap" and c > 0:
                         found.append(excess)
@@ -271,7 +277,9 @@ class Machine:
             elif x < -ZERO:
                 choices_s.append(["below"])
             else:
-                states = ["pressed", "free"] + (["capped"] if s["law"] == "elastogap" and self.number(s["damping"]) > 0 else [])
+                damped = self.number(s["damping"]) > 0
+                others = {"no-pull": ["free"], "elastogap": ["free"] + ["capped"] * damped, "pull": []}
+                states = ["pressed"] + others.get(s["law"], ["rebounding"] * damped)
                 choices_s.append(states + (["below"] if abs(x) < ZERO else []))
         for i, f in enumerate(self.d["frictions"]):
             w = self.row(f["arms"])

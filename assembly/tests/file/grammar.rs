@@ -32,6 +32,10 @@ fn closed_form_every_key_lands_in_its_place_in_si() {
     assert_eq!(m.stops[0].law, StopLaw::Rigid { restitution: 0.7 });
     let law = StopLaw::Compliant { stiffness: 2e6, damping: 150.0, limit: DampingLimit::NoPull };
     assert_eq!((m.stops[1].gap, m.stops[1].law), (0.004, law));
+    for (word, limit) in [("pull", DampingLimit::Pull), ("undamped-rebound", DampingLimit::UndampedRebound)] {
+        let law = StopLaw::Compliant { stiffness: 2e6, damping: 150.0, limit };
+        assert_eq!(changed("law = \"no-pull\"", &format!("law = {word:?}")).stops[1].law, law);
+    }
     assert_eq!(
         (m.frictions[0].force.constant, m.frictions[0].static_force.as_ref().unwrap().constant),
         (0.4, 0.5)

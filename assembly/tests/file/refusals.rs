@@ -61,7 +61,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { whel = \"50 mm\", box = 1.0 }", "m.toml:40: spring.mesh.arms.whel = \"50 mm\": no body has this name; the nearest is `wheel`"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = { x = \"2 mm\", v = 0.0 }", "m.toml:8: body.block.start.x = \"2 mm\": no such key; the nearest is `s`"),
     ("phase = 0.0 }]", "fase = 0.0 }]", "m.toml:36: load.shaker.harmonics[0].fase = 0.0: no such key; the nearest is `phase`"),
-    ("law = \"no-pull\"", "law = \"nopull\"", "m.toml:29: stop.buffer.law = \"nopull\": allowed is \"no-pull\" or \"elastogap\""),
+    ("law = \"no-pull\"", "law = \"nopull\"", "m.toml:29: stop.buffer.law = \"nopull\": allowed is \"no-pull\", \"elastogap\", \"pull\" or \"undamped-rebound\""),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { ratee = \"0.5 m/s\" }", "m.toml:14: body.belt.motion.ratee = \"0.5 m/s\": no such key; the nearest is `rate`\nm.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, steps, table, input, offset, rate"),
     // Bodies.
     ("mass = \"12 kg\"", "gravity = 1.0", "m.toml:3: body.box: has no inertia; allowed is one of mass, inertia, motion"),

@@ -123,6 +123,7 @@ fn of_stop(state: StopState) -> &'static str {
         StopState::Pressed => "pressed",
         StopState::Free => "beyond its gap without force",
         StopState::Capped => "pressed at its cap",
+        StopState::Rebounding => "pressed without its dashpot",
     }
 }
 

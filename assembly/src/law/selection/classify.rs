@@ -39,6 +39,14 @@ impl Selection<'_> {
         if excess < 0.0 {
             return Stop::Is(StopState::Below);
         }
+        if !stop.is_limited() {
+            return match rate {
+                _ if !stop.turns() => Stop::Is(StopState::Pressed),
+                _ if verdict.limits[i] || rate == 0.0 => Stop::Turning,
+                rate if rate > 0.0 => Stop::Is(StopState::Pressed),
+                _ => Stop::Is(StopState::Rebounding),
+            };
+        }
         let pull = self.sign(&stop.force, 0);
         if pull < 0.0 && !verdict.limits[i] {
             return Stop::Is(StopState::Free);

@@ -1,0 +1,220 @@
+//! Compliant stops that may pull, and those whose dashpot acts only while they are pressed in
+//! (docs/assembly-law.md (A13)).
+
+mod common;
+
+use common::machines::assembly;
+use common::*;
+use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use std::cell::Cell;
+use std::f64::consts::{PI, TAU};
+use vibro_assembly::description::*;
+use vibro_assembly::mode::StopState;
+use vibro_assembly::motion::{EventKind, Reached};
+
+/// Roundings of a few dozen operations.
+const ROUNDING: f64 = 1e-13;
+/// Energy beside the largest energy of a random machine: rounding, magnified by stiff buffers.
+const BALANCE: f64 = 1e-10;
+/// Difference of the direct and the general law: that of tests/lone_events.rs.
+const SAME: f64 = 1e-12;
+
+const M: f64 = 2.0;
+const K: f64 = 800.0;
+const C: f64 = 12.0;
+const V: f64 = 0.7;
+
+/// A body that flies into a stop at 0.1 m and comes back.
+fn flier(limit: DampingLimit) -> Description {
+    Description {
+        bodies: vec![body("b", M, 0.0, V)],
+        stops: vec![compliant("buffer", &[(0, 1.0)], 0.1, K, C, limit)],
+        ..Description::default()
+    }
+}
+
+/// Decay rate and angular frequency of the body on spring and dashpot.
+fn damped() -> (f64, f64) {
+    let delta = C / (2.0 * M);
+    (delta, (K / M - delta * delta).sqrt())
+}
+
+/// Half a turn of x = v/ω exp(-δt) sin ωt, of which the last part pulls: the force is c x' at both
+/// ends.
+#[test]
+fn closed_form_a_stop_that_pulls_is_left_after_half_a_turn() {
+    let (delta, omega) = damped();
+    let mut m = motion(flier(DampingLimit::Pull));
+    let (begin, end) = (0.1 / V, 0.1 / V + PI / omega);
+    let mut lowest = f64::INFINITY;
+    for k in 1..50 {
+        let t = PI / omega * f64::from(k) / 50.0;
+        m.advance_to(begin + t).unwrap();
+        let (x, turn) = (V / omega * (-delta * t).exp() * (omega * t).sin(), (omega * t).cos());
+        let rate = V * (-delta * t).exp() * turn - delta * x;
+        assert!((m.stop(0)[0] - 0.1 - x).abs() < ROUNDING && (m.stop(0)[1] - rate).abs() < ROUNDING);
+        assert!((m.stop(0)[2] - K * x - C * rate).abs() < K * ROUNDING, "{:?}", m.stop(0));
+        assert_eq!(m.mode().stops[0], StopState::Pressed);
+        lowest = lowest.min(m.stop(0)[2]);
+    }
+    assert!(lowest < -0.3 * C * V, "{lowest}: it pulls");
+    let mut m = motion(flier(DampingLimit::Pull));
+    let all = events(&mut m, 1.0);
+    let kinds: Vec<_> = all.iter().map(|e| (e.time, e.kind)).collect();
+    assert_eq!(kinds.len(), 2, "{kinds:?}");
+    assert!((kinds[0].0 - begin).abs() < ROUNDING && (kinds[1].0 - end).abs() < ROUNDING, "{kinds:?}");
+    assert!(matches!(kinds[0].1, EventKind::Press { speed, .. } if (speed - V).abs() < ROUNDING));
+    assert_eq!(kinds[1].1, EventKind::Free { stop: 0 });
+    let left = -V * (-delta * PI / omega).exp();
+    assert!((m.body(0)[1] - left).abs() < ROUNDING, "{:?} {left}", m.body(0));
+    let lost = 0.5 * M * (V * V - left * left);
+    assert!((m.energy().stops[0].value() - lost).abs() < ROUNDING, "{:?}", m.energy());
+}
+
+/// Damped until it turns, at tan ωt = ω/δ, and half a cosine after it; the turn is no event with a
+/// name.
+#[test]
+fn closed_form_a_stop_without_a_dashpot_in_the_rebound() {
+    let (delta, omega) = damped();
+    let own = (K / M).sqrt();
+    let mut m = motion(flier(DampingLimit::UndampedRebound));
+    let (begin, turn) = (0.1 / V, (omega / delta).atan() / omega);
+    let deep = V / omega * (-delta * turn).exp() * (omega * turn).sin();
+    let all = events(&mut m, 1.0);
+    assert_eq!(all.len(), 2, "{all:?}");
+    assert!(matches!(all[0].kind, EventKind::Press { .. }) && (all[0].time - begin).abs() < ROUNDING);
+    let left = begin + turn + 0.25 * TAU / own;
+    assert!(matches!(all[1].kind, EventKind::Free { .. }) && (all[1].time - left).abs() < ROUNDING);
+    assert!((m.body(0)[1] + own * deep).abs() < ROUNDING, "{:?}", m.body(0));
+    let lost = 0.5 * M * V * V - 0.5 * K * deep * deep;
+    assert!((m.energy().stops[0].value() - lost).abs() < ROUNDING, "{:?}", m.energy());
+    let mut m = motion(flier(DampingLimit::UndampedRebound));
+    m.advance_to(begin + 0.9 * turn).unwrap();
+    assert_eq!(m.mode().stops[0], StopState::Pressed);
+    let [e, rate, force] = m.stop(0);
+    assert!((force - K * (e - 0.1) - C * rate).abs() < K * ROUNDING);
+    m.advance_to(begin + turn + 0.01).unwrap();
+    assert_eq!(m.mode().stops[0], StopState::Rebounding);
+    let x = deep * (own * 0.01).cos();
+    let [e, _, force] = m.stop(0);
+    assert!((e - 0.1 - x).abs() < ROUNDING && (force - K * x).abs() < K * ROUNDING, "{e} {force}");
+}
+
+/// A body that is let go on such a stop under its weight loses energy on each way in until it is at
+/// rest, and stays there.
+#[test]
+fn invariant_a_body_comes_to_rest_on_a_stop_without_a_dashpot_in_the_rebound() {
+    let mut m = motion(Description {
+        gravity: 10.0,
+        bodies: vec![heavy("b", 1.0, 1.0, 0.0, 0.0)],
+        stops: vec![compliant("pad", &[(0, 1.0)], 0.0, 100.0, 6.0, DampingLimit::UndampedRebound)],
+        ..Description::default()
+    });
+    m.advance_to(60.0).unwrap();
+    assert!((m.body(0)[0] - 0.1).abs() < 1e-12 && m.body(0)[1].abs() < 1e-11, "{:?}", m.body(0));
+    let (kinetic, stored) = m.kinetic_and_stored();
+    assert!((kinetic + stored - m.energy().balance()).abs() < ROUNDING);
+    m.advance_to(600.0).unwrap();
+    assert!((m.body(0)[0] - 0.1).abs() < 1e-12, "{:?}", m.body(0));
+}
+
+/// Without a dashpot all laws are one, bit for bit.
+#[test]
+fn invariant_laws_without_a_dashpot_agree() {
+    let of = |limit| {
+        let mut d = flier(limit);
+        let StopLaw::Compliant { damping, .. } = &mut d.stops[0].law else { panic!() };
+        *damping = 0.0;
+        d.bodies[0].kind = BodyKind::Free(Free { inertia: M, gravity: 0.0, s: 0.0, v: V });
+        let mut m = motion(d);
+        let all = events(&mut m, 1.0);
+        (all, m.body(0))
+    };
+    let (events, [s, v, _]) = of(DampingLimit::NoPull);
+    for limit in [DampingLimit::Pull, DampingLimit::UndampedRebound] {
+        let (own, body) = of(limit);
+        assert_eq!(events.len(), own.len());
+        assert!(events.iter().zip(&own).all(|(a, b)| (a.time - b.time).abs() < ROUNDING));
+        assert!((body[0] - s).abs() < ROUNDING && (body[1] - v).abs() < ROUNDING);
+    }
+}
+
+#[test]
+fn second_method_derivatives_of_a_machine_with_both_laws() {
+    let (names, met) = differences::compare(&laws(), 0.35);
+    assert!(met >= 4 && names.len() > 20, "{met} {names:?}");
+}
+
+/// Derivatives of the last state by every number of the machine, against differences.
+#[test]
+fn second_method_derivatives_against_differences() {
+    for limit in [DampingLimit::Pull, DampingLimit::UndampedRebound] {
+        let mut d = flier(limit);
+        (d.name, d.gravity) = ("M".into(), 2.0);
+        d.bodies = vec![heavy("b", M, 0.3, 0.0, V)];
+        d.springs = vec![spring(&[(0, 1.0)], 30.0, 0.5)];
+        d.loads = vec![Load { name: "l".into(), body: 0, force: sine(3.0, 1.7, 0.4) }];
+        let (names, met) = differences::compare(&d, 2.3);
+        assert!(met >= 4 && names.len() > 10, "{met} {names:?}");
+    }
+}
+
+/// The machine with its compliant stops under the new laws.
+fn relawed(mut d: Description) -> Description {
+    let mut pulls = false;
+    for stop in &mut d.stops {
+        if let StopLaw::Compliant { limit, .. } = &mut stop.law {
+            *limit = if pulls { DampingLimit::Pull } else { DampingLimit::UndampedRebound };
+            pulls = !pulls;
+        }
+    }
+    d
+}
+
+/// Every event by the direct and by the general law, and the balance of energy at each.
+fn follow(d: Description, [events, turns]: [&Cell<usize>; 2]) -> Result<(), TestCaseError> {
+    let mut direct = motion(d);
+    let (kinetic, stored) = direct.kinetic_and_stored();
+    let begin = kinetic + stored - direct.energy().balance();
+    let mut general = direct.clone().by_general_law();
+    let mut largest = begin.abs().max(1.0);
+    for _ in 0..300 {
+        match direct.advance_before_event(4.0, &mut |_| ()) {
+            Ok(Reached::Event) => {}
+            Ok(Reached::End) | Err(_) => break,
+        }
+        general.restore(&direct.save());
+        let before = direct.mode().clone();
+        let results = [direct.apply_event(&mut |_| ()), general.apply_event(&mut |_| ())];
+        prop_assert_eq!(&results[0], &results[1]);
+        if results[0].is_err() {
+            break;
+        }
+        prop_assert_eq!(direct.mode(), general.mode(), "at {}", direct.time());
+        let size = direct.state().amax();
+        prop_assert!((direct.state() - general.state()).amax() <= SAME * size);
+        let (kinetic, stored) = direct.kinetic_and_stored();
+        largest = largest.max(kinetic).max(stored.abs());
+        let off = kinetic + stored - begin - direct.energy().balance();
+        prop_assert!(off.abs() < BALANCE * largest, "{off:e} of {largest} at {}", direct.time());
+        prop_assert!(direct.energy().stops.iter().all(|lost| lost.value() > -BALANCE * largest));
+        let changed = before.stops.iter().zip(&direct.mode().stops);
+        let is_turn = |(a, b): (&StopState, &StopState)| a != b && *b == StopState::Rebounding;
+        turns.set(turns.get() + changed.map(is_turn).filter(|turn| *turn).count());
+        events.set(events.get() + 1);
+    }
+    Ok(())
+}
+
+#[test]
+fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() {
+    let config = ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() };
+    let counts = [Cell::new(0), Cell::new(0)];
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let mut runner = TestRunner::new_with_rng(config, rng);
+    runner.run(&assembly(), |d| follow(relawed(d), [&counts[0], &counts[1]])).unwrap();
+    let [events, turns] = counts.map(|count| count.get());
+    println!("{events} events, {turns} turns");
+    assert!(events > 2000 && turns > 50, "{events} {turns}");
+}
