@@ -2,11 +2,13 @@
 //! tables, picture and account. Physics and the file's grammar are in `vibro-assembly`.
 
 mod derivatives;
+mod fit_record;
 mod picture;
 mod start;
 mod summary;
 
 pub use derivatives::{DerivativeRecord, check_parameters};
+pub use fit_record::read_record;
 pub use picture::figure;
 pub use start::read_start;
 pub use summary::summary;

@@ -3,6 +3,7 @@
 mod assembly_basin;
 mod assembly_diagram;
 mod assembly_diagram_orbits;
+mod assembly_fit;
 mod assembly_gradient;
 mod assembly_locus;
 mod assembly_orbits;
@@ -33,6 +34,7 @@ mod sweep;
 pub use assembly_basin::{assembly_basins, check_assembly_basins};
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
 pub use assembly_diagram_orbits::{assembly_diagram_orbits, diagram_family};
+pub use assembly_fit::{assembly_fit, fit_json};
 pub use assembly_gradient::add_gradient;
 pub use assembly_locus::{CurveOfFile, assembly_loci};
 pub use assembly_orbits::{assembly_orbit, assembly_orbits};

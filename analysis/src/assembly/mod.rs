@@ -12,6 +12,7 @@ mod contacts;
 mod designs;
 pub mod diagram;
 mod extremes;
+pub mod fit;
 pub mod flight;
 mod followed;
 mod growth;

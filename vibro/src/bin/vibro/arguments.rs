@@ -15,6 +15,7 @@
 //! alias.
 
 use crate::alias;
+use crate::assembly_fit::FitArguments;
 use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::plane_arguments::{Basin, SectionOfFile};
@@ -91,7 +92,7 @@ pub fn command() -> clap::Command {
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
     let all = all.mut_subcommands(|command| {
         let notes: &[&str] = match command.get_name() {
-            "check" | "draw" | "section" => &[NUMBERS],
+            "check" | "draw" | "section" | "fit" => &[NUMBERS],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
             "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" | "locus" => {
                 &[NUMBERS, LIMITS]
@@ -110,7 +111,7 @@ fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
         "draw" => &["config", "replace", "discard_unfinished", "threads"],
-        "section" => &["config", "discard_unfinished", "threads"],
+        "section" | "fit" => &["config", "discard_unfinished", "threads"],
         "template" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
@@ -231,6 +232,12 @@ pub enum Command {
     /// several starts. The row then has the least, mean and largest values. A design that cannot be
     /// simulated has a row with the reason.
     Sweep(Box<Sweep>),
+    /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record does
+    /// not determine, the residuals and the fitted file
+    ///
+    /// Nonlinear least squares with exact derivatives through impacts and friction. The fit begins
+    /// with the time over which the motion keeps near the record, and goes on to longer ones.
+    Fit(FitArguments),
     /// Bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
     /// directions, with periods and classes (figure 14)
     ///

@@ -7,7 +7,7 @@ use crate::destination::{self, Destination};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
-use crate::{assembly_basin, assembly_orbits, assembly_studies};
+use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,6 +40,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Section(a) => assembly_studies::section(file, common, a)?,
         Command::Response(a) => assembly_orbits::response(file, common, a)?,
         Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
+        Command::Fit(a) => return assembly_fit::run(common, a),
         Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,
         Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
         // `vibro check`: no other command takes a file.

@@ -4,6 +4,7 @@ mod alias;
 mod arguments;
 mod assembly;
 mod assembly_basin;
+mod assembly_fit;
 mod assembly_orbits;
 mod assembly_studies;
 mod common_arguments;
@@ -120,7 +121,11 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Orbit(a) => vec![orbits::orbit(&set, a)?],
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
-        Command::Check { .. } | Command::Draw { .. } | Command::Section(_) | Command::Template(_) => {
+        Command::Check { .. }
+        | Command::Draw { .. }
+        | Command::Fit(_)
+        | Command::Section(_)
+        | Command::Template(_) => {
             return Ok(());
         }
         Command::Reproduce(a) => {

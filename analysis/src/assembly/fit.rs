@@ -1,0 +1,250 @@
+//! Fits of a machine to a record: nonlinear least squares with exact derivatives.
+//!
+//! A motion with impacts follows its parameters only over a time: a plain fit over a long record ends
+//! in a wrong minimum. The fit begins with the horizon over which the motion of the given numbers
+//! keeps near the record, and goes on to longer ones as far as the fitted motion then does.
+
+mod errors;
+mod model;
+mod solver;
+
+pub use errors::{Uncertainty, Undetermined};
+pub use solver::Loss;
+
+use self::model::{Horizon, Model};
+use self::solver::{Bounds, Convergence, solve};
+use super::{Machine, QuantityName};
+use crate::error::{Error, Result};
+use crate::sobol;
+use rayon::prelude::*;
+use vibro_assembly::Start;
+
+/// Ways to lengthen horizons, the next where the residuals of the one before are more than noise.
+const WAYS: [Way; 4] = [
+    Way { near: 0.3, of_whole: true, growth: (1.25, 2.0) },
+    Way { near: 0.3, of_whole: false, growth: (1.25, 2.0) },
+    Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
+    Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
+];
+/// Most horizons of a fit.
+const HORIZONS: u32 = 200;
+/// Rows by free number with which the first horizon begins at least.
+const LEAST_ROWS: usize = 3;
+/// Times that columns without a standard deviation are weighed by their residuals.
+const REWEIGHTED: u32 = 2;
+/// Most free numbers.
+const MOST_FREE: usize = 50;
+
+/// How horizons become longer.
+#[derive(Clone, Copy)]
+struct Way {
+    /// Part of a record's own deviation up to which a motion is near it.
+    near: f64,
+    /// Whether this deviation is that of the whole record, else of the record so far.
+    of_whole: bool,
+    /// Least and largest growth of a horizon.
+    growth: (f64, f64),
+}
+
+/// A record: values of quantities at rising times, and times of contacts of stops.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Rising times, s, from the motion's start on.
+    pub times: Vec<f64>,
+    /// Columns with a value for each time, SI.
+    pub columns: Vec<(QuantityName, Vec<f64>)>,
+    /// Stops, each with the rising times of its impacts or first touches, s.
+    pub contacts: Vec<(String, Vec<f64>)>,
+}
+
+/// A number that is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Free {
+    /// A parameter of the machine, a number of the start, `record.shift` (s, the time of the motion at
+    /// the record's time 0) or `record.offset.COLUMN`.
+    pub name: String,
+    /// Least and largest value, SI; those that the parameter allows if `None`.
+    pub within: Option<(f64, f64)>,
+}
+
+/// What is fitted to which record.
+#[derive(Clone, Debug)]
+pub struct FitRequest {
+    /// The machine with the values from which the fit begins.
+    pub machine: Machine,
+    /// Start of the motion.
+    pub start: Start,
+    /// The record.
+    pub measured: Measured,
+    /// The numbers that are fitted.
+    pub free: Vec<Free>,
+    /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times, s.
+    /// Without them all columns weigh the same by their own deviation.
+    pub sigma: Option<Vec<f64>>,
+    /// How residuals count.
+    pub loss: Loss,
+    /// Number of further starts, spread over the ranges of the free numbers.
+    pub starts: u32,
+}
+
+/// A fitted machine.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The machine with the fitted numbers.
+    pub machine: Machine,
+    /// The start of its motion.
+    pub start: Start,
+    /// The free numbers' names and values, SI.
+    pub values: Vec<(String, f64)>,
+    /// Standard errors, correlations, what the record does not determine.
+    pub uncertainty: Uncertainty,
+    /// Root mean square of the residuals of each column and of the contacts' times, SI.
+    pub rms: Vec<(String, f64)>,
+    /// For each time of the record and then each column the motion's value less the record's, SI.
+    pub residuals: Vec<Vec<f64>>,
+    /// For each stop the times of the motion's contacts less those of the record, s.
+    pub contacts: Vec<(String, Vec<f64>)>,
+    /// Number of motions that were followed.
+    pub simulations: u32,
+    /// Time up to which the motion keeps near the record, s: its last where it does throughout.
+    pub near_until: f64,
+    /// Sum of the losses, in units of the standard deviations' squares.
+    pub cost: f64,
+}
+
+/// Fits numbers of a machine to a record. `go_on` ends the fit by returning false; the values reached
+/// by then are kept.
+///
+/// # Errors
+/// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
+/// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
+pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fitted> {
+    check(&request.measured)?;
+    let model = Model::new(request)?;
+    let bounds = Bounds::of(request, &model)?;
+    let first = bounds.begin.clone();
+    let mut starts = vec![first];
+    for k in 1..=request.starts {
+        if bounds.begin.len() > sobol::DIMENSIONS {
+            let problem = format!(
+                "--starts with {} free numbers: allowed are up to {}",
+                bounds.begin.len(),
+                sobol::DIMENSIONS
+            );
+            return Err(Error::Described { problem });
+        }
+        starts.push(bounds.within(k)?);
+    }
+    let found = starts.par_iter().map(|start| from(&model, &bounds, request.loss, start, go_on));
+    let found: Vec<Result<(Vec<f64>, f64)>> = found.collect();
+    let mut best: Option<(Vec<f64>, f64)> = None;
+    let mut failed = None;
+    for found in found {
+        match found {
+            Ok(own) if best.as_ref().is_none_or(|best| own.1 < best.1) => best = Some(own),
+            Ok(_) => {}
+            Err(error) => failed = failed.or(Some(error)),
+        }
+    }
+    match (best, failed) {
+        (Some((mut values, cost)), _) => {
+            let mut model = model;
+            for _ in 0..if model.has_sigma { 0 } else { REWEIGHTED } {
+                model = model.reweighted(&values)?;
+                let end = (Horizon(model.end()), Convergence::Whole);
+                values = solve(&model, &bounds, request.loss, &values, end, go_on)?.values;
+            }
+            model.finish(request, &values, cost)
+        }
+        (None, Some(error)) => Err(error),
+        (None, None) => Err(Error::Described { problem: "no fit: no start was tried".into() }),
+    }
+}
+
+/// The values reached from a start, with their cost, by the first way that leaves noise alone, else by
+/// the best one.
+fn from(
+    model: &Model,
+    bounds: &Bounds,
+    loss: Loss,
+    start: &[f64],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<(Vec<f64>, f64)> {
+    let mut best: Option<(Vec<f64>, f64)> = None;
+    for way in WAYS {
+        let found = over_horizons(model, bounds, loss, start, way, go_on)?;
+        let is_done = model.is_noise(&found.0)? || !go_on();
+        if best.as_ref().is_none_or(|best| found.1 < best.1) {
+            best = Some(found);
+        }
+        if is_done {
+            break;
+        }
+    }
+    best.ok_or_else(|| Error::Described { problem: "no fit: no horizon was tried".into() })
+}
+
+/// The values reached from a start over growing horizons, with their cost.
+fn over_horizons(
+    model: &Model,
+    bounds: &Bounds,
+    loss: Loss,
+    start: &[f64],
+    way: Way,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<(Vec<f64>, f64)> {
+    let mut values = start.to_vec();
+    let least = model.least_horizon(LEAST_ROWS * values.len());
+    let end = model.end();
+    let (growth, whole) = (way.growth, Convergence::Whole);
+    let mut horizon = model.near_until(&values, way)?.max(least).min(end);
+    for _ in 0..HORIZONS {
+        let convergence = if horizon >= end { whole } else { Convergence::Rough };
+        let found = solve(model, bounds, loss, &values, (Horizon(horizon), convergence), go_on)?;
+        values = found.values;
+        if horizon >= end || !go_on() {
+            return Ok((values, found.cost));
+        }
+        let reached = model.near_until(&values, way)?;
+        horizon = reached.clamp(growth.0 * horizon, growth.1 * horizon).min(end);
+    }
+    let found = solve(model, bounds, loss, &values, (Horizon(end), whole), go_on)?;
+    Ok((found.values, found.cost))
+}
+
+/// Refuses a record that is empty or not finite, and times that do not rise.
+fn check(measured: &Measured) -> Result<()> {
+    let refused = |problem: String| Err(Error::Described { problem });
+    let rising = |name: &str, times: &[f64]| match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(row) => refused(format!(
+            "{name}: row {} has the time {:?} s after {:?} s; allowed are rising times",
+            row + 2,
+            times[row + 1],
+            times[row]
+        )),
+        None => Ok(()),
+    };
+    let finite = |name: &str, values: &[f64]| match values.iter().position(|x| !x.is_finite()) {
+        Some(row) => {
+            refused(format!("{name}: row {} is {}; allowed are finite numbers", row + 1, values[row]))
+        }
+        None => Ok(()),
+    };
+    finite("time", &measured.times)?;
+    rising("time", &measured.times)?;
+    for (name, values) in &measured.columns {
+        finite(&name.to_string(), values)?;
+        if values.len() != measured.times.len() {
+            return refused(format!("{name}: {} values for {} times", values.len(), measured.times.len()));
+        }
+    }
+    for (name, times) in &measured.contacts {
+        finite(name, times)?;
+        rising(name, times)?;
+    }
+    let rows = if measured.columns.is_empty() { 0 } else { measured.times.len() };
+    if rows + measured.contacts.iter().map(|(_, times)| times.len()).sum::<usize>() == 0 {
+        return refused("the record has no sample; allowed is one with columns or times of contacts".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! Fits of made records with known noise.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, fit};
+use vibro_analysis::assembly::{Machine, QuantityName};
+use vibro_assembly::file::no_records;
+use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::{Assembly, Motion, Start};
+
+/// Standard errors within which an estimate lies but for one in some ten thousand.
+const FAR: f64 = 4.0;
+/// Relative difference of fits of one record from different starts.
+const SAME: f64 = 1e-6;
+
+/// Normal numbers of standard deviation 1, by a linear congruential generator.
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (TAU * self.uniform()).cos()
+    }
+}
+
+fn example(name: &str) -> Machine {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly");
+    Machine::read(&Path::new(folder).join(name)).unwrap()
+}
+
+fn motion(machine: &Machine) -> Motion {
+    Motion::new(Arc::new(Assembly::new(machine.description.clone()).unwrap())).unwrap()
+}
+
+/// The record of a machine at even times with noise of a standard deviation for each column.
+fn record(
+    machine: &Machine,
+    columns: &[(&str, f64)],
+    until: f64,
+    count: usize,
+    noise: &mut Noise,
+) -> Measured {
+    let mut motion = motion(machine);
+    let names: Vec<QuantityName> = columns.iter().map(|(name, _)| name.parse().unwrap()).collect();
+    let places: Vec<_> = names.iter().map(|name| name.find(&machine.description).unwrap().quantity).collect();
+    let (mut times, mut values) = (Vec::new(), vec![Vec::new(); columns.len()]);
+    for i in 0..count {
+        let time = until * i as f64 / (count - 1) as f64;
+        motion.advance_to(time).unwrap();
+        times.push(time);
+        for ((place, (_, sigma)), values) in places.iter().zip(columns).zip(&mut values) {
+            values.push(motion.value(*place) + sigma * noise.normal());
+        }
+    }
+    Measured { times, columns: names.into_iter().zip(values).collect(), contacts: Vec::new() }
+}
+
+fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
+    let free = free.iter().map(|name| Free { name: (*name).to_owned(), within: None }).collect();
+    let (start, loss) = (Start::default(), Loss::Linear);
+    FitRequest { machine, start, measured, free, sigma: None, loss, starts: 0 }
+}
+
+fn fitted(request: &FitRequest) -> Fitted {
+    fit(request, &|| true).unwrap()
+}
+
+/// A machine with some numbers times factors.
+fn off(machine: &Machine, free: &[&str], factor: impl Fn(usize) -> f64) -> Machine {
+    let value =
+        |(i, name): (usize, &&'static str)| (*name, factor(i) * machine.description.get(name).unwrap());
+    let free: Vec<&'static str> =
+        free.iter().map(|name| &*Box::leak(name.to_string().into_boxed_str())).collect();
+    machine.with(free.iter().enumerate().map(value).collect::<Vec<_>>()).unwrap()
+}
+
+/// Checks that fits from ten starts 20 % off come to the same point, near the truth.
+fn check_ten_starts(machine: &Machine, measured: &Measured, free: &[&str]) {
+    let mut first: Option<Fitted> = None;
+    for k in 0..10u32 {
+        let sign = |i: usize| if (k >> (i % 3)) & 1 == 0 { 1.2 } else { 0.8 };
+        let begin = off(machine, free, |i| if k < 8 { sign(i) } else { 1.0 + 0.2 * (f64::from(k) - 8.5) });
+        let found = fitted(&request(begin, measured.clone(), free));
+        for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+            let truth = machine.description.get(name).unwrap();
+            let error = error.unwrap_or_else(|| panic!("start {k}: {name} = {value} is undetermined"));
+            assert!((value - truth).abs() < FAR * error, "start {k}: {name} {value} ± {error}, true {truth}");
+        }
+        let Some(first) = &first else {
+            first = Some(found);
+            continue;
+        };
+        for ((name, a), (_, b)) in first.values.iter().zip(&found.values) {
+            assert!((a / b - 1.0).abs() < SAME, "start {k}: {name} {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn made_record_of_an_oscillator_with_friction_from_ten_starts() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(1));
+    check_ten_starts(&m, &measured, &["spring.mount.stiffness", "friction.floor.force"]);
+}
+
+#[test]
+fn made_record_of_a_damper_with_a_buffer_from_ten_starts() {
+    let m = example("damper_with_buffer.toml");
+    let measured = record(&m, &[("box.s", 1e-5), ("block.s", 2e-5)], 5.0, 1000, &mut Noise(2));
+    check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
+}
+
+#[test]
+fn made_impact_times_alone_of_a_ball_from_ten_starts() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.ball = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"ball\"], gap = 1.0, restitution = 0.8 }\n";
+    let m = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let (mut noise, mut times) = (Noise(3), Vec::new());
+    let mut note = |event: &Event| {
+        if let EventKind::Impact { .. } = event.kind {
+            times.push(event.time + 1e-4 * noise.normal());
+        }
+    };
+    motion(&m).advance_observed(3.0, &mut note).unwrap();
+    let measured = Measured { contacts: vec![("stop.floor".into(), times)], ..Measured::default() };
+    check_ten_starts(&m, &measured, &["stop.floor.gap", "stop.floor.restitution"]);
+}
+
+#[test]
+fn second_method_errors_are_those_of_repeated_records() {
+    let m = example("coulomb_oscillator.toml");
+    let free = ["spring.mount.stiffness", "friction.floor.force"];
+    let (mut inside, mut all, mut noise) = (0u32, 0u32, Noise(7));
+    for _ in 0..200 {
+        let measured = record(&m, &[("mass.s", 5e-6)], 0.25, 100, &mut noise);
+        let found = fitted(&request(off(&m, &free, |_| 1.05), measured, &free));
+        for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+            let truth = m.description.get(name).unwrap();
+            inside += u32::from((value - truth).abs() < 2.0 * error.unwrap());
+            all += 1;
+        }
+    }
+    // 95.4 % of normal estimates; the bounds allow for correlation within a draw.
+    let share = f64::from(inside) / f64::from(all);
+    assert!((0.90..=0.98).contains(&share), "{share}");
+}
+
+#[test]
+fn closed_form_only_ratios_of_mass_stiffness_and_friction_are_determined() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(4));
+    let free = ["body.mass.mass", "spring.mount.stiffness", "friction.floor.force"];
+    let found = fitted(&request(off(&m, &free, |i| [1.0, 1.1, 0.9][i]), measured, &free));
+    let [undetermined] = &found.uncertainty.undetermined[..] else {
+        panic!("{:?}", found.uncertainty.undetermined)
+    };
+    let parts: Vec<f64> = undetermined.combination.iter().map(|(_, part)| part.abs()).collect();
+    assert_eq!(parts.len(), 3);
+    assert!(parts.iter().all(|part| (part - 3f64.sqrt().recip()).abs() < 1e-4), "{parts:?}");
+    assert!(found.uncertainty.errors.iter().all(Option::is_none));
+}
+
+#[test]
+fn made_shift_and_offset_of_a_record() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(5));
+    // The record begins 10 ms later, and its sensor shows 20 µm more.
+    measured.times.drain(..20);
+    measured.columns[0].1.drain(..20);
+    let first = measured.times[0];
+    measured.times.iter_mut().for_each(|time| *time -= first);
+    measured.columns[0].1.iter_mut().for_each(|value| *value += 2e-5);
+    let free = ["spring.mount.stiffness", "record.shift", "record.offset.mass.s"];
+    let found = fitted(&request(off(&m, &free[..1], |_| 1.05), measured, &free));
+    let truths = [m.description.get("spring.mount.stiffness").unwrap(), first, 2e-5];
+    for (((name, value), error), truth) in found.values.iter().zip(&found.uncertainty.errors).zip(truths) {
+        assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}, true {truth}");
+    }
+}
+
+#[test]
+fn records_and_names_that_are_not_allowed_are_refused() {
+    let m = example("coulomb_oscillator.toml");
+    let sound = record(&m, &[("mass.s", 2e-6)], 0.25, 50, &mut Noise(6));
+    let cases: [(&dyn Fn(&mut FitRequest), &str); 8] = [
+        (&|own| own.measured.times[3] = 0.0, "row 4 has the time 0.0 s"),
+        (&|own| own.measured.columns[0].1[2] = f64::NAN, "mass.s: row 3 is NaN"),
+        (&|own| own.measured.columns[0].0 = "mas.s".parse().unwrap(), "the machine has no `mas.s`"),
+        (&|own| own.free[0].name = "friction.floor.forc".into(), "friction.floor.force"),
+        (&|own| own.free[0].within = Some((2.0, 3.0)), "outside 2 to 3"),
+        (&|own| own.measured = Measured::default(), "no sample"),
+        (&|own| own.starts = 3, "--within friction.floor.force=LOW:HIGH"),
+        (&|own| own.free.clear(), "0 free numbers"),
+    ];
+    for (change, words) in cases {
+        let mut own = request(m.clone(), sound.clone(), &["friction.floor.force"]);
+        change(&mut own);
+        let error = fit(&own, &|| true).unwrap_err().to_string();
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}

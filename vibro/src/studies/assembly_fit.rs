@@ -1,0 +1,168 @@
+//! A fit of a machine to a record: values with their errors, residuals, a picture.
+
+use super::Study;
+use super::assembly_orbits::shown_unit;
+use crate::Result;
+use crate::table::{CsvRows, exact};
+use std::fmt::Write;
+use vibro_analysis::assembly::fit::{FitRequest, Fitted};
+use vibro_analysis::significant;
+use vibro_assembly::quantity::NamedQuantity;
+use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
+
+/// Most points of a curve.
+const POINTS: usize = 2000;
+/// Most columns that are drawn.
+const DRAWN: usize = 4;
+
+/// The study of a fit: `residuals.csv`, `fit.json`, and a picture of record, motion and residual.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
+    let mut remarks = Vec::new();
+    for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
+        let unit = request.machine.si_unit(name);
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        remarks.push(match error {
+            Some(error) => format!("{name} = {} ± {}{unit}", significant(*value), significant(*error)),
+            None => format!("{name} = {}{unit}: the record does not determine it", significant(*value)),
+        });
+    }
+    for own in &fitted.uncertainty.undetermined {
+        let parts: Vec<String> =
+            own.combination.iter().map(|(name, part)| format!("{part:+.3} {name}")).collect();
+        remarks.push(format!("not determined, in parts of the values: {}", parts.join(" ")));
+    }
+    for (name, rms) in &fitted.rms {
+        remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
+    }
+    let last = fitted.near_until;
+    let end = request.measured.times.last().copied().unwrap_or(last);
+    if last < end {
+        remarks.push(format!(
+            "the fitted motion leaves the record at {} s: a local minimum, or another law",
+            significant(last)
+        ));
+    }
+    let what = format!(
+        "fit of {} numbers to {} samples in {} simulations",
+        fitted.values.len(),
+        request.measured.times.len() * request.measured.columns.len()
+            + request.measured.contacts.iter().map(|(_, times)| times.len()).sum::<usize>(),
+        fitted.simulations
+    );
+    let figure = (!request.measured.columns.is_empty()).then(|| figure(request, fitted)).transpose()?;
+    Ok(Study {
+        tables: vec![("residuals".into(), residual_table(request, fitted)?)],
+        figure,
+        ..Study::without_figure("fit", what).with_remarks(remarks)
+    })
+}
+
+/// The text of `fit.json`.
+pub fn fit_json(fitted: &Fitted) -> String {
+    let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { "null".into() };
+    let quoted = |text: &str| format!("{text:?}");
+    let list = |all: Vec<String>| all.join(", ");
+    let own = &fitted.uncertainty;
+    let parameters =
+        fitted.values.iter().zip(own.errors.iter().zip(&own.white)).map(|((name, value), (error, white))| {
+            let [error, white] = [error, white].map(|x| x.map_or("null".into(), number));
+            format!(
+                "{}: {{\"value\": {}, \"error\": {error}, \"white_error\": {white}}}",
+                quoted(name),
+                number(*value)
+            )
+        });
+    let names = own.names.iter().map(|name| quoted(name)).collect();
+    let rows =
+        own.correlation.row_iter().map(|row| format!("[{}]", list(row.iter().map(|x| number(*x)).collect())));
+    let undetermined = own.undetermined.iter().map(|own| {
+        let parts = own.combination.iter().map(|(name, part)| format!("{}: {}", quoted(name), number(*part)));
+        let (parts, value) = (list(parts.collect()), number(own.singular_value));
+        format!("{{\"combination\": {{{parts}}}, \"singular_value\": {value}}}")
+    });
+    let rms = fitted.rms.iter().map(|(name, rms)| format!("{}: {}", quoted(name), number(*rms)));
+    let mut text = String::new();
+    // Writing to a text does not fail.
+    let _ = writeln!(
+        text,
+        "{{\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {}\n}}",
+        list(parameters.collect()),
+        list(names),
+        list(rows.collect()),
+        list(undetermined.collect()),
+        list(rms.collect()),
+        fitted.simulations,
+        number(fitted.near_until),
+        number(own.persistence)
+    );
+    text
+}
+
+fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
+    let names = request.measured.columns.iter().map(|(name, _)| name.to_string());
+    let header: Vec<String> = std::iter::once("time".to_owned())
+        .chain(names.flat_map(|name| [name.clone(), format!("{name}.fit"), format!("{name}.residual")]))
+        .collect();
+    let mut table = CsvRows::new(&header)?;
+    for (i, (time, residuals)) in request.measured.times.iter().zip(&fitted.residuals).enumerate() {
+        let cells = residuals.iter().zip(&request.measured.columns).flat_map(|(residual, (_, values))| {
+            [exact(values[i]), exact(values[i] + residual), exact(*residual)]
+        });
+        table.push(std::iter::once(exact(*time)).chain(cells))?;
+    }
+    table.text()
+}
+
+/// For each column the record with the fitted motion, and the residual.
+fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
+    let measured = &request.measured;
+    let mut panels = Vec::new();
+    let every = measured.times.len().div_ceil(POINTS).max(1);
+    for (k, (name, values)) in measured.columns.iter().enumerate().take(DRAWN) {
+        let NamedQuantity { unit, .. } = name.find(&request.machine.description)?;
+        let size = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let path = |of: &dyn Fn(usize) -> f64| -> Path {
+            (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
+        };
+        let (factor, symbol) = shown_unit(unit, size);
+        panels.push(Panel {
+            title: name.to_string(),
+            x: Axis::new("time (s)"),
+            y: Axis::new(format!("{name} ({symbol})")).times(factor),
+            layers: vec![
+                Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
+                Layer::line(
+                    "fitted motion",
+                    BLUE,
+                    Dash::Solid,
+                    path(&|i| values[i] + fitted.residuals[i][k]),
+                ),
+            ],
+        });
+        let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));
+        let (factor, symbol) = shown_unit(unit, size);
+        panels.push(Panel {
+            title: format!("{name}: residual"),
+            x: Axis::new("time (s)"),
+            y: Axis::new(format!("motion less record ({symbol})")).times(factor),
+            layers: vec![Layer::line("residual", VERMILLION, Dash::Solid, path(&|i| fitted.residuals[i][k]))],
+        });
+    }
+    let told =
+        fitted.values.iter().zip(&fitted.uncertainty.errors).map(|((name, value), error)| match error {
+            Some(error) => format!("{name} = {} ± {}", significant(*value), significant(*error)),
+            None => format!("{name} undetermined"),
+        });
+    Ok(Figure {
+        title: format!("{}: fit to a record", request.machine.description.name),
+        caption: vec![told.collect::<Vec<_>>().join(", ")],
+        panels,
+        columns: 2,
+        panel: (1500, 900),
+        shared_legend: false,
+    })
+}
