@@ -6,8 +6,9 @@ mod starts;
 
 pub(crate) use names::problem_of as problem_of_name;
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal, Spring};
 use crate::elements::Element;
+use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
@@ -63,6 +64,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
             check_arms(machine, &element.dotted(), arms, &mut problems);
         }
     }
+    machine.springs.iter().for_each(|spring| check_points(spring, &mut problems));
     machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
     loads(machine, &mut problems);
     if !problems.is_empty() {
@@ -133,6 +135,31 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
         let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    }
+}
+
+/// Problems of the points of a spring's force: two or more at rising e, with finite slopes.
+fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
+    let (name, points) = (format!("spring.{}.points", spring.name), &spring.points);
+    if points.is_empty() {
+        return;
+    }
+    if points.len() < 2 {
+        problems.push(Problem::new(&name, None, "allowed are two points or more"));
+    }
+    if let Some(i) = points.windows(2).position(|pair| pair[1].e <= pair[0].e) {
+        let text = format!("allowed is an e above {:?}, that of the point before", points[i].e);
+        problems.push(refused(format!("{name}[{}].e", i + 1), points[i + 1].e, text));
+    } else if let Some(i) = slopes(points).iter().position(|slope| !slope.is_finite()) {
+        let text = "allowed is a finite slope from the point before";
+        problems.push(refused(format!("{name}[{}].f", i + 1), points[i + 1].f, text));
+    }
+    if (spring.stiffness, spring.preload) != (0.0, 0.0) {
+        problems.push(refused(
+            format!("spring.{}.stiffness", spring.name),
+            spring.stiffness,
+            "allowed beside points is 0, and 0 for preload",
+        ));
     }
 }
 

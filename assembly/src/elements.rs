@@ -107,6 +107,7 @@ impl<'a> Element<'a> {
     /// How its force follows from the state.
     pub fn action(self) -> Action {
         match self {
+            Self::Spring(spring) if spring.points.len() > 2 => Action::Switching,
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
             Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,

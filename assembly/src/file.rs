@@ -28,6 +28,7 @@
 mod bodies;
 mod elements;
 mod named;
+mod points;
 mod reading;
 mod records;
 mod signals;

@@ -114,9 +114,17 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
     for spring in &mut machine.springs {
         let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
-        slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+        if spring.points.is_empty() {
+            slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+            slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+            slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+            continue;
+        }
         slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
-        slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+        for (i, point) in spring.points.iter_mut().enumerate() {
+            slots.push(format!("{of}.points[{i}].e"), kinds::POINT, &mut point.e);
+            slots.push(format!("{of}.points[{i}].f"), kinds::POINT_FORCE, &mut point.f);
+        }
     }
     for damper in &mut machine.dampers {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);

@@ -11,11 +11,12 @@ pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
-use crate::description::{Arms, BodyKind, Description, StopLaw};
+use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
 use crate::flow::DENSE;
+use crate::polyline::Polyline;
 use crate::signals::{Builder, Layout, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::OnceLock;
@@ -51,8 +52,12 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
-    /// Stops.
+    /// Stops, followed by the corners of springs whose force has several lines.
     pub stops: Vec<StopRows>,
+    /// The number of stops without these corners.
+    pub(crate) first_corner: usize,
+    /// What the stored energies of all lines are at e = 0, which the springs' own are not to have.
+    pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
     /// By load: its force.
@@ -203,6 +208,8 @@ impl System {
             parts: Vec::new(),
             springs: Vec::new(),
             stops: Vec::new(),
+            first_corner: d.stops.len(),
+            stored_at_zero: 0.0,
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
@@ -272,8 +279,12 @@ impl System {
         let mut loads = 0;
         for element in d.elements() {
             let parts = match element {
-                Element::Spring(spring) => {
+                Element::Spring(spring) if spring.points.is_empty() => {
                     self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
+                }
+                Element::Spring(spring) => {
+                    let Polyline { stiffness, preload, .. } = Polyline::new(&spring.points);
+                    self.add_spring(&spring.arms, stiffness, spring.damping, preload)
                 }
                 Element::Damper(damper) => self.add_spring(&damper.arms, 0.0, damper.damping, 0.0),
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
@@ -289,6 +300,20 @@ impl System {
             };
             self.parts.push(parts);
         }
+        for (i, spring) in d.springs.iter().enumerate().filter(|(_, spring)| !spring.points.is_empty()) {
+            let line = Polyline::new(&spring.points);
+            self.stored_at_zero += line.energy_at_zero();
+            for &(e, stiffness) in &line.corners {
+                let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
+                let corner = self.add_stop(&spring.arms, e, law);
+                self.parts[i].extend(corner);
+            }
+        }
+    }
+
+    /// Whether a stop is a corner of a spring's force.
+    pub fn is_corner(&self, stop: usize) -> bool {
+        stop >= self.first_corner
     }
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {

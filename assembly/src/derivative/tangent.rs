@@ -3,6 +3,7 @@
 use super::bodies::{BodyTangent, bodies};
 use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::polyline::Polyline;
 use crate::signals::SignalTangent;
 use crate::slots::slots;
 use crate::system::{Elongation, StateRow, System};
@@ -161,7 +162,16 @@ impl Tangent {
 
     fn put_springs(&mut self, system: &System, d: &Description, along: &Description) {
         let springs = d.springs.iter().zip(&along.springs);
-        let springs = springs.map(|(s, by)| (&s.arms, &by.arms, by.stiffness, by.damping, by.preload));
+        let springs = springs.map(|(s, by)| {
+            let (dk, preload) = match s.points.is_empty() {
+                true => (by.stiffness, by.preload),
+                false => {
+                    let line = Polyline::derivative(&s.points, &by.points);
+                    (line.stiffness, line.preload)
+                }
+            };
+            (&s.arms, &by.arms, dk, by.damping, preload)
+        });
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (&s.arms, &by.arms, 0.0, by.damping, 0.0));
         for (rows, (arms, by, dk, dc, preload)) in system.springs.iter().zip(springs.chain(dampers)) {
@@ -191,6 +201,18 @@ impl Tangent {
             let spring = dk * &*rows.excess + k * &excess;
             let force = &spring + dc * &*rows.elongation.rate + c * &own.rate;
             self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution });
+        }
+        let springs = d.springs.iter().zip(&along.springs).filter(|(spring, _)| !spring.points.is_empty());
+        for (spring, by) in springs {
+            for (gap, steeper) in Polyline::derivative(&spring.points, &by.points).corners {
+                let rows = &system.stops[self.stops.len()];
+                let own = self.elongation(system, &spring.arms, &by.arms);
+                let mut excess = own.e.clone();
+                excess[system.signals.one] -= gap;
+                let force = steeper * &*rows.excess + rows.stiffness() * &excess;
+                let spring = force.clone();
+                self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution: 0.0 });
+            }
         }
     }
 

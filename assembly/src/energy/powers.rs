@@ -147,6 +147,8 @@ impl Losses {
             let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
             if let StopLaw::Compliant { damping, .. } = stop.law {
                 put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
+            }
+            if stop.is_limited() {
                 put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);
                 put(When::Stop(i, StopState::Capped), account, 1.0, &stop.spring, rate);
             }

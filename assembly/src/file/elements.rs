@@ -1,6 +1,7 @@
 //! Reading of springs, dampers, stops, frictions, links and loads.
 
 use super::bodies::Names;
+use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
 use super::signals::{self, Values};
 use crate::description::{
@@ -60,14 +61,19 @@ fn with_arms<T>(
 }
 
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
-    reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
-    let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
-        let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
-        let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
-        let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-        Some((stiffness?, damping?, preload?))
-    })?;
-    Some(Spring { name, arms, stiffness, damping, preload })
+    reading.known(table, &["between", "arms", "stiffness", "damping", "preload", "points"]);
+    let (arms, (stiffness, damping, preload, points)) =
+        with_arms(reading, table, names, |reading, dimension| {
+            let points = points::read(reading, table, dimension);
+            let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+            if table.has("points") {
+                return Some((0.0, damping?, 0.0, points?));
+            }
+            let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+            let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
+            Some((stiffness?, damping?, preload?, points?))
+        })?;
+    Some(Spring { name, arms, stiffness, damping, preload, points })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
