@@ -17,7 +17,7 @@ use fmi_doors::description::Unknown;
 use groups::{Group, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, Signal};
+use vibro_assembly::description::{Arms, BodyKind, Description, Friction, Signal};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
@@ -143,6 +143,10 @@ impl<'a> Structure<'a> {
             self.signal(signal, 0.0, &format!("{section}{key}.input"), 0, &mut knowns);
         }
         self.of_section(&section, &mut knowns);
+        if let Element::Friction(Friction { follows: Some(follows), .. }) = element {
+            let stop = self.elastic(Element::Stop(&self.machine.stops[follows.stop]), Discrete);
+            join(&mut knowns, &stop, Dependent);
+        }
         knowns
     }
 

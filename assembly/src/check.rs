@@ -6,7 +6,9 @@ mod starts;
 
 pub(crate) use names::problem_of as problem_of_name;
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal, Spring};
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Follows, Signal, Spring, Stop, StopLaw,
+};
 use crate::elements::Element;
 use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
@@ -186,12 +188,38 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
 /// constants.
 fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     for friction in &machine.frictions {
+        if let Some(follows) = &friction.follows {
+            check_follows(machine, &format!("friction.{}", friction.name), follows, problems);
+            continue;
+        }
         let Some(largest) = &friction.static_force else { continue };
         let force = friction.force.constant;
         if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
             let text = format!("allowed is a number >= friction.{}.force = {force:?}", friction.name);
             problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
         }
+    }
+}
+
+/// Problems of levels that follow a stop: it is compliant, and the static coefficient is at least
+/// that of sliding.
+fn check_follows(machine: &Description, name: &str, follows: &Follows, problems: &mut Vec<Problem>) {
+    let Follows { stop, coefficient, static_coefficient } = *follows;
+    match machine.stops.get(stop) {
+        None => problems.push(Problem::new(
+            format!("{name}.follows"),
+            None,
+            format!("there is no stop {stop}, counted from 0"),
+        )),
+        Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
+            let text = "this stop is rigid, and impacts with friction are outside this program; allowed is a compliant stop";
+            problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
+        }
+        Some(_) => {}
+    }
+    if let Some(largest) = static_coefficient.filter(|largest| *largest < coefficient) {
+        let text = format!("allowed is a number >= {name}.coefficient = {coefficient:?}");
+        problems.push(refused(format!("{name}.static_coefficient"), largest, text));
     }
 }
 

@@ -204,6 +204,20 @@ pub struct Friction {
     pub force: Signal,
     /// The static level, where it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
+    /// The stop whose force its levels follow, instead of `force` and `static_force`, which are then
+    /// zero and none.
+    pub follows: Option<Follows>,
+}
+
+/// The levels of a friction that follow the force N of a compliant stop: coefficient · max(0, N).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Follows {
+    /// Index of the stop.
+    pub stop: usize,
+    /// Of the sliding level, not negative.
+    pub coefficient: f64,
+    /// Of the static level, where it differs from `coefficient`; at least `coefficient`.
+    pub static_coefficient: Option<f64>,
 }
 
 /// A rigid link: e = 0 at all times, which determines one coordinate by the others.

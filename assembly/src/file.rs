@@ -27,6 +27,7 @@
 
 mod bodies;
 mod elements;
+mod follows;
 mod named;
 mod points;
 mod reading;

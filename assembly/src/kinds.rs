@@ -50,6 +50,7 @@ pub const RESTITUTION: NumberKind =
     kind("Restitution coefficient", "1", "1", between(0.0, 1.0, "a number from 0 to 1"));
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
+pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
 pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
 pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
 pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);

@@ -5,11 +5,11 @@ mod factor;
 mod lines;
 mod path;
 
-use crate::description::{Description, StopLaw};
+use crate::description::{Description, Friction, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{SpringRows, StateRow, System};
+use crate::system::{FrictionRows, SpringRows, StateRow, System};
 use factor::Factor;
 use lines::Lined;
 use nalgebra::{DMatrix, DVector};
@@ -30,6 +30,9 @@ const STEPS: usize = 100;
 /// Relative rounding of the balance: bound of a residual force, relative to the forces on its
 /// coordinate.
 const BALANCED: f64 = 1e-13;
+/// Most turns in which levels of friction that follow stops are found from the places that they lead
+/// to. Each multiplies their error by the coefficient times a ratio of stiffnesses.
+const REPEATS: usize = 200;
 /// Relative rounding of a step: bound of a step relative to the coordinates.
 const STANDS: f64 = 1e-15;
 /// Relative rounding of a difference of coordinates that are known to 32 digits.
@@ -104,13 +107,14 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
     let n = system.coordinates;
     let lined = Lined::all(d, system, &z);
-    let held = |friction| {
-        let mut holding = Holding::new(system, &z, friction);
+    let held = |friction, levels: &[[f64; 2]]| {
+        let mut holding = Holding::new(system, &z, friction, levels);
         lined.iter().for_each(|own| holding.put_lines(system, own));
         holding
     };
     let mut worst = None;
-    let path = lined.iter().any(Lined::falls).then(|| Holding::new(system, &z, FrictionLevel::None));
+    let mut levels = levels(d, system, &z);
+    let path = lined.iter().any(Lined::falls).then(|| Holding::new(system, &z, FrictionLevel::None, &levels));
     if let Some((path, holding)) = path.and_then(|own| Some((LoadPath::new(d, system, &z, &own)?, own))) {
         let (holding, q) = path.follow(d, holding)?;
         match holding.settle(&system.mass, &q) {
@@ -121,15 +125,48 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let zero = DVector::zeros(n);
     let ways = if worst.is_some() { &[][..] } else { &FrictionLevel::ALL[..] };
     for &friction in ways {
-        match held(friction).settle(&system.mass, &zero) {
-            Ok(q) => return Ok(q),
-            Err(left) => worst = Some(left),
+        for _ in 0..REPEATS {
+            match held(friction, &levels).settle(&system.mass, &zero) {
+                Ok(q) => {
+                    let mut there = z.clone();
+                    there.rows_mut(0, n).copy_from(&q);
+                    let found = self::levels(d, system, &there);
+                    if are_near(&found, &levels) {
+                        return Ok(q);
+                    }
+                    levels = found;
+                }
+                Err(left) => {
+                    worst = Some(left);
+                    break;
+                }
+            }
         }
     }
     let left = system.inertia.solve(&worst.unwrap_or_else(|| DVector::zeros(n)));
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
     let name = body.map_or(String::new(), |k| d.bodies[system.bodies_of[k]].name.clone());
     Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
+}
+
+/// By friction: sliding and static level in an augmented state, in which a stop that is followed
+/// has its spring's force.
+fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
+    let of = |(rows, own): (&FrictionRows, &Friction)| match &own.follows {
+        None => [rows.levels[0].level.dot(z), rows.levels[0].static_level.dot(z)],
+        Some(follows) => {
+            let normal = system.stops[follows.stop].spring.dot(z).max(0.0);
+            let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
+            [follows.coefficient * normal, largest * normal]
+        }
+    };
+    system.frictions.iter().zip(&d.frictions).map(of).collect()
+}
+
+/// Whether levels are those of another turn but for rounding.
+fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let pairs = a.as_flattened().iter().zip(b.as_flattened());
+    pairs.into_iter().all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
 }
 
 fn direction(w: &DVector<f64>) -> Direction {
@@ -158,7 +195,7 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 
 impl Holding {
     /// The forces on a machine whose augmented state is `z` at q = 0.
-    fn new(system: &System, z: &StateRow, friction: FrictionLevel) -> Self {
+    fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &[[f64; 2]]) -> Self {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
         let mut contacts = Vec::new();
@@ -172,14 +209,14 @@ impl Holding {
             contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
-        for rows in &system.frictions {
+        for (rows, &[slides, holds]) in system.frictions.iter().zip(levels) {
             let rate = rows.elongation.rate.dot(z);
-            let level = if friction == FrictionLevel::Static { &rows.static_level } else { &rows.level };
-            let level = level.dot(z).max(0.0);
+            let level = if friction == FrictionLevel::Static { holds } else { slides };
+            let level = level.max(0.0);
             let w = &rows.elongation.w;
             if rate.abs() > known.zero_of(&rows.elongation.rate) {
                 // A moving prescribed body slips against the bodies at rest.
-                force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
+                force.axpy(-rate.signum() * slides.max(0.0), w, 1.0);
                 sizes += w.abs() * level;
             } else if friction != FrictionLevel::None && level > 0.0 {
                 let force = (-level, level);

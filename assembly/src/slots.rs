@@ -137,6 +137,13 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     }
     for friction in &mut machine.frictions {
         let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);
+        if let Some(follows) = &mut friction.follows {
+            slots.push(format!("{of}.coefficient"), kinds::COEFFICIENT, &mut follows.coefficient);
+            if let Some(coefficient) = &mut follows.static_coefficient {
+                slots.push(format!("{of}.static_coefficient"), kinds::COEFFICIENT, coefficient);
+            }
+            continue;
+        }
         slots.level(&format!("{of}.force"), &mut friction.force);
         if let Some(level) = &mut friction.static_force {
             slots.level(&format!("{of}.static"), level);

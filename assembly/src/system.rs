@@ -8,10 +8,10 @@ mod split;
 mod stiff;
 
 pub use parts::Part;
-pub use rows::{BodyRows, Elongation, FrictionRows, Functional, SpringRows, StateRow, StopRows};
+pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
-use crate::description::{Arms, BodyKind, DampingLimit, Description, StopLaw};
+use crate::description::{Arms, BodyKind, DampingLimit, Description, Follows, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
@@ -290,7 +290,12 @@ impl System {
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];
-                    self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
+                    match &friction.follows {
+                        Some(follows) => self.add_following(&friction.arms, follows),
+                        None => {
+                            self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
+                        }
+                    }
                 }
                 Element::Load(_) => {
                     loads += 1;
@@ -333,17 +338,41 @@ impl System {
         let spring = stiffness * &excess;
         let force = &spring + damping * &*elongation.rate;
         let [excess, force, spring] = [excess, force, spring].map(Functional::of);
-        self.stops.push(StopRows { elongation, excess, law, force, spring });
+        self.stops.push(StopRows { elongation, excess, law, force, spring, is_followed: false });
         vec![Part::Stop(self.stops.len() - 1)]
     }
 
     fn add_friction(&mut self, arms: &Arms, level: &StateRow, static_level: Option<&StateRow>) -> Vec<Part> {
+        let largest = Functional::of(static_level.unwrap_or(level).clone());
         self.frictions.push(FrictionRows {
             elongation: self.elongation(arms),
-            level: level.clone(),
-            static_level: Functional::of(static_level.unwrap_or(level).clone()),
+            levels: vec![LevelRows { level: level.clone(), static_level: largest }],
+            follows: None,
+            passes: true,
             has_static: static_level.is_some(),
         });
+        vec![Part::Friction(self.frictions.len() - 1)]
+    }
+
+    /// Adds a friction whose levels follow the force of a stop.
+    fn add_following(&mut self, arms: &Arms, follows: &Follows) -> Vec<Part> {
+        let stop = &self.stops[follows.stop];
+        let states = stop.states_with_force();
+        let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
+        let levels = states.iter().filter_map(|&state| {
+            let force = self.stop_force(follows.stop, state)?;
+            let (level, largest) = (follows.coefficient * &force, largest * &force);
+            Some(LevelRows { level, static_level: Functional::of(largest) })
+        });
+        let rows = FrictionRows {
+            elongation: self.elongation(arms),
+            levels: levels.collect(),
+            passes: stop.may_pull(),
+            follows: Some((follows.stop, states)),
+            has_static: follows.static_coefficient.is_some(),
+        };
+        self.stops[follows.stop].is_followed = true;
+        self.frictions.push(rows);
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 

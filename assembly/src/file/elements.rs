@@ -1,6 +1,7 @@
 //! Reading of springs, dampers, stops, frictions, links and loads.
 
 use super::bodies::Names;
+use super::follows;
 use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
 use super::signals::{self, Values};
@@ -26,7 +27,7 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
         machine.stops.extend(stop(reading, name, &table, names));
     }
     for (name, table) in reading.section(root, "friction") {
-        machine.frictions.extend(friction(reading, name, &table, names));
+        machine.frictions.extend(friction(reading, name, &table, names, &machine.stops));
     }
     for (name, table) in reading.section(root, "link") {
         reading.known(&table, &["between", "arms"]);
@@ -131,8 +132,23 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
     Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
 }
 
-fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Friction> {
-    reading.known(table, &["between", "arms", "force", "static"]);
+fn friction(
+    reading: &mut Reading,
+    name: String,
+    table: &FileTable,
+    names: &Names,
+    stops: &[Stop],
+) -> Option<Friction> {
+    reading.known(
+        table,
+        &["between", "arms", "force", "static", "follows", "coefficient", "static_coefficient"],
+    );
+    if table.has("follows") || table.has("coefficient") || table.has("static_coefficient") {
+        let (arms, follows) =
+            with_arms(reading, table, names, |reading, _| follows::read(reading, table, stops))?;
+        let (force, follows) = (Signal::default(), Some(follows));
+        return Some(Friction { name, arms, force, static_force: None, follows });
+    }
     let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
         let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
@@ -144,7 +160,7 @@ fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Name
         };
         Some((force?, static_force?))
     })?;
-    Some(Friction { name, arms, force, static_force })
+    Some(Friction { name, arms, force, static_force, follows: None })
 }
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {

@@ -176,6 +176,14 @@ impl Writing<'_> {
     }
 
     fn friction(&self, text: &mut String, of: &str, friction: &Friction) {
+        if let Some(follows) = &friction.follows {
+            line!(text, "follows = {:?}", self.machine.stops[follows.stop].name);
+            self.line(text, of, "coefficient", follows.coefficient);
+            if let Some(coefficient) = follows.static_coefficient {
+                self.line(text, of, "static_coefficient", coefficient);
+            }
+            return;
+        }
         line!(text, "force = {}", self.level(&format!("{of}.force"), &friction.force));
         if let Some(level) = &friction.static_force {
             line!(text, "static = {}", self.level(&format!("{of}.static"), level));

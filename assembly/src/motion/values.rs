@@ -66,7 +66,7 @@ impl Motion {
         let state = self.hybrid.mode.frictions[i];
         let force = match state {
             FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
-            _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
+            _ => system.friction_force_at(i, state, &self.hybrid.mode.stops, z).unwrap_or(0.0),
         };
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }

@@ -61,7 +61,13 @@ pub fn compliant(
 
 /// Friction of a constant level.
 pub fn friction(terms: &[(usize, f64)], force: f64) -> Friction {
-    Friction { name: "friction".into(), arms: arms(terms), force: constant(force), static_force: None }
+    Friction {
+        name: "friction".into(),
+        arms: arms(terms),
+        force: constant(force),
+        static_force: None,
+        follows: None,
+    }
 }
 
 /// A constant signal.

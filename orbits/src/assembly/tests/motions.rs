@@ -188,13 +188,14 @@ fn second_method_the_parameters_column_is_that_of_differences_of_the_equations()
 }
 
 /// A shaken mass on a spring by points, beside a pad that may pull and one without a dashpot in the
-/// rebound.
+/// rebound, of which one rubs by its force.
 const LINES: &str = r#"
 name = "Lines"
 body.m = { mass = 1.0 }
 spring.p = { between = ["ground", "m"], points = [[-0.03, -9.0], [-0.01, -1.0], [0.005, 1.0], [0.02, 0.7], [0.05, 9.0]], damping = 1.5 }
 stop.glue = { between = ["ground", "m"], gap = 0.012, stiffness = 300.0, damping = 4.0, law = "pull" }
 stop.pad = { between = ["m", "ground"], gap = 0.012, stiffness = 300.0, damping = 4.0, law = "undamped-rebound" }
+friction.rub = { between = ["ground", "m"], follows = "glue", coefficient = 0.2 }
 load.l = { on = "m", amplitude = 6.0, frequency = 2.5 }
 "#;
 
