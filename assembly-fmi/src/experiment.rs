@@ -80,7 +80,9 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
 /// The contact time of each compliant stop, undamped and by its own stiffness alone, s.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
-    assembly.system().stops.iter().filter(|stop| stop.restitution().is_none()).map(time)
+    let system = assembly.system();
+    let stops = system.stops.iter().enumerate().filter(|(i, _)| !system.is_corner(*i));
+    stops.map(|(_, stop)| stop).filter(|stop| stop.restitution().is_none()).map(time)
 }
 
 /// The time that each stop's elongation takes from the start to its gap at constant acceleration,

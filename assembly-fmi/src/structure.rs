@@ -17,7 +17,7 @@ use fmi_doors::description::Unknown;
 use groups::{Group, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, Signal};
+use vibro_assembly::description::{Arms, BodyKind, Description, Friction, Signal};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
@@ -143,6 +143,10 @@ impl<'a> Structure<'a> {
             self.signal(signal, 0.0, &format!("{section}{key}.input"), 0, &mut knowns);
         }
         self.of_section(&section, &mut knowns);
+        if let Element::Friction(Friction { follows: Some(follows), .. }) = element {
+            let stop = self.elastic(Element::Stop(&self.machine.stops[follows.stop]), Discrete);
+            join(&mut knowns, &stop, Dependent);
+        }
         knowns
     }
 
@@ -264,6 +268,10 @@ impl<'a> Structure<'a> {
                 let all = friction.into_iter().flat_map(|own| (1..3).map(move |k| self.of_element(own, k)));
                 all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
+            Quantity::Line(i) => {
+                (0..2).for_each(|k| join(&mut knowns, &self.of_element(self.elements[i], k), Dependent));
+                self.of_section(&self.elements[i].dotted(), &mut knowns);
+            }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
             Quantity::Indicator(place) => self.indicator(place, &mut knowns),
             Quantity::Time
@@ -330,6 +338,7 @@ impl<'a> Structure<'a> {
     fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let of_element = |element: &Element<'a>| {
             let (count, first) = match element.action() {
+                Action::Switching if matches!(element, Element::Spring(_)) => (0, 0),
                 Action::Hitting => (1, 0),
                 Action::Switching => (2, 0),
                 Action::Rubbing => (3, 1),
@@ -337,7 +346,15 @@ impl<'a> Structure<'a> {
             };
             vec![(*element, first); count]
         };
-        if let Some((element, first)) = self.elements.iter().flat_map(of_element).nth(place) {
+        // Corners come after all stops and before friction.
+        let corners = self.elements.iter().flat_map(|element| match element {
+            Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
+            _ => Vec::new(),
+        });
+        let rubs = |element: &&Element| element.action() == Action::Rubbing;
+        let stops = self.elements.iter().filter(|element| !rubs(element)).flat_map(of_element);
+        let mut all = stops.chain(corners).chain(self.elements.iter().filter(rubs).flat_map(of_element));
+        if let Some((element, first)) = all.nth(place) {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }

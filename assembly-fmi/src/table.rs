@@ -7,9 +7,11 @@
 //! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
+//! | `SPRING.line` of springs by points | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
+//! | `SPRING.indicator.points[1]` of its corners | local |
 //!
 //! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
 //! variables share a name.
@@ -38,6 +40,8 @@ pub enum Quantity {
     Impulse(usize),
     /// The state of a friction.
     FrictionState(usize),
+    /// The number of corners that a spring has passed, by its place among the springs.
+    Line(usize),
     /// A part of the energy balance.
     Energy(Energy),
     /// An event indicator, by its index.
@@ -178,7 +182,7 @@ impl VariableTable {
 
     fn push(&mut self, name: String, meaning: &str, unit: &'static str, role: Role, quantity: Quantity) {
         let base = match quantity {
-            Quantity::Impacts(_) => Base::Integer,
+            Quantity::Impacts(_) | Quantity::Line(_) => Base::Integer,
             Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
             _ => Base::Real,
         };
@@ -208,6 +212,11 @@ impl VariableTable {
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
             match element {
+                Element::Spring(spring) if spring.points.len() > 2 => {
+                    let name = format!("{}.line", spring.name);
+                    let meaning = "Line of the force that acts, counted from 0 at the least elongation";
+                    self.push(name, meaning, "1", Role::Discrete, Quantity::Line(i));
+                }
                 Element::Stop(stop) => {
                     self.stop(stop, stops);
                     stops += 1;
@@ -264,6 +273,12 @@ impl VariableTable {
                     );
                     push(format!("{name}.force"), "Negative where the force ends or begins");
                 }
+            }
+        }
+        for spring in &machine.springs {
+            for corner in 1..spring.points.len().saturating_sub(1) {
+                let name = format!("{}.indicator.points[{corner}]", spring.name);
+                push(name, "Negative where the corner is to be passed");
             }
         }
         for friction in &machine.frictions {

@@ -60,7 +60,8 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
     let symbol = |element: Element| match element {
         Element::Spring(spring) => {
             let dashpot = spring.damping > 0.0;
-            Symbol::Spring { zigzag: spring.stiffness > 0.0 || !dashpot, dashpot }
+            let acts = spring.stiffness > 0.0 || !spring.points.is_empty();
+            Symbol::Spring { zigzag: acts || !dashpot, dashpot }
         }
         Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
         Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },

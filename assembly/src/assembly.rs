@@ -25,7 +25,8 @@ impl Assembly {
     ///
     /// # Errors
     /// As [`System::new`]; [`Error::TooFast`] for rates above 1e100 rad/s; [`Error::NoEquilibrium`]
-    /// for a machine that starts at rest and has no equilibrium.
+    /// for a machine that starts at rest and has no equilibrium; [`Error::GivesWay`] for one that
+    /// does not come to it as its loads grow.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
         rates::check(&description, &system)?;
@@ -41,7 +42,7 @@ impl Assembly {
     /// The bodies' coordinates in static equilibrium under the signals of time 0, m or rad.
     ///
     /// # Errors
-    /// [`Error::NoEquilibrium`].
+    /// [`Error::NoEquilibrium`], [`Error::GivesWay`].
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
         let mut z = DVector::zeros(system.signals.size);

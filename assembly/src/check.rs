@@ -6,8 +6,11 @@ mod starts;
 
 pub(crate) use names::problem_of as problem_of_name;
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Follows, Signal, Spring, Stop, StopLaw,
+};
 use crate::elements::Element;
+use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::slots;
 
@@ -63,6 +66,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
             check_arms(machine, &element.dotted(), arms, &mut problems);
         }
     }
+    machine.springs.iter().for_each(|spring| check_points(spring, &mut problems));
     machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
     loads(machine, &mut problems);
     if !problems.is_empty() {
@@ -136,6 +140,31 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     }
 }
 
+/// Problems of the points of a spring's force: two or more at rising e, with finite slopes.
+fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
+    let (name, points) = (format!("spring.{}.points", spring.name), &spring.points);
+    if points.is_empty() {
+        return;
+    }
+    if points.len() < 2 {
+        problems.push(Problem::new(&name, None, "allowed are two points or more"));
+    }
+    if let Some(i) = points.windows(2).position(|pair| pair[1].e <= pair[0].e) {
+        let text = format!("allowed is an e above {:?}, that of the point before", points[i].e);
+        problems.push(refused(format!("{name}[{}].e", i + 1), points[i + 1].e, text));
+    } else if let Some(i) = slopes(points).iter().position(|slope| !slope.is_finite()) {
+        let text = "allowed is a finite slope from the point before";
+        problems.push(refused(format!("{name}[{}].f", i + 1), points[i + 1].f, text));
+    }
+    if (spring.stiffness, spring.preload) != (0.0, 0.0) {
+        problems.push(refused(
+            format!("spring.{}.stiffness", spring.name),
+            spring.stiffness,
+            "allowed beside points is 0, and 0 for preload",
+        ));
+    }
+}
+
 /// Problems of loads: each acts on a free body.
 fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     for load in &machine.loads {
@@ -159,12 +188,38 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
 /// constants.
 fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     for friction in &machine.frictions {
+        if let Some(follows) = &friction.follows {
+            check_follows(machine, &format!("friction.{}", friction.name), follows, problems);
+            continue;
+        }
         let Some(largest) = &friction.static_force else { continue };
         let force = friction.force.constant;
         if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
             let text = format!("allowed is a number >= friction.{}.force = {force:?}", friction.name);
             problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
         }
+    }
+}
+
+/// Problems of levels that follow a stop: it is compliant, and the static coefficient is at least
+/// that of sliding.
+fn check_follows(machine: &Description, name: &str, follows: &Follows, problems: &mut Vec<Problem>) {
+    let Follows { stop, coefficient, static_coefficient } = *follows;
+    match machine.stops.get(stop) {
+        None => problems.push(Problem::new(
+            format!("{name}.follows"),
+            None,
+            format!("there is no stop {stop}, counted from 0"),
+        )),
+        Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
+            let text = "this stop is rigid, and impacts with friction are outside this program; allowed is a compliant stop";
+            problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
+        }
+        Some(_) => {}
+    }
+    if let Some(largest) = static_coefficient.filter(|largest| *largest < coefficient) {
+        let text = format!("allowed is a number >= {name}.coefficient = {coefficient:?}");
+        problems.push(refused(format!("{name}.static_coefficient"), largest, text));
     }
 }
 

@@ -105,7 +105,8 @@ impl Arms {
 }
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
-/// e: it acts on a body by -arm · f.
+/// e: it acts on a body by -arm · f. One with [`points`](Self::points) has straight lines through
+/// them instead of preload + stiffness · e.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -118,6 +119,18 @@ pub struct Spring {
     pub damping: f64,
     /// The force at e = 0, N or N m.
     pub preload: f64,
+    /// Points of the force without its dashpot: none, or two or more at rising e. Beyond the first
+    /// and the last one the line goes on. Beside them stiffness and preload are 0.
+    pub points: Vec<ForcePoint>,
+}
+
+/// A point of a spring's force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForcePoint {
+    /// Elongation, m or rad.
+    pub e: f64,
+    /// Force, N or N m.
+    pub f: f64,
 }
 
 /// A dashpot alone. Its force f = damping · e' resists e'. No force depends on its elongation, so
@@ -191,6 +204,20 @@ pub struct Friction {
     pub force: Signal,
     /// The static level, where it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
+    /// The stop whose force its levels follow, instead of `force` and `static_force`, which are then
+    /// zero and none.
+    pub follows: Option<Follows>,
+}
+
+/// The levels of a friction that follow the force N of a compliant stop: coefficient · max(0, N).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Follows {
+    /// Index of the stop.
+    pub stop: usize,
+    /// Of the sliding level, not negative.
+    pub coefficient: f64,
+    /// Of the static level, where it differs from `coefficient`; at least `coefficient`.
+    pub static_coefficient: Option<f64>,
 }
 
 /// A rigid link: e = 0 at all times, which determines one coordinate by the others.

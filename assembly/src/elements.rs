@@ -107,6 +107,7 @@ impl<'a> Element<'a> {
     /// How its force follows from the state.
     pub fn action(self) -> Action {
         match self {
+            Self::Spring(spring) if spring.points.len() > 2 => Action::Switching,
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
             Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
@@ -119,6 +120,7 @@ impl<'a> Element<'a> {
     /// Its signals, each with the key that follows its dotted name, empty for the only signal.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
         match self {
+            Self::Friction(Friction { follows: Some(_), .. }) => Vec::new(),
             Self::Friction(friction) => {
                 let largest = friction.static_force.as_ref().map(|level| (".static", level));
                 std::iter::once((".force", &friction.force)).chain(largest).collect()

@@ -107,7 +107,8 @@ impl Accounts {
 }
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
-/// of ½ k max(0, e - gap)² over compliant stops, and the potential energy of weight.
+/// of ½ k max(0, e - gap)² over compliant stops and corners of springs, less what it is at e = 0,
+/// and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {
@@ -119,9 +120,14 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
     }
-    for stop in &system.stops {
+    let (stops, corners) = system.stops.split_at(system.first_corner);
+    for stop in stops {
         let excess = stop.excess.dot(z).max(0.0);
         stored += 0.5 * stop.spring.dot(z).max(0.0) * excess;
     }
-    (kinetic, stored)
+    for corner in corners {
+        let excess = corner.excess.dot(z).max(0.0);
+        stored += 0.5 * corner.stiffness() * excess * excess;
+    }
+    (kinetic, stored - system.stored_at_zero)
 }

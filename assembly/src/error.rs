@@ -62,6 +62,17 @@ pub enum Error {
         /// m/s² or rad/s².
         acceleration: f64,
     },
+    /// A machine that starts at rest, and gives way while its loads grow.
+    #[error(
+        "start = \"rest\": spring.{spring} falls, and gives way at {factor:?} of the loads, where nothing that grows with them holds \
+         what is left; allowed is a start in place of rest"
+    )]
+    GivesWay {
+        /// Name of the spring.
+        spring: String,
+        /// Part of the loads, from 0 to 1.
+        factor: f64,
+    },
     /// Modes that change without end at one instant, or events that accumulate.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     Stuck {

@@ -27,7 +27,9 @@
 
 mod bodies;
 mod elements;
+mod follows;
 mod named;
+mod points;
 mod reading;
 mod records;
 mod signals;

@@ -43,11 +43,14 @@ pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
 pub const DASHPOT: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
+pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);
+pub const POINT_FORCE: NumberKind = kind("Force at a point", "N", "N.m", Range::FINITE);
 pub const GAP: NumberKind = kind("Elongation at which the stop closes", "m", "rad", Range::FINITE);
 pub const RESTITUTION: NumberKind =
     kind("Restitution coefficient", "1", "1", between(0.0, 1.0, "a number from 0 to 1"));
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
+pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
 pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
 pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
 pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);

@@ -26,6 +26,7 @@ pub mod motion;
 pub mod named;
 pub mod neutral;
 pub mod parameters;
+mod polyline;
 pub mod quantity;
 mod rates;
 pub mod refusal;

@@ -147,10 +147,11 @@ impl System {
         state.force(&self.stops[i].force, &self.stops[i].spring)
     }
 
-    /// The force of a friction in a state that determines it: slipping, or held at its level.
-    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
-        let friction = &self.frictions[i];
-        state.force(&friction.level, &friction.static_level)
+    /// The force of a friction in a state that determines it, slipping or held at its level, while
+    /// the stops are in these states.
+    pub fn friction_force(&self, i: usize, state: FrictionState, stops: &[StopState]) -> Option<StateRow> {
+        let own = self.frictions[i].at(stops)?;
+        state.force(&own.level, &own.static_level)
     }
 
     /// The value of [`stop_force`](Self::stop_force).
@@ -165,8 +166,14 @@ impl System {
     }
 
     /// The value of [`friction_force`](Self::friction_force).
-    pub fn friction_force_at(&self, i: usize, state: FrictionState, z: &DVector<f64>) -> Option<f64> {
-        let friction = &self.frictions[i];
+    pub fn friction_force_at(
+        &self,
+        i: usize,
+        state: FrictionState,
+        stops: &[StopState],
+        z: &DVector<f64>,
+    ) -> Option<f64> {
+        let friction = self.frictions[i].at(stops)?;
         match state {
             FrictionState::Up => Some(friction.level.dot(z)),
             FrictionState::Down => Some(-friction.level.dot(z)),
@@ -178,15 +185,16 @@ impl System {
 
     /// Accelerations without contact forces, in given states of stops and frictions, as rows.
     pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
-        self.accelerations(&self.forces, stops, frictions)
+        self.accelerations(&self.forces, stops, (frictions, stops))
     }
 
-    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine.
+    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine: those
+    /// of stops, and of frictions with the states of the stops that they follow.
     fn accelerations(
         &self,
         always: &DMatrix<f64>,
         stops: &[StopState],
-        frictions: &[FrictionState],
+        (frictions, followed): (&[FrictionState], &[StopState]),
     ) -> DMatrix<f64> {
         let mut forces = always.clone();
         for (i, &state) in stops.iter().enumerate() {
@@ -195,7 +203,7 @@ impl System {
             }
         }
         for (i, &state) in frictions.iter().enumerate() {
-            if let Some(force) = self.friction_force(i, state) {
+            if let Some(force) = self.friction_force(i, state, followed) {
                 add_outer(&mut forces, &self.frictions[i].elongation.w, &force);
             }
         }

@@ -47,7 +47,7 @@ fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
 /// linked to a light one lowers them.
 fn check_force(name: &str, elongation: &Elongation, [stiffness, damping]: [f64; 2]) -> Result<(), Error> {
     let compliance = elongation.column.norm_squared();
-    let rate = |force: f64| if force > 0.0 { force * compliance } else { 0.0 };
+    let rate = |force: f64| if force != 0.0 { force.abs() * compliance } else { 0.0 };
     for (what, value, rate) in
         [("stiffness", stiffness, rate(stiffness).sqrt()), ("damping", damping, rate(damping))]
     {

@@ -2,14 +2,18 @@
 //! (A19), (A20)).
 
 mod factor;
+mod lines;
+mod path;
 
-use crate::description::{Description, StopLaw};
+use crate::description::{Description, Friction, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{SpringRows, StateRow, System};
+use crate::system::{FrictionRows, SpringRows, StateRow, System};
 use factor::Factor;
+use lines::Lined;
 use nalgebra::{DMatrix, DVector};
+use path::LoadPath;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Factor of the proximal weight from step to step, as it falls from the largest stiffness per
@@ -26,6 +30,9 @@ const STEPS: usize = 100;
 /// Relative rounding of the balance: bound of a residual force, relative to the forces on its
 /// coordinate.
 const BALANCED: f64 = 1e-13;
+/// Most turns in which levels of friction that follow stops are found from the places that they lead
+/// to. Each multiplies their error by the coefficient times a ratio of stiffnesses.
+const REPEATS: usize = 200;
 /// Relative rounding of a step: bound of a step relative to the coordinates.
 const STANDS: f64 = 1e-15;
 /// Relative rounding of a difference of coordinates that are known to 32 digits.
@@ -46,7 +53,10 @@ type Direction = Vec<(usize, f64)>;
 
 struct RestSpring {
     w: Direction,
+    /// Negative only of a line that falls.
     stiffness: f64,
+    /// Its place among the springs.
+    spring: usize,
 }
 
 struct RestContact {
@@ -64,6 +74,10 @@ enum FrictionLevel {
     None,
     Slipping,
     Static,
+}
+
+impl FrictionLevel {
+    const ALL: [Self; 3] = [Self::None, Self::Slipping, Self::Static];
 }
 
 /// Coordinates and contact forces. Both have 32 digits, so that a stiff spring's force is known
@@ -86,23 +100,73 @@ struct Weighted {
 /// no force determines are those nearest to zero.
 ///
 /// # Errors
-/// [`Error::NoEquilibrium`], with the body of the largest acceleration.
+/// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
     let mut z = StateRow::zeros(system.signals.size);
     let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
     system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
     let n = system.coordinates;
+    let lined = Lined::all(d, system, &z);
+    let held = |friction, levels: &[[f64; 2]]| {
+        let mut holding = Holding::new(system, &z, friction, levels);
+        lined.iter().for_each(|own| holding.put_lines(system, own));
+        holding
+    };
     let mut worst = None;
-    for friction in [FrictionLevel::None, FrictionLevel::Slipping, FrictionLevel::Static] {
-        match Holding::new(system, &z, friction).settle(&system.mass) {
+    let mut levels = levels(d, system, &z);
+    let path = lined.iter().any(Lined::falls).then(|| Holding::new(system, &z, FrictionLevel::None, &levels));
+    if let Some((path, holding)) = path.and_then(|own| Some((LoadPath::new(d, system, &z, &own)?, own))) {
+        let (holding, q) = path.follow(d, holding)?;
+        match holding.settle(&system.mass, &q) {
             Ok(q) => return Ok(q),
             Err(left) => worst = Some(left),
+        }
+    }
+    let zero = DVector::zeros(n);
+    let ways = if worst.is_some() { &[][..] } else { &FrictionLevel::ALL[..] };
+    for &friction in ways {
+        for _ in 0..REPEATS {
+            match held(friction, &levels).settle(&system.mass, &zero) {
+                Ok(q) => {
+                    let mut there = z.clone();
+                    there.rows_mut(0, n).copy_from(&q);
+                    let found = self::levels(d, system, &there);
+                    if are_near(&found, &levels) {
+                        return Ok(q);
+                    }
+                    levels = found;
+                }
+                Err(left) => {
+                    worst = Some(left);
+                    break;
+                }
+            }
         }
     }
     let left = system.inertia.solve(&worst.unwrap_or_else(|| DVector::zeros(n)));
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
     let name = body.map_or(String::new(), |k| d.bodies[system.bodies_of[k]].name.clone());
     Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
+}
+
+/// By friction: sliding and static level in an augmented state, in which a stop that is followed
+/// has its spring's force.
+fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
+    let of = |(rows, own): (&FrictionRows, &Friction)| match &own.follows {
+        None => [rows.levels[0].level.dot(z), rows.levels[0].static_level.dot(z)],
+        Some(follows) => {
+            let normal = system.stops[follows.stop].spring.dot(z).max(0.0);
+            let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
+            [follows.coefficient * normal, largest * normal]
+        }
+    };
+    system.frictions.iter().zip(&d.frictions).map(of).collect()
+}
+
+/// Whether levels are those of another turn but for rounding.
+fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    let pairs = a.as_flattened().iter().zip(b.as_flattened());
+    pairs.into_iter().all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
 }
 
 fn direction(w: &DVector<f64>) -> Direction {
@@ -131,11 +195,11 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 
 impl Holding {
     /// The forces on a machine whose augmented state is `z` at q = 0.
-    fn new(system: &System, z: &StateRow, friction: FrictionLevel) -> Self {
+    fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &[[f64; 2]]) -> Self {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
         let mut contacts = Vec::new();
-        for stop in &system.stops {
+        for stop in &system.stops[..system.first_corner] {
             let compliance = match stop.law {
                 StopLaw::Rigid { .. } => 0.0,
                 StopLaw::Compliant { stiffness, .. } if stiffness > 0.0 => 1.0 / stiffness,
@@ -145,32 +209,39 @@ impl Holding {
             contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
-        for rows in &system.frictions {
+        for (rows, &[slides, holds]) in system.frictions.iter().zip(levels) {
             let rate = rows.elongation.rate.dot(z);
-            let level = if friction == FrictionLevel::Static { &rows.static_level } else { &rows.level };
-            let level = level.dot(z).max(0.0);
+            let level = if friction == FrictionLevel::Static { holds } else { slides };
+            let level = level.max(0.0);
             let w = &rows.elongation.w;
             if rate.abs() > known.zero_of(&rows.elongation.rate) {
                 // A moving prescribed body slips against the bodies at rest.
-                force.axpy(-rate.signum() * rows.level.dot(z).max(0.0), w, 1.0);
+                force.axpy(-rate.signum() * slides.max(0.0), w, 1.0);
                 sizes += w.abs() * level;
             } else if friction != FrictionLevel::None && level > 0.0 {
                 let force = (-level, level);
                 contacts.push(RestContact { w: direction(w), excess: 0.0, force, compliance: 0.0 });
             }
         }
-        let spring = |s: &SpringRows| RestSpring { w: direction(&s.elongation.w), stiffness: s.stiffness };
-        let springs = system.springs.iter().map(spring).filter(|s| s.stiffness > 0.0).collect();
+        let spring = |(spring, s): (usize, &SpringRows)| RestSpring {
+            w: direction(&s.elongation.w),
+            stiffness: s.stiffness,
+            spring,
+        };
+        let springs = system.springs.iter().enumerate().map(spring).filter(|s| s.stiffness != 0.0).collect();
         Self { contacts, springs, force, sizes }
     }
 
     /// The equilibrium by proximal steps: each minimizes the energy plus a weight times the squared
-    /// distance from the last point in the inertia's metric. `Err` is the residual force.
-    fn settle(&self, mass: &DMatrix<f64>) -> Result<DVector<f64>, DVector<f64>> {
+    /// distance from the last point in the inertia's metric; the first point is `from`. `Err` is the
+    /// residual force.
+    fn settle(&self, mass: &DMatrix<f64>, from: &DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
-        let mut place =
-            RestState { q: vec![zero; self.force.len()], lambda: vec![zero; self.contacts.len()] };
+        let mut place = RestState {
+            q: from.iter().map(|&q| DoubleDouble::new(q)).collect(),
+            lambda: vec![zero; self.contacts.len()],
+        };
         let (mut left, mut rounding) = self.left(&place);
         let is_balanced = |left: &[DoubleDouble], rounding: &DVector<f64>| {
             left.iter().zip(rounding.iter()).all(|(left, rounding)| left.value().abs() <= *rounding)
@@ -208,7 +279,7 @@ impl Holding {
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
         let all = springs.chain(yielding.map(|c| (&c.w, 1.0 / c.compliance)));
         let (mut least, mut largest) = (f64::INFINITY, 0.0f64);
-        for (i, stiffness) in all.flat_map(|(w, k)| w.iter().map(move |&(i, w)| (i, k * w * w))) {
+        for (i, stiffness) in all.flat_map(|(w, k)| w.iter().map(move |&(i, w)| (i, k.abs() * w * w))) {
             least = least.min(stiffness);
             largest = largest.max(stiffness / mass[(i, i)]);
         }
@@ -226,10 +297,10 @@ impl Holding {
         let mut rounding = BALANCED * &self.sizes;
         let mut bear = |w: &Direction, force: DoubleDouble, stiffness: f64| {
             subtract_force(force, w, &mut left);
-            let own = BALANCED * force.value().abs() + FINE * stiffness * size_along(w, &place.q);
+            let own = BALANCED * force.value().abs() + FINE * stiffness.abs() * size_along(w, &place.q);
             w.iter().for_each(|&(k, w)| rounding[k] += w.abs() * own);
         };
-        for RestSpring { w, stiffness } in &self.springs {
+        for RestSpring { w, stiffness, .. } in &self.springs {
             bear(w, along(w, &place.q).times(DoubleDouble::new(*stiffness)), *stiffness);
         }
         for (contact, &force) in self.contacts.iter().zip(&place.lambda) {
@@ -244,7 +315,7 @@ impl Holding {
         let (n, m) = (self.force.len(), self.contacts.len());
         let wide = DoubleDouble::new;
         let mut stiffness = mass.map(|inertia| wide(inertia).times(wide(weight)));
-        for RestSpring { w, stiffness: k } in &self.springs {
+        for RestSpring { w, stiffness: k, .. } in &self.springs {
             for &(i, a) in w {
                 let row = wide(a).times(wide(*k));
                 w.iter().for_each(|&(j, b)| stiffness[(i, j)] = stiffness[(i, j)] + row.times(wide(b)));

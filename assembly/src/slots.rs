@@ -114,9 +114,17 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
     for spring in &mut machine.springs {
         let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
-        slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+        if spring.points.is_empty() {
+            slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
+            slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+            slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+            continue;
+        }
         slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
-        slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+        for (i, point) in spring.points.iter_mut().enumerate() {
+            slots.push(format!("{of}.points[{i}].e"), kinds::POINT, &mut point.e);
+            slots.push(format!("{of}.points[{i}].f"), kinds::POINT_FORCE, &mut point.f);
+        }
     }
     for damper in &mut machine.dampers {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
@@ -129,6 +137,13 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     }
     for friction in &mut machine.frictions {
         let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);
+        if let Some(follows) = &mut friction.follows {
+            slots.push(format!("{of}.coefficient"), kinds::COEFFICIENT, &mut follows.coefficient);
+            if let Some(coefficient) = &mut follows.static_coefficient {
+                slots.push(format!("{of}.static_coefficient"), kinds::COEFFICIENT, coefficient);
+            }
+            continue;
+        }
         slots.level(&format!("{of}.force"), &mut friction.force);
         if let Some(level) = &mut friction.static_force {
             slots.level(&format!("{of}.static"), level);

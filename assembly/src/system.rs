@@ -8,14 +8,15 @@ mod split;
 mod stiff;
 
 pub use parts::Part;
-pub use rows::{BodyRows, Elongation, FrictionRows, Functional, SpringRows, StateRow, StopRows};
+pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
-use crate::description::{Arms, BodyKind, Description, StopLaw};
+use crate::description::{Arms, BodyKind, DampingLimit, Description, Follows, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
 use crate::flow::DENSE;
+use crate::polyline::Polyline;
 use crate::signals::{Builder, Layout, Signals};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::OnceLock;
@@ -51,8 +52,12 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
-    /// Stops.
+    /// Stops, followed by the corners of springs whose force has several lines.
     pub stops: Vec<StopRows>,
+    /// The number of stops without these corners.
+    pub(crate) first_corner: usize,
+    /// What the stored energies of all lines are at e = 0, which the springs' own are not to have.
+    pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
     /// By load: its force.
@@ -203,6 +208,8 @@ impl System {
             parts: Vec::new(),
             springs: Vec::new(),
             stops: Vec::new(),
+            first_corner: d.stops.len(),
+            stored_at_zero: 0.0,
             frictions: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
@@ -272,14 +279,23 @@ impl System {
         let mut loads = 0;
         for element in d.elements() {
             let parts = match element {
-                Element::Spring(spring) => {
+                Element::Spring(spring) if spring.points.is_empty() => {
                     self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
+                }
+                Element::Spring(spring) => {
+                    let Polyline { stiffness, preload, .. } = Polyline::new(&spring.points);
+                    self.add_spring(&spring.arms, stiffness, spring.damping, preload)
                 }
                 Element::Damper(damper) => self.add_spring(&damper.arms, 0.0, damper.damping, 0.0),
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];
-                    self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
+                    match &friction.follows {
+                        Some(follows) => self.add_following(&friction.arms, follows),
+                        None => {
+                            self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
+                        }
+                    }
                 }
                 Element::Load(_) => {
                     loads += 1;
@@ -289,6 +305,20 @@ impl System {
             };
             self.parts.push(parts);
         }
+        for (i, spring) in d.springs.iter().enumerate().filter(|(_, spring)| !spring.points.is_empty()) {
+            let line = Polyline::new(&spring.points);
+            self.stored_at_zero += line.energy_at_zero();
+            for &(e, stiffness) in &line.corners {
+                let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
+                let corner = self.add_stop(&spring.arms, e, law);
+                self.parts[i].extend(corner);
+            }
+        }
+    }
+
+    /// Whether a stop is a corner of a spring's force.
+    pub fn is_corner(&self, stop: usize) -> bool {
+        stop >= self.first_corner
     }
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
@@ -308,17 +338,41 @@ impl System {
         let spring = stiffness * &excess;
         let force = &spring + damping * &*elongation.rate;
         let [excess, force, spring] = [excess, force, spring].map(Functional::of);
-        self.stops.push(StopRows { elongation, excess, law, force, spring });
+        self.stops.push(StopRows { elongation, excess, law, force, spring, is_followed: false });
         vec![Part::Stop(self.stops.len() - 1)]
     }
 
     fn add_friction(&mut self, arms: &Arms, level: &StateRow, static_level: Option<&StateRow>) -> Vec<Part> {
+        let largest = Functional::of(static_level.unwrap_or(level).clone());
         self.frictions.push(FrictionRows {
             elongation: self.elongation(arms),
-            level: level.clone(),
-            static_level: Functional::of(static_level.unwrap_or(level).clone()),
+            levels: vec![LevelRows { level: level.clone(), static_level: largest }],
+            follows: None,
+            passes: true,
             has_static: static_level.is_some(),
         });
+        vec![Part::Friction(self.frictions.len() - 1)]
+    }
+
+    /// Adds a friction whose levels follow the force of a stop.
+    fn add_following(&mut self, arms: &Arms, follows: &Follows) -> Vec<Part> {
+        let stop = &self.stops[follows.stop];
+        let states = stop.states_with_force();
+        let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
+        let levels = states.iter().filter_map(|&state| {
+            let force = self.stop_force(follows.stop, state)?;
+            let (level, largest) = (follows.coefficient * &force, largest * &force);
+            Some(LevelRows { level, static_level: Functional::of(largest) })
+        });
+        let rows = FrictionRows {
+            elongation: self.elongation(arms),
+            levels: levels.collect(),
+            passes: stop.may_pull(),
+            follows: Some((follows.stop, states)),
+            has_static: follows.static_coefficient.is_some(),
+        };
+        self.stops[follows.stop].is_followed = true;
+        self.frictions.push(rows);
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 

@@ -161,6 +161,7 @@ fn others_models_coupled_clutches() {
         arms: arms(&[(between[0], -1.0), (between[1], 1.0)]),
         force,
         static_force: Some(peak),
+        follows: None,
     };
     let quarter = std::f64::consts::FRAC_PI_2;
     let d = Description {

@@ -19,7 +19,7 @@ const OWN: f64 = 2e-13;
 /// times in the speed. Redundant stops, one of them plastic, cause ever faster bounces, of which
 /// those closer than 1e-13 of the paths count as simultaneous. A stiff buffer magnifies a rounding
 /// of the coordinate by 1e4/s in the speed.
-const EDGES: [(&str, f64); 8] = [
+const EDGES: [(&str, f64); 9] = [
     ("grazing", 1e-10),
     ("redundant", 1e-9),
     ("loops", 1e-13),
@@ -28,6 +28,7 @@ const EDGES: [(&str, f64); 8] = [
     ("levels", 1e-13),
     ("stiff", 1e-11),
     ("laws", 1e-13),
+    ("follows", 1e-13),
 ];
 
 struct Known {

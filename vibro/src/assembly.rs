@@ -22,7 +22,6 @@ use vibro_analysis::assembly::{
     ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, StopContact, columns, named, values,
 };
 use vibro_assembly::description::Description;
-use vibro_assembly::elements::Action;
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Element, Motion, Quantity, Start, What};
 use vibro_impact::quantities::{self, Unit};
@@ -219,7 +218,7 @@ fn watched(d: &Description) -> Vec<Quantity> {
 
 /// Whether an element is a contact, that is, a stop or a friction.
 pub(crate) fn is_contact(element: Element) -> bool {
-    matches!(element.action(), Action::Hitting | Action::Switching | Action::Rubbing)
+    matches!(element, Element::Stop(_) | Element::Friction(_))
 }
 
 /// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`

@@ -19,9 +19,9 @@ pub fn values(m: &Motion) -> Vec<f64> {
 /// Event by the names of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
-    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `stick`, `slip`, `level`, `knot`.
+    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`, `knot`.
     pub kind: &'static str,
-    /// `stop.NAME`, `friction.NAME`, or empty.
+    /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
     pub element: String,
     /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
     pub value: Option<f64>,
@@ -41,6 +41,7 @@ pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
         EventKind::Press { stop: i, speed } => event("press", stop(i), Some(speed), None),
         EventKind::Free { stop: i } => event("free", stop(i), None, None),
         EventKind::Cap { stop: i, acts } => event("cap", stop(i), Some(f64::from(u8::from(acts))), None),
+        EventKind::Corner { corner, rate } => event("corner", stop(corner), Some(rate), None),
         EventKind::Stick { friction: i } => event("stick", friction(i), None, None),
         EventKind::Slip { friction: i, force, .. } => event("slip", friction(i), Some(force), None),
         EventKind::Level { friction: i, acts } => {

@@ -57,7 +57,8 @@ impl ContactRecorder {
         let mut contacts = Self { all: Vec::new(), current, acting: Vec::new() };
         contacts.meet(motion.assembly().system(), told, Some(motion.energy().impacts.value()));
         for (i, state) in motion.mode().stops.iter().enumerate() {
-            if holds(*state) && contacts.current[i].is_none() {
+            let is_corner = motion.assembly().system().is_corner(i);
+            if holds(*state) && !is_corner && contacts.current[i].is_none() {
                 let speed = if *state == StopState::Closed { 0.0 } else { motion.stop(i)[1] };
                 contacts.begin(i, motion.time(), speed);
             }
@@ -124,7 +125,7 @@ impl ContactRecorder {
     pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
         self.acting.clear();
         for (stop, &state) in flow.mode.stops.iter().enumerate() {
-            if !holds(state) && state != StopState::Free {
+            if (!holds(state) && state != StopState::Free) || system.is_corner(stop) {
                 continue;
             }
             let force = system.force_row(Part::Stop(stop), &flow.mode, &flow.lambda);

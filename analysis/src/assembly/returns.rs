@@ -55,10 +55,15 @@ impl Functionals {
         };
         for (element, parts) in d.elements().zip(&system.parts) {
             let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
+            let acts = parts
+                .iter()
+                .any(|part| matches!(part, Part::Spring(i) if system.springs[*i].stiffness != 0.0));
             for &part in parts {
                 let Some(e) = system.elongation_of_part(part) else { continue };
                 let stiffness = match part {
                     Part::Spring(i) => Some(system.springs[i].stiffness).filter(|k| *k != 0.0),
+                    // Of a spring with corners one line or another has stiffness.
+                    Part::Stop(i) if system.is_corner(i) && acts => continue,
                     Part::Stop(i) => Some(system.stops[i].stiffness()),
                     Part::Friction(_) | Part::Load(_) => None,
                 };

@@ -29,6 +29,9 @@ fn in_words(machine: &Assembly, event: &Event) -> String {
                 if acts { "comes to its dashpot's cap" } else { "leaves its dashpot's cap" }
             )
         }
+        EventKind::Corner { corner, rate } => {
+            format!("{} passes a corner with {rate} (SI)", stop(corner))
+        }
         EventKind::Stick { friction: i } => format!("{} sticks", friction(i)),
         EventKind::Slip { friction: i, direction, .. } => {
             format!("{} slips {}", friction(i), if direction > 0.0 { "upwards" } else { "downwards" })

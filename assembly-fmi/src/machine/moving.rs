@@ -8,8 +8,10 @@ use crate::units::{friction_state, stop_state};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_assembly::energy::Accounts;
+use vibro_assembly::mode::StopState;
 use vibro_assembly::motion::{Course, Event, Hybrid, StopRecord};
 use vibro_assembly::signals::Input;
+use vibro_assembly::system::Part;
 use vibro_assembly::{Assembly, Error, Motion};
 
 /// A motion, and what its energy is held against.
@@ -185,7 +187,15 @@ impl Moving {
         Shown {
             stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
             frictions: mode.frictions.iter().copied().map(friction_state).collect(),
+            lines: (0..self.motion.assembly().description.springs.len()).map(|i| self.line(i)).collect(),
         }
+    }
+
+    /// The number of corners that a spring has passed.
+    fn line(&self, spring: usize) -> f64 {
+        let (system, mode) = (self.motion.assembly().system(), self.motion.mode());
+        let passed = |part: &&Part| matches!(part, Part::Stop(i) if mode.stops[*i] == StopState::Pressed);
+        system.parts[spring].iter().filter(passed).count() as f64
     }
 
     /// What is read from the motion; 0 of what is not.
@@ -197,6 +207,7 @@ impl Moving {
             Quantity::Impacts(i) => motion.impacts(i).count as f64,
             Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
+            Quantity::Line(i) => self.line(i),
             Quantity::Indicator(i) => motion.indicators()[i],
             Quantity::Column(column) => motion.value(column),
             Quantity::Time
@@ -231,12 +242,15 @@ pub struct Shown {
     pub(super) stops: Vec<(f64, f64, f64)>,
     /// By friction.
     pub(super) frictions: Vec<f64>,
+    /// By spring: the number of corners that it has passed.
+    pub(super) lines: Vec<f64>,
 }
 
 impl Shown {
     /// Whether it is of as many stops and frictions.
     pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
-        self.stops.len() == other.stops.len() && self.frictions.len() == other.frictions.len()
+        let counts = |shown: &Self| [&shown.frictions, &shown.lines].map(Vec::len);
+        self.stops.len() == other.stops.len() && counts(self) == counts(other)
     }
 }
 

@@ -240,7 +240,7 @@ impl<'a> Adjoint<'a> {
             },
             Part::Friction(i) => match mode.mode.frictions[i] {
                 FrictionState::Stuck => (Contact::Friction(i), held(Contact::Friction(i))),
-                state => (Contact::Friction(i), system.friction_force(i, state)),
+                state => (Contact::Friction(i), system.friction_force(i, state, &mode.mode.stops)),
             },
         };
         let Some(row) = row else { return };
@@ -248,7 +248,7 @@ impl<'a> Adjoint<'a> {
         let Self { machine, weights, modes, .. } = self;
         let made = || (mode.clone(), InMode::zeros(&machine.system, mode));
         let own = &mut modes.entry(Arc::as_ptr(mode)).or_insert_with(made).1;
-        weights.add_force((mode, own), contact, (factor, z));
+        weights.add_force(&machine.system, (mode, own), contact, (factor, z));
     }
 }
 

@@ -218,11 +218,17 @@ impl VariedMode {
             Watch::Stops(i) => -self.mode.frictions[i].direction() * &tangent.frictions[i].elongation.rate,
             Watch::Slips(i, up) => {
                 let sign = if up { 1.0 } else { -1.0 };
-                sign * force(Contact::Friction(i)) - &tangent.frictions[i].static_level
+                let force = sign * force(Contact::Friction(i));
+                match system.frictions[i].place(&self.mode.stops) {
+                    Some(place) => force - &tangent.frictions[i].levels[place].static_level,
+                    None => force,
+                }
             }
             Watch::Level(i) => {
                 let off = self.mode.frictions[i] == crate::mode::FrictionState::Off;
-                if off { tangent.frictions[i].level.clone() } else { -&tangent.frictions[i].level }
+                let place = system.frictions[i].place(&self.mode.stops).unwrap_or_default();
+                let level = &tangent.frictions[i].levels[place].level;
+                if off { level.clone() } else { -level }
             }
         }
     }

@@ -33,7 +33,7 @@ pub(super) fn equilibrium(
         }
     }
     for (i, &state) in mode.frictions.iter().enumerate() {
-        if let Some(force) = system.friction_force(i, state) {
+        if let Some(force) = system.friction_force(i, state, &mode.stops) {
             forces.ger(-1.0, &system.frictions[i].elongation.w, &force, 1.0);
         }
     }
@@ -83,7 +83,11 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
     let (system, tangent, by) = (&machine.system, &machine.tangents[p], machine.contact(contact, p).1);
     let (row, own) = match contact {
         Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
-        Contact::Friction(i) => (&*system.frictions[i].static_level, &tangent.frictions[i].static_level),
+        Contact::Friction(i) => {
+            let friction = &system.frictions[i];
+            let Some(place) = friction.place(&at.mode.mode.stops) else { return true };
+            (&*friction.levels[place].static_level, &tangent.frictions[i].levels[place].static_level)
+        }
     };
     by.w.amax() == 0.0 && row.dot(delta) + own.dot(at.z) == 0.0
 }
@@ -107,7 +111,7 @@ fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact
         Contact::Friction(i) => {
             let w = &machine.contact(contact, p).0.w;
             let (way, size) = (w.dot(&at.z.rows(0, n)), w.abs().dot(&at.z.rows(0, n).abs()));
-            let level = machine.system.frictions[i].level.dot(at.z);
+            let level = machine.system.frictions[i].at(&mode.stops).map_or(0.0, |own| own.level.dot(at.z));
             way.abs() <= STILL * size && force(k).0.abs() < (1.0 - STILL) * level
         }
     };

@@ -1,8 +1,9 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
 use super::bodies::{BodyTangent, bodies};
-use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
+use crate::description::{Arms, BodyKind, Description, Follows, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::polyline::Polyline;
 use crate::signals::SignalTangent;
 use crate::slots::slots;
 use crate::system::{Elongation, StateRow, System};
@@ -31,6 +32,13 @@ pub(super) struct StopTangent {
 #[derive(Clone, Debug)]
 pub(super) struct FrictionTangent {
     pub elongation: ElongationTangent,
+    /// By the friction's levels.
+    pub levels: Vec<LevelTangent>,
+}
+
+/// Derivatives of a friction's levels.
+#[derive(Clone, Debug)]
+pub(super) struct LevelTangent {
     pub level: StateRow,
     pub static_level: StateRow,
 }
@@ -161,7 +169,16 @@ impl Tangent {
 
     fn put_springs(&mut self, system: &System, d: &Description, along: &Description) {
         let springs = d.springs.iter().zip(&along.springs);
-        let springs = springs.map(|(s, by)| (&s.arms, &by.arms, by.stiffness, by.damping, by.preload));
+        let springs = springs.map(|(s, by)| {
+            let (dk, preload) = match s.points.is_empty() {
+                true => (by.stiffness, by.preload),
+                false => {
+                    let line = Polyline::derivative(&s.points, &by.points);
+                    (line.stiffness, line.preload)
+                }
+            };
+            (&s.arms, &by.arms, dk, by.damping, preload)
+        });
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (&s.arms, &by.arms, 0.0, by.damping, 0.0));
         for (rows, (arms, by, dk, dc, preload)) in system.springs.iter().zip(springs.chain(dampers)) {
@@ -192,6 +209,18 @@ impl Tangent {
             let force = &spring + dc * &*rows.elongation.rate + c * &own.rate;
             self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution });
         }
+        let springs = d.springs.iter().zip(&along.springs).filter(|(spring, _)| !spring.points.is_empty());
+        for (spring, by) in springs {
+            for (gap, steeper) in Polyline::derivative(&spring.points, &by.points).corners {
+                let rows = &system.stops[self.stops.len()];
+                let own = self.elongation(system, &spring.arms, &by.arms);
+                let mut excess = own.e.clone();
+                excess[system.signals.one] -= gap;
+                let force = steeper * &*rows.excess + rows.stiffness() * &excess;
+                let spring = force.clone();
+                self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution: 0.0 });
+            }
+        }
     }
 
     fn put_frictions(&mut self, system: &System, d: &Description, along: &Description) {
@@ -204,8 +233,27 @@ impl Tangent {
             let static_level = self.signals.rows[place].clone();
             place += 1;
             let elongation = self.elongation(system, &friction.arms, &by.arms);
-            self.frictions.push(FrictionTangent { elongation, level, static_level });
+            let levels = match (&friction.follows, &by.follows) {
+                (Some(own), Some(by)) => self.following(system, own, by),
+                _ => vec![LevelTangent { level, static_level }],
+            };
+            self.frictions.push(FrictionTangent { elongation, levels });
         }
+    }
+
+    /// The derivatives of levels that follow a stop: (μ N)' = μ' N + μ N'.
+    fn following(&self, system: &System, own: &Follows, by: &Follows) -> Vec<LevelTangent> {
+        let states = system.stops[own.stop].states_with_force();
+        let largest = own.static_coefficient.unwrap_or(own.coefficient);
+        let by_largest = by.static_coefficient.unwrap_or(by.coefficient);
+        let of_state = |state: StopState| {
+            let (force, varied) = (system.stop_force(own.stop, state)?, self.stop_force(own.stop, state)?);
+            Some(LevelTangent {
+                level: by.coefficient * &force + own.coefficient * &varied,
+                static_level: by_largest * &force + largest * &varied,
+            })
+        };
+        states.into_iter().filter_map(of_state).collect()
     }
 
     fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
@@ -237,9 +285,15 @@ impl Tangent {
     }
 
     /// The derivative of a friction's force in a state that determines it.
-    pub fn friction_force(&self, i: usize, state: FrictionState) -> Option<StateRow> {
-        let friction = &self.frictions[i];
-        state.force(&friction.level, &friction.static_level)
+    pub fn friction_force(
+        &self,
+        system: &System,
+        i: usize,
+        state: FrictionState,
+        stops: &[StopState],
+    ) -> Option<StateRow> {
+        let own = &self.frictions[i].levels[system.frictions[i].place(stops)?];
+        state.force(&own.level, &own.static_level)
     }
 
     /// The derivative of the forces on the coordinates in a mode, without those of held contacts.
@@ -255,7 +309,9 @@ impl Tangent {
             }
         }
         for (i, &state) in mode.frictions.iter().enumerate() {
-            if let (Some(force), Some(by)) = (system.friction_force(i, state), self.friction_force(i, state))
+            let stops = &mode.stops;
+            if let (Some(force), Some(by)) =
+                (system.friction_force(i, state, stops), self.friction_force(system, i, state, stops))
             {
                 put(&system.frictions[i].elongation, &self.frictions[i].elongation, force, by);
             }

@@ -91,7 +91,10 @@ impl Point<'_> {
             },
             Part::Friction(i) => match mode.frictions[i] {
                 FrictionState::Stuck => self.held(Contact::Friction(i)),
-                state => both(system.friction_force(i, state), tangent.friction_force(i, state)),
+                state => both(
+                    system.friction_force(i, state, &mode.stops),
+                    tangent.friction_force(system, i, state, &mode.stops),
+                ),
             },
         }
     }

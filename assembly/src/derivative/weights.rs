@@ -4,9 +4,9 @@
 use super::bodies::BodyTangent;
 use super::columns::padded;
 use super::mode::VariedMode;
-use super::tangent::{ElongationTangent, FrictionTangent, StopTangent, Tangent};
+use super::tangent::{ElongationTangent, FrictionTangent, LevelTangent, StopTangent, Tangent};
 use crate::mode::{Contact, FrictionState, StopState, Watch};
-use crate::system::{StateRow, System};
+use crate::system::{FrictionRows, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
 /// By each number of a machine's rows and matrices, in the places of a [`Tangent`].
@@ -70,8 +70,12 @@ impl Weights {
             spring: row.clone(),
             restitution: 0.0,
         };
-        let friction =
-            FrictionTangent { elongation: e.clone(), level: row.clone(), static_level: row.clone() };
+        let level = LevelTangent { level: row.clone(), static_level: row.clone() };
+        let friction = |own: &FrictionRows| FrictionTangent {
+            elongation: e.clone(),
+            levels: vec![level.clone(); own.levels.len()],
+        };
+        let frictions = system.frictions.iter().map(friction).collect();
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {
             mass: DMatrix::zeros(n, n),
@@ -79,7 +83,7 @@ impl Weights {
             bodies: vec![body; system.bodies.len()],
             springs: vec![(e, row.clone()); system.springs.len()],
             stops: vec![stop; system.stops.len()],
-            frictions: vec![friction; system.frictions.len()],
+            frictions,
             loads: vec![row; system.loads.len()],
             signals: DMatrix::zeros(size - system.signals.one, size),
         }
@@ -120,8 +124,15 @@ impl Weights {
         }
     }
 
-    pub fn add_friction_force(&mut self, i: usize, state: FrictionState, factor: f64, row: &StateRow) {
-        let own = &mut self.frictions[i];
+    pub fn add_friction_force(
+        &mut self,
+        (i, levels): (usize, Option<usize>),
+        state: FrictionState,
+        factor: f64,
+        row: &StateRow,
+    ) {
+        let Some(levels) = levels else { return };
+        let own = &mut self.frictions[i].levels[levels];
         match state {
             FrictionState::Up => own.level.axpy(factor, row, 1.0),
             FrictionState::Down => own.level.axpy(-factor, row, 1.0),
@@ -163,11 +174,15 @@ impl Weights {
             }
             Watch::Slips(i, up) => {
                 own.add_force(mode, Contact::Friction(i), if up { factor } else { -factor }, z);
-                self.frictions[i].static_level.axpy(-factor, z, 1.0);
+                if let Some(levels) = system.frictions[i].place(&mode.mode.stops) {
+                    self.frictions[i].levels[levels].static_level.axpy(-factor, z, 1.0);
+                }
             }
             Watch::Level(i) => {
                 let off = mode.mode.frictions[i] == FrictionState::Off;
-                self.frictions[i].level.axpy(if off { factor } else { -factor }, z, 1.0);
+                let levels = system.frictions[i].place(&mode.mode.stops).unwrap_or_default();
+                let level = &mut self.frictions[i].levels[levels].level;
+                level.axpy(if off { factor } else { -factor }, z, 1.0);
             }
         }
     }
@@ -175,6 +190,7 @@ impl Weights {
     /// Adds `factor` × `z` by the force of a contact in a mode.
     pub fn add_force(
         &mut self,
+        system: &System,
         (mode, own): (&VariedMode, &mut InMode),
         contact: Contact,
         (factor, z): (f64, &StateRow),
@@ -184,7 +200,8 @@ impl Weights {
                 self.add_stop_force(i, mode.mode.stops[i], factor, z);
             }
             Contact::Friction(i) if mode.mode.frictions[i] != FrictionState::Stuck => {
-                self.add_friction_force(i, mode.mode.frictions[i], factor, z);
+                let levels = system.frictions[i].place(&mode.mode.stops);
+                self.add_friction_force((i, levels), mode.mode.frictions[i], factor, z);
             }
             _ => own.add_force(mode, contact, factor, z),
         }
@@ -229,10 +246,11 @@ impl Weights {
             }
         }
         for (i, &state) in mode.mode.frictions.iter().enumerate() {
-            if let Some(force) = system.friction_force(i, state) {
+            let levels = system.frictions[i].place(&mode.mode.stops);
+            if let Some(force) = system.friction_force(i, state, &mode.mode.stops) {
                 self.frictions[i].elongation.w -= &by_forces * force;
                 let row = by_forces.tr_mul(&system.frictions[i].elongation.w);
-                self.add_friction_force(i, state, -1.0, &row);
+                self.add_friction_force((i, levels), state, -1.0, &row);
             }
         }
         self.forces += by_forces;
@@ -257,8 +275,10 @@ impl Weights {
             e(&own.elongation, &by.elongation) + rows + own.restitution * by.restitution
         });
         let frictions = self.frictions.iter().zip(&tangent.frictions).map(|(own, by)| {
-            let levels = own.level.dot(&by.level) + own.static_level.dot(&by.static_level);
-            e(&own.elongation, &by.elongation) + levels
+            let levels = own.levels.iter().zip(&by.levels);
+            let levels =
+                levels.map(|(own, by)| own.level.dot(&by.level) + own.static_level.dot(&by.static_level));
+            e(&own.elongation, &by.elongation) + levels.sum::<f64>()
         });
         let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
         let one = system.signals.one;

@@ -108,6 +108,8 @@ enum When {
     Always,
     Stop(usize, StopState),
     Friction(usize, FrictionState),
+    /// A friction in a state while the stop that it follows is in another.
+    Following((usize, FrictionState), (usize, StopState)),
 }
 
 /// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
@@ -147,6 +149,8 @@ impl Losses {
             let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
             if let StopLaw::Compliant { damping, .. } = stop.law {
                 put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
+            }
+            if stop.is_limited() {
                 put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);
                 put(When::Stop(i, StopState::Capped), account, 1.0, &stop.spring, rate);
             }
@@ -154,7 +158,13 @@ impl Losses {
         for (i, friction) in system.frictions.iter().enumerate() {
             for state in [FrictionState::Up, FrictionState::Down] {
                 let (account, rate) = (Account::Friction(i), &friction.elongation.rate);
-                put(When::Friction(i, state), account, state.direction(), &friction.level, rate);
+                for (place, own) in friction.levels.iter().enumerate() {
+                    let when = match &friction.follows {
+                        None => When::Friction(i, state),
+                        Some((stop, states)) => When::Following((i, state), (*stop, states[place])),
+                    };
+                    put(when, account, state.direction(), &own.level, rate);
+                }
             }
         }
         Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
@@ -166,6 +176,9 @@ impl Losses {
             When::Always => true,
             When::Stop(i, state) => mode.stops[i] == state,
             When::Friction(i, state) => mode.frictions[i] == state,
+            When::Following((i, state), (stop, pressed)) => {
+                mode.frictions[i] == state && mode.stops[stop] == pressed
+            }
         };
         self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
     }
@@ -308,7 +321,7 @@ impl Powers {
             }
         }
         for (i, friction) in system.frictions.iter().enumerate() {
-            if let Some(force) = system.friction_force(i, mode.frictions[i]) {
+            if let Some(force) = system.friction_force(i, mode.frictions[i], &mode.stops) {
                 add(1.0, &force, &friction.elongation.rate);
             }
         }

@@ -1,6 +1,8 @@
 //! Reading of springs, dampers, stops, frictions, links and loads.
 
 use super::bodies::Names;
+use super::follows;
+use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
 use super::signals::{self, Values};
 use crate::description::{
@@ -25,7 +27,7 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
         machine.stops.extend(stop(reading, name, &table, names));
     }
     for (name, table) in reading.section(root, "friction") {
-        machine.frictions.extend(friction(reading, name, &table, names));
+        machine.frictions.extend(friction(reading, name, &table, names, &machine.stops));
     }
     for (name, table) in reading.section(root, "link") {
         reading.known(&table, &["between", "arms"]);
@@ -60,14 +62,19 @@ fn with_arms<T>(
 }
 
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
-    reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
-    let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
-        let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
-        let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
-        let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-        Some((stiffness?, damping?, preload?))
-    })?;
-    Some(Spring { name, arms, stiffness, damping, preload })
+    reading.known(table, &["between", "arms", "stiffness", "damping", "preload", "points"]);
+    let (arms, (stiffness, damping, preload, points)) =
+        with_arms(reading, table, names, |reading, dimension| {
+            let points = points::read(reading, table, dimension);
+            let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+            if table.has("points") {
+                return Some((0.0, damping?, 0.0, points?));
+            }
+            let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+            let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
+            Some((stiffness?, damping?, preload?, points?))
+        })?;
+    Some(Spring { name, arms, stiffness, damping, preload, points })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
@@ -125,8 +132,23 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
     Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
 }
 
-fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Friction> {
-    reading.known(table, &["between", "arms", "force", "static"]);
+fn friction(
+    reading: &mut Reading,
+    name: String,
+    table: &FileTable,
+    names: &Names,
+    stops: &[Stop],
+) -> Option<Friction> {
+    reading.known(
+        table,
+        &["between", "arms", "force", "static", "follows", "coefficient", "static_coefficient"],
+    );
+    if table.has("follows") || table.has("coefficient") || table.has("static_coefficient") {
+        let (arms, follows) =
+            with_arms(reading, table, names, |reading, _| follows::read(reading, table, stops))?;
+        let (force, follows) = (Signal::default(), Some(follows));
+        return Some(Friction { name, arms, force, static_force: None, follows });
+    }
     let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
         let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
@@ -138,7 +160,7 @@ fn friction(reading: &mut Reading, name: String, table: &FileTable, names: &Name
         };
         Some((force?, static_force?))
     })?;
-    Some(Friction { name, arms, force, static_force })
+    Some(Friction { name, arms, force, static_force, follows: None })
 }
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {

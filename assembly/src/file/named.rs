@@ -118,6 +118,8 @@ fn candidates(entry: &str) -> [String; 6] {
     let step = match entry.rsplit_once('[') {
         Some((of, "0]")) if of.contains(".steps[") => format!("{of}.time"),
         Some((of, "1]")) if of.contains(".steps[") => format!("{of}.height"),
+        Some((of, "0]")) if of.contains(".points[") => format!("{of}.e"),
+        Some((of, "1]")) if of.contains(".points[") => format!("{of}.f"),
         _ => entry.to_owned(),
     };
     let one = entry.replace(".harmonics[0].", ".");

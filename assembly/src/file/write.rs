@@ -1,7 +1,7 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Signal, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -37,9 +37,15 @@ pub(super) fn machine(machine: &Description) -> String {
         }
         match element {
             Element::Spring(spring) => {
-                own.line(&mut text, &of, "stiffness", spring.stiffness);
+                let is_line = spring.points.is_empty();
+                if is_line {
+                    own.line(&mut text, &of, "stiffness", spring.stiffness);
+                }
                 own.line(&mut text, &of, "damping", spring.damping);
-                own.line(&mut text, &of, "preload", spring.preload);
+                match is_line {
+                    true => own.line(&mut text, &of, "preload", spring.preload),
+                    false => own.points(&mut text, &of, &spring.points),
+                }
             }
             Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
@@ -141,6 +147,16 @@ impl Writing<'_> {
         line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
     }
 
+    fn points(&self, text: &mut String, of: &str, points: &[ForcePoint]) {
+        let point = |(i, point): (usize, &ForcePoint)| {
+            let of = format!("{of}.points[{i}]");
+            let number = |key: &str, value| self.number(&format!("{of}.{key}"), value);
+            format!("[{}, {}]", number("e", point.e), number("f", point.f))
+        };
+        let all: Vec<_> = points.iter().enumerate().map(point).collect();
+        line!(text, "points = [{}]", all.join(", "));
+    }
+
     fn stop(&self, text: &mut String, of: &str, stop: &Stop) {
         self.line(text, of, "gap", stop.gap);
         match stop.law {
@@ -160,6 +176,14 @@ impl Writing<'_> {
     }
 
     fn friction(&self, text: &mut String, of: &str, friction: &Friction) {
+        if let Some(follows) = &friction.follows {
+            line!(text, "follows = {:?}", self.machine.stops[follows.stop].name);
+            self.line(text, of, "coefficient", follows.coefficient);
+            if let Some(coefficient) = follows.static_coefficient {
+                self.line(text, of, "static_coefficient", coefficient);
+            }
+            return;
+        }
         line!(text, "force = {}", self.level(&format!("{of}.force"), &friction.force));
         if let Some(level) = &friction.static_force {
             line!(text, "static = {}", self.level(&format!("{of}.static"), level));

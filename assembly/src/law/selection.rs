@@ -76,6 +76,12 @@ pub struct Selection<'a> {
     preferred: Vec<Contact>,
     /// By friction: whether it has left its static level in this choice.
     released: Vec<bool>,
+    /// The states of the stops, provisional where they are undecided.
+    pressing: Vec<StopState>,
+    /// By friction that follows a stop: whether its level is positive.
+    acts: Vec<bool>,
+    /// By friction that follows a stop: whether the stop pulls.
+    ends: Vec<bool>,
     /// By friction: the direction in which its force was at its level when it was first solved for,
     /// else 0.
     at_level: Vec<f64>,
@@ -133,6 +139,9 @@ impl<'a> Selection<'a> {
             preferred: Vec::new(),
             at_level: vec![0.0; system.frictions.len()],
             released: released.to_vec(),
+            pressing: Vec::new(),
+            acts: vec![false; system.frictions.len()],
+            ends: vec![false; system.frictions.len()],
         };
         for i in 0..system.stops.len() {
             let state = selection.classify_stop(i, verdict);
@@ -142,17 +151,22 @@ impl<'a> Selection<'a> {
             let state = selection.classify_friction(i, verdict.resting[i]);
             selection.frictions.push(state);
         }
+        selection.pressing = selection.states().0;
         selection
     }
 
     /// Decides order by order. Returns the frictions that slip at their static levels; with any,
     /// the choice starts again.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
-        if self.is_decided() && !self.has_contacts() {
+        let follows = self.system.frictions.iter().any(|own| own.follows.is_some());
+        if self.is_decided() && !self.has_contacts() && !follows {
             return Ok(Vec::new());
         }
         for order in 0..=self.system.signals.size {
             self.decide_compliant(order);
+            if follows {
+                self.follow(order);
+            }
             let leaving = self.solve(order)?;
             if !leaving.is_empty() {
                 return Ok(leaving);
@@ -173,6 +187,14 @@ impl<'a> Selection<'a> {
     fn is_decided(&self) -> bool {
         self.stops.iter().all(|s| matches!(s, Stop::Is(_)))
             && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
+            && (0..self.frictions.len()).all(|i| self.is_level_decided(i))
+    }
+
+    /// Whether the sign of a level is known that follows a stop which may pull.
+    fn is_level_decided(&self, i: usize) -> bool {
+        let friction = &self.system.frictions[i];
+        let passes = friction.follows.is_some() && friction.passes;
+        !passes || self.acts[i] || self.ends[i] || friction.at(&self.pressing).is_none()
     }
 
     /// Whether a stop is closed or a friction sticks.
@@ -237,11 +259,21 @@ impl<'a> Selection<'a> {
             Stop::AtLimit(_, below) => below,
             Stop::AtLimits | Stop::Turning => StopState::Pressed,
         });
-        let frictions = self.frictions.iter().map(|f| match *f {
+        let stops: Vec<StopState> = stops.collect();
+        let frictions = self.frictions.iter().enumerate().map(|(i, f)| match *f {
+            // Without a level there is no friction, whatever its rate.
+            Friction::Is(_) if self.is_without_level(i, &stops) => FrictionState::Off,
             Friction::Is(state) => state,
             Friction::Resting(_) | Friction::AtLevel(_) => FrictionState::Stuck,
         });
-        (stops.collect(), frictions.collect())
+        let frictions = frictions.collect();
+        (stops, frictions)
+    }
+
+    /// Whether a friction follows a stop that has no force that presses.
+    fn is_without_level(&self, i: usize, stops: &[StopState]) -> bool {
+        let friction = &self.system.frictions[i];
+        friction.follows.is_some() && (self.ends[i] || friction.at(stops).is_none())
     }
 
     /// Solves for the accelerations' derivative of an order and decides by it. Returns the
@@ -315,6 +347,11 @@ impl<'a> Selection<'a> {
     /// The mode of the decided states, with its basis.
     fn finish(self) -> Mode {
         let (stops, mut frictions) = self.states();
+        for (i, state) in frictions.iter_mut().enumerate() {
+            if self.is_without_level(i, &stops) {
+                *state = FrictionState::Off;
+            }
+        }
         let mut contacts = self.preferred.clone();
         let closed = (0..stops.len()).filter(|&i| stops[i] == StopState::Closed).map(Contact::Stop);
         let stuck =

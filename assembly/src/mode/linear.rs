@@ -117,7 +117,7 @@ impl System {
             None => {
                 let mut left = mode.stops.clone();
                 pressed.iter().for_each(|&i| left[i] = StopState::Below);
-                let rest = self.accelerations(self.soft_forces(), &left, &mode.frictions);
+                let rest = self.accelerations(self.soft_forces(), &left, (&mode.frictions, &mode.stops));
                 let springs = self.stiff_springs.iter().map(|&i| self.springs[i].force.clone());
                 let stops = pressed.iter().filter_map(|&i| self.stop_force(i, mode.stops[i]));
                 let forces = springs.chain(stops).map(|force| Arc::new(Functional::of(force)));
@@ -140,7 +140,9 @@ impl System {
         } else {
             let stops = mode.stops.iter().enumerate().flat_map(|(i, &state)| self.watched_of_stop(i, state));
             let frictions = mode.frictions.iter().enumerate();
-            let frictions = frictions.flat_map(|(i, &state)| self.watched_of_friction(i, state));
+            let frictions = frictions.flat_map(|(i, &state)| {
+                self.watched_of_friction(i, self.frictions[i].place(&mode.stops), state)
+            });
             let rows =
                 stops.chain(frictions).map(|(watch, row)| (watch, Arc::new(Sparse::of(row.as_slice()))));
             rows.filter(|(_, row)| !self.is_constant_and_negative(row)).collect()
@@ -155,7 +157,8 @@ impl System {
             match contact {
                 Contact::Stop(i) => put(Watch::Opens(i), force.times(-1.0)),
                 Contact::Friction(i) => {
-                    let level: &Sparse = self.frictions[i].static_level.as_ref();
+                    let Some(own) = self.frictions[i].at(&mode.stops) else { continue };
+                    let level: &Sparse = own.static_level.as_ref();
                     put(Watch::Slips(i, true), force.less(level));
                     put(Watch::Slips(i, false), force.times(-1.0).less(level));
                 }
@@ -190,26 +193,28 @@ impl System {
         }
     }
 
-    /// Functionals that are watched for a friction in a state, without the force of one that
-    /// sticks.
-    pub(crate) fn watched_of_friction(&self, i: usize, state: FrictionState) -> Vec<(Watch, StateRow)> {
+    /// Functionals that are watched for a friction with these of its levels in a state, without the
+    /// force of one that sticks. Where a level passes zero with the force of a stop that never
+    /// pulls, the stop's own functional ends the mode.
+    pub(crate) fn watched_of_friction(
+        &self,
+        i: usize,
+        levels: Option<usize>,
+        state: FrictionState,
+    ) -> Vec<(Watch, StateRow)> {
         let friction = &self.frictions[i];
-        match state {
-            FrictionState::Off => vec![(Watch::Level(i), friction.level.clone())],
-            FrictionState::Up | FrictionState::Down => vec![
-                (Watch::Stops(i), -state.direction() * &*friction.elongation.rate),
-                (Watch::Level(i), -&friction.level),
-            ],
-            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => {
-                vec![(Watch::Level(i), -&friction.level)]
-            }
-        }
+        let Some(own) = levels.map(|place| &friction.levels[place]) else { return Vec::new() };
+        let sign = if state == FrictionState::Off { 1.0 } else { -1.0 };
+        let level = friction.passes.then(|| (Watch::Level(i), sign * &own.level));
+        let slips = matches!(state, FrictionState::Up | FrictionState::Down);
+        let stops = slips.then(|| (Watch::Stops(i), -state.direction() * &*friction.elongation.rate));
+        stops.into_iter().chain(level).collect()
     }
 
     /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
     /// the forces of stiff springs.
     pub(crate) fn base(&self) -> SparseMatrix {
-        self.matrix(&self.accelerations(self.soft_forces(), &[], &[]))
+        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])))
     }
 
     /// Whether a row is a negative constant, such as that of a constant friction level.

@@ -17,7 +17,7 @@ use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{StateRow, System};
+use crate::system::{StateRow, StopRows, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -52,8 +52,8 @@ impl Course {
     }
 }
 
-/// Places of the event indicators. A rigid stop has one; a compliant stop has two, of its edge and
-/// of its force; a friction has three, of slipping upwards, of slipping downwards and of its level.
+/// Places of the event indicators. A rigid stop has one, and so has a corner of a spring; a compliant
+/// stop has two, of its edge and of its force; a friction has three, of slipping upwards, of slipping downwards and of its level.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
@@ -61,7 +61,11 @@ impl System {
     }
 
     fn first_indicator_of_stop(&self, i: usize) -> usize {
-        self.stops[..i].iter().map(|stop| if stop.restitution().is_some() { 1 } else { 2 }).sum()
+        let stops = self.stops[..i].iter().enumerate();
+        let of = |(i, stop): (usize, &StopRows)| {
+            if stop.restitution().is_some() || self.is_corner(i) { 1 } else { 2 }
+        };
+        stops.map(of).sum()
     }
 
     /// The place of a watched functional's indicator; `second` marks the second functional with the

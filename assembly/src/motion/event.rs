@@ -20,7 +20,8 @@ impl Event {
             | EventKind::Open { stop }
             | EventKind::Press { stop, .. }
             | EventKind::Free { stop }
-            | EventKind::Cap { stop, .. } => Some(Contact::Stop(stop)),
+            | EventKind::Cap { stop, .. }
+            | EventKind::Corner { corner: stop, .. } => Some(Contact::Stop(stop)),
             EventKind::Stick { friction }
             | EventKind::Slip { friction, .. }
             | EventKind::Level { friction, .. } => Some(Contact::Friction(friction)),
@@ -71,6 +72,13 @@ pub enum EventKind {
         stop: usize,
         /// Whether the cap acts from now on.
         acts: bool,
+    },
+    /// A corner of a spring's force is passed.
+    Corner {
+        /// Its index among stops and corners.
+        corner: usize,
+        /// e', m/s or rad/s.
+        rate: f64,
     },
     /// A friction begins to stick.
     Stick {

@@ -10,7 +10,7 @@ use super::event::EventKind;
 use super::report::report;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
-use crate::mode::{ElementState, FrictionState, StopState, Watch};
+use crate::mode::{Contact, ElementState, FrictionState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
@@ -42,6 +42,12 @@ impl Motion {
                 .any(|(j, (state, friction))| j != i && state.sticks() && friction.has_static)
         };
         let stop = |i: usize, state| [Some(ElementState::Stop(i, state)), None];
+        if let Contact::Stop(i) = watch.contact()
+            && system.stops[i].is_followed
+        {
+            // Its friction may change its state with it.
+            return [None, None];
+        }
         match watch {
             Watch::Presses(i) => stop(i, system.stops[i].entered()),
             Watch::Leaves(i) => stop(i, StopState::Below),
@@ -80,7 +86,8 @@ impl Motion {
                 let turned = ElementState::Friction(i, turned);
                 // Alone it sticks where its force may fall from its level to what keeps e' at zero.
                 let Elongation { w, mobility, .. } = &friction.elongation;
-                let room = 2.0 * friction.level.dot(&hybrid.z) * w.dot(mobility);
+                let level = friction.at(&hybrid.mode.stops).map_or(0.0, |own| own.level.dot(&hybrid.z));
+                let room = 2.0 * level * w.dot(mobility);
                 let own = self.table().watched.iter().find(|own| own.watch == watch);
                 if own.is_some_and(|own| own.slope.dot(hybrid.z.as_slice()) > room) {
                     [Some(turned), Some(stuck)]

@@ -52,6 +52,14 @@ impl Motion {
         };
         let kind = match (was, now) {
             (a, b) if a == b => return,
+            _ if self.assembly.system.is_corner(i) => {
+                // Equal slopes are no corner.
+                if self.assembly.system.stops[i].stiffness() == 0.0 {
+                    return;
+                }
+                let rate = self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice());
+                EventKind::Corner { corner: i, rate }
+            }
             (_, StopState::Closed) => {
                 return report(observer, self.time() + left, EventKind::Close { stop: i });
             }
@@ -73,6 +81,8 @@ impl Motion {
         let time = self.time();
         let level = |acts| EventKind::Level { friction: i, acts };
         match (was, now) {
+            // A level that follows a stop begins and ends with its force.
+            _ if !self.assembly.system.frictions[i].passes => {}
             (_, FrictionState::Off) => report(observer, time, level(false)),
             (FrictionState::Off, _) => report(observer, time, level(true)),
             _ => {}

@@ -28,7 +28,14 @@ impl Motion {
     /// A spring's elongation, its rate and its force.
     pub fn spring(&self, i: usize) -> [f64; 3] {
         let (spring, z) = (&self.assembly.system.springs[i], &self.hybrid.z);
-        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), spring.force.dot(z)]
+        let mut force = spring.force.dot(z);
+        // The corners of its other lines; springs and dampers are the first elements.
+        for part in &self.assembly.system.parts[i][1..] {
+            if let Part::Stop(corner) = *part {
+                force += self.stop_varied(corner)[2];
+            }
+        }
+        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), force]
     }
 
     /// A stop's elongation, its rate and its force.
@@ -59,7 +66,7 @@ impl Motion {
         let state = self.hybrid.mode.frictions[i];
         let force = match state {
             FrictionState::Stuck => self.contact_force(Contact::Friction(i)),
-            _ => system.friction_force_at(i, state, z).unwrap_or(0.0),
+            _ => system.friction_force_at(i, state, &self.hybrid.mode.stops, z).unwrap_or(0.0),
         };
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }
@@ -87,7 +94,7 @@ impl Motion {
         match quantity.what {
             What::F => {
                 let force = |part: &Part| match *part {
-                    Part::Spring(i) => self.spring(i)[2],
+                    Part::Spring(i) => self.assembly.system.springs[i].force.dot(z),
                     Part::Stop(i) => stop_force(i),
                     Part::Friction(i) => self.friction(i)[2],
                     Part::Load(i) => self.load(i),

@@ -49,7 +49,7 @@ impl System {
                 state => self.stop_force(i, state),
             },
             Part::Friction(i) => {
-                self.friction_force(i, mode.frictions[i]).or_else(|| held(Contact::Friction(i)))
+                self.friction_force(i, mode.frictions[i], &mode.stops).or_else(|| held(Contact::Friction(i)))
             }
             Part::Load(i) => Some(self.loads[i].clone()),
         };

@@ -116,6 +116,8 @@ pub struct StopRows {
     pub force: Functional,
     /// The spring's share of a compliant stop's force: stiffness (e - gap).
     pub spring: Functional,
+    /// Whether a friction follows its force.
+    pub is_followed: bool,
 }
 
 impl StopRows {
@@ -156,6 +158,17 @@ impl StopRows {
         self.is_damped() && self.may_rebound()
     }
 
+    /// The states in which it has a force, of a compliant stop.
+    pub fn states_with_force(&self) -> Vec<StopState> {
+        let other = match self.law {
+            _ if !self.is_damped() => None,
+            StopLaw::Compliant { limit: DampingLimit::Elastogap, .. } => Some(StopState::Capped),
+            StopLaw::Compliant { limit: DampingLimit::UndampedRebound, .. } => Some(StopState::Rebounding),
+            _ => None,
+        };
+        std::iter::once(StopState::Pressed).chain(other).collect()
+    }
+
     /// Whether its force may be negative.
     pub fn may_pull(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Pull, .. })
@@ -177,10 +190,40 @@ impl StopRows {
 pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
+    /// Its levels: one, or of one that follows a stop one for each state in which the stop has a
+    /// force.
+    pub levels: Vec<LevelRows>,
+    /// The stop that it follows, with these states.
+    pub follows: Option<(usize, Vec<StopState>)>,
+    /// Whether its levels may pass zero while they act.
+    pub passes: bool,
+    /// Whether the static level is given separately.
+    pub has_static: bool,
+}
+
+/// The levels of a friction.
+#[derive(Clone, Debug)]
+pub struct LevelRows {
     /// Sliding level.
     pub level: StateRow,
     /// Static level.
     pub static_level: Functional,
-    /// Whether the static level is given separately.
-    pub has_static: bool,
+}
+
+impl FrictionRows {
+    /// Which levels it has in these states of the stops; `None` where the stop that it follows has
+    /// no force.
+    #[inline]
+    pub fn place(&self, stops: &[StopState]) -> Option<usize> {
+        match &self.follows {
+            None => Some(0),
+            Some((stop, states)) => states.iter().position(|state| Some(state) == stops.get(*stop)),
+        }
+    }
+
+    /// Its levels in these states of the stops.
+    #[inline]
+    pub fn at(&self, stops: &[StopState]) -> Option<&LevelRows> {
+        self.place(stops).map(|place| &self.levels[place])
+    }
 }

@@ -28,12 +28,15 @@ pub struct Split {
     stiff: Vec<Term>,
     /// By stop, pressed, and at its cap or rebounding.
     stops: Vec<[Term; 2]>,
-    /// By friction, in the states of [`LEVELS`].
-    frictions: Vec<[Term; 4]>,
+    /// By friction and its levels, in the states of [`LEVELS`].
+    frictions: Vec<Vec<[Term; 4]>>,
+    /// By friction: the stop that it follows, with the states in which it has levels.
+    follows: Vec<Option<(usize, Vec<StopState>)>>,
     /// By stop and state what is watched.
     watched_stops: Vec<[Vec<Known>; STATES.len()]>,
-    /// By friction what is watched where it is off, slips upwards and downwards, and sticks.
-    watched_frictions: Vec<[Vec<Known>; 4]>,
+    /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
+    /// sticks.
+    watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
     norm: Norm,
 }
 
@@ -97,12 +100,18 @@ impl Split {
         };
         let stops: Vec<[Term; 2]> = (0..system.stops.len()).map(of_stop).collect();
         let of_friction = |i: usize| {
-            let level = |state| {
-                system.friction_force(i, state).unwrap_or_else(|| StateRow::zeros(system.signals.size))
+            let friction = &system.frictions[i];
+            let levels = friction.levels.iter();
+            let of_level = |own: &super::LevelRows| {
+                LEVELS.map(|state: FrictionState| {
+                    let force = state.force(&own.level, &own.static_level);
+                    let force = force.unwrap_or_else(|| StateRow::zeros(system.signals.size));
+                    term(force, &friction.elongation)
+                })
             };
-            LEVELS.map(|state| term(level(state), &system.frictions[i].elongation))
+            levels.map(of_level).collect()
         };
-        let frictions: Vec<[Term; 4]> = (0..system.frictions.len()).map(of_friction).collect();
+        let frictions: Vec<Vec<[Term; 4]>> = (0..system.frictions.len()).map(of_friction).collect();
         let known = |rows: Vec<(Watch, StateRow)>| -> Vec<Known> {
             let rows = rows.into_iter().map(|(watch, row)| (watch, Sparse::of(row.as_slice())));
             let rows = rows.filter(|(_, row)| !system.is_constant_and_negative(row));
@@ -117,10 +126,16 @@ impl Split {
             .collect();
         let states = [FrictionState::Off, FrictionState::Up, FrictionState::Down, FrictionState::Stuck];
         let watched_frictions = (0..system.frictions.len())
-            .map(|i| states.map(|state| known(system.watched_of_friction(i, state))))
+            .map(|i| {
+                let levels = 0..system.frictions[i].levels.len();
+                let of = |place| states.map(|state| known(system.watched_of_friction(i, Some(place), state)));
+                levels.map(of).collect()
+            })
             .collect();
-        let norm = Norm::new(system, &base, scales, [&stiff, stops.as_flattened(), frictions.as_flattened()]);
-        Self { base, stiff, stops, frictions, watched_stops, watched_frictions, norm }
+        let follows = system.frictions.iter().map(|own| own.follows.clone()).collect();
+        let levels: Vec<Term> = frictions.iter().flatten().flatten().cloned().collect();
+        let norm = Norm::new(system, &base, scales, [&stiff, stops.as_flattened(), &levels]);
+        Self { base, stiff, stops, frictions, follows, watched_stops, watched_frictions, norm }
     }
 
     /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
@@ -135,9 +150,20 @@ impl Split {
 
     /// The forces of frictions whose state determines them.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
-        let frictions = self.frictions.iter().zip(&mode.frictions);
-        let place = |state| LEVELS.iter().position(|own| own == state);
-        frictions.filter_map(|(own, state)| place(state).map(|place| own[place].clone())).collect()
+        let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
+        let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
+        let acting = |(i, (own, state)): (usize, (&Vec<[Term; 4]>, &FrictionState))| {
+            Some(own[self.levels_of(i, mode)?][place(state)?].clone())
+        };
+        frictions.filter_map(acting).collect()
+    }
+
+    /// Which levels a friction has in a mode.
+    fn levels_of(&self, i: usize, mode: &Mode) -> Option<usize> {
+        match &self.follows[i] {
+            None => Some(0),
+            Some((stop, states)) => states.iter().position(|state| *state == mode.stops[*stop]),
+        }
     }
 
     /// A with forces beside base.
@@ -148,11 +174,15 @@ impl Split {
     /// What ends a mode, but for the forces of held contacts.
     pub fn watched(&self, mode: &Mode) -> impl Iterator<Item = &Known> {
         let stops = self.watched_stops.iter().zip(&mode.stops).map(|(own, state)| &own[place_of(*state)]);
-        let frictions = self.watched_frictions.iter().zip(&mode.frictions).map(|(own, state)| match state {
-            FrictionState::Off => &own[0],
-            FrictionState::Up => &own[1],
-            FrictionState::Down => &own[2],
-            FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => &own[3],
+        let frictions = self.watched_frictions.iter().zip(&mode.frictions).enumerate();
+        let frictions = frictions.filter_map(|(i, (own, state))| {
+            let own = &own[self.levels_of(i, mode)?];
+            Some(match state {
+                FrictionState::Off => &own[0],
+                FrictionState::Up => &own[1],
+                FrictionState::Down => &own[2],
+                FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => &own[3],
+            })
         });
         stops.chain(frictions).flatten()
     }

@@ -10,7 +10,8 @@ use super::{Elongation, System};
 use crate::description::StopLaw;
 use crate::flow::STIFF;
 
-/// A spring or a pressed compliant stop.
+/// A spring, a pressed compliant stop, or a corner of a spring that is passed, whose stiffness may
+/// be negative.
 struct Tie<'a> {
     elongation: &'a Elongation,
     stiffness: f64,
@@ -26,7 +27,7 @@ impl Tie<'_> {
     /// The rate of a motion under this tie alone, rad/s.
     fn rate(&self) -> f64 {
         let compliance = self.elongation.w.dot(&self.elongation.mobility);
-        (self.stiffness * compliance).sqrt().max(self.damping * compliance)
+        (self.stiffness.abs() * compliance).sqrt().max(self.damping * compliance)
     }
 
     /// Adds its stiffness and damping, `times` 1 or -1, to those of its coordinates.

@@ -39,7 +39,7 @@ pub fn arms(terms: &[(usize, f64)]) -> Arms {
 /// A spring.
 pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
     let name = format!("spring{}", terms[0].0);
-    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0 }
+    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0, points: Vec::new() }
 }
 
 /// A rigid stop.
@@ -61,7 +61,13 @@ pub fn compliant(
 
 /// Friction of a constant level.
 pub fn friction(terms: &[(usize, f64)], force: f64) -> Friction {
-    Friction { name: "friction".into(), arms: arms(terms), force: constant(force), static_force: None }
+    Friction {
+        name: "friction".into(),
+        arms: arms(terms),
+        force: constant(force),
+        static_force: None,
+        follows: None,
+    }
 }
 
 /// A constant signal.

@@ -332,7 +332,29 @@ def laws(r):
     return d
 
 
-FAMILIES = [grazing, redundant, loops, repressed, corners, levels, stiff, laws]
+def follows(r):
+    """Friction that follows the force of a buffer of any law, on the buffer's own bodies or on others, with static levels and without."""
+    n = r.randint(1, 2)
+    d = empty(r.choice(["0", "9.81"]))
+    for i in range(n):
+        body(d, log(r, -1, 0.5), r.uniform(-0.1, 0.2), r.choice([0.0, r.uniform(-2, 2)]), r.choice([0.0, 1.0]))
+    base(d, r.uniform(0.05, 0.3), r.uniform(2, 6), r.uniform(0, 6))
+    for i in range(n):
+        spring(d, [(i, 1)], log(r, 1, 2.5), r.random())
+    arms = r.choice([[(0, 1), (n, -1)], [(0, 1)]] + ([[(0, 1), (1, -1)]] if n == 2 else []))
+    law = r.choice(["no-pull", "elastogap", "pull", "undamped-rebound"])
+    buffer(d, arms, r.uniform(-0.2, 0.05), log(r, 1, 2.5), r.choice([0.0, log(r, -0.5, 1.5)]), law)
+    along = r.choice([[(0, 1)], [(n - 1, 1)], [(n - 1, 1), (n, -1)]])
+    d["frictions"].append({"arms": along, "follows": 0, "force": num(r.uniform(0.1, 0.9))})
+    if r.random() < 0.5:
+        d["frictions"][0]["static"] = num(float(d["frictions"][0]["force"]) * r.uniform(1.1, 1.8))
+    if n == 2 and r.random() < 0.5:
+        rigid(d, [(0, -1), (1, 1)], 0.5, r.choice([0.5, 0.8]))
+    load(d, 0, {"constant": num(r.uniform(-5, 5))})
+    return d
+
+
+FAMILIES = [grazing, redundant, loops, repressed, corners, levels, stiff, laws, follows]
 
 
 def main(seed, count, only):

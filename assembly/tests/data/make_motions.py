@@ -79,7 +79,7 @@ class Machine:
         self.inverse = [1 / number(b["mass"]) if "mass" in b else mpf(0) for b in d["bodies"]]
         self.g = number(d["gravity"])
         signals = [*d["loads"], *(b["motion"] for b in d["bodies"] if "motion" in b)]
-        signals += [f[key] for f in d["frictions"] for key in ("force", "static") if key in f]
+        signals += [f[key] for f in d["frictions"] for key in ("force", "static") if key in f and "follows" not in f]
         self.knots = sorted({number(t) for s in signals for t, _ in s.get("steps", [])})
 
     def row(self, arms):
@@ -142,7 +142,7 @@ class Machine:
                     add(w, spring + dashpot)
             for i, (w, state) in enumerate(zip(arms["frictions"], mode["f"])):
                 if state in ("up", "down", "held up", "held down"):
-                    add(w, (1 if state.endswith("up") else -1) * self.level(i, mode, t, k))
+                    add(w, (1 if state.endswith("up") else -1) * self.level(i, mode, t, k, qs))
             prescribed = [self.signal(b["motion"], t, k + 2) if "motion" in b else mpf(0) for b in d["bodies"]]
             if held:
                 drift = [p * (k + 1) * (k + 2) for p in prescribed]
@@ -156,9 +156,19 @@ class Machine:
         forces = {(kind, i): lam[j] for j, (_, kind, i) in enumerate(held)}
         return qs, forces
 
-    def level(self, i, mode, t, k):
+    def level(self, i, mode, t, k, qs, key=None):
         """Taylor coefficient of the level that a friction has in a mode: its static one, or that of slipping."""
-        return self.signal(self.d["frictions"][i][mode["l"][i]], t, k)
+        f, key = self.d["frictions"][i], key or mode["l"][i]
+        if "follows" not in f:
+            return self.signal(f[key], t, k)
+        s, state = self.d["stops"][f["follows"]], mode["s"][f["follows"]]
+        if state not in ("pressed", "capped", "rebounding"):
+            return mpf(0)
+        w = self.row(s["arms"])
+        x = sum(w[j] * qs[j][k] for j in range(self.n)) - (self.number(s["gap"]) if k == 0 else 0)
+        rate = sum(w[j] * qs[j][k + 1] * (k + 1) for j in range(self.n))
+        spring = self.number(s["stiffness"]) * x
+        return self.number(f[key]) * (spring + {"pressed": self.number(s["damping"]) * rate, "capped": spring, "rebounding": 0}[state])
 
     def e(self, qs, arms):
         w = self.row(arms)
@@ -198,9 +208,9 @@ class Machine:
                 else:
                     found += [neg(excess), neg(x)]
         for i, (f, state) in enumerate(zip(self.d["frictions"], mode["f"])):
-            level = [self.level(i, mode, t, k) for k in range(len(qs[0]))]
+            level = [self.level(i, mode, t, k, qs) for k in range(len(qs[0]) - 1)]
             if state == "off":
-                found.append([self.signal(f["force"], t, k) for k in range(len(qs[0]))])
+                found.append([self.level(i, mode, t, k, qs, "force") for k in range(len(qs[0]) - 1)])
                 continue
             found.append(neg(level))
             rate = rate_of(self.e(qs, f["arms"]))
@@ -426,6 +436,10 @@ def toml(d, number):
         lines += [f"[stop.s{i}]", ends(s["arms"]), *numbers(s, "gap", "restitution", "stiffness", "damping")]
         lines += [f'law = "{s["law"]}"'] if "law" in s else []
     for i, f in enumerate(d["frictions"]):
+        if "follows" in f:
+            lines += [f"[friction.f{i}]", ends(f["arms"]), f'follows = "s{f["follows"]}"', f"coefficient = {f['force']}"]
+            lines += [f"static_coefficient = {f['static']}"] if "static" in f else []
+            continue
         lines += [f"[friction.f{i}]", ends(f["arms"]), f"force = {{ {flat(f['force'])} }}"]
         lines += [f"static = {{ {flat(f['static'])} }}"] if "static" in f else []
     for i, load in enumerate(d["loads"]):

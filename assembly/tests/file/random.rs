@@ -125,7 +125,7 @@ prop_compose! {
         }
         let spring = |(i, (mut raw, stiffness, damping, preload)): (usize, (Raw, f64, f64, f64))| {
             raw.2 = i;
-            Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload }
+            Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload, points: Vec::new() }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {
@@ -140,7 +140,7 @@ prop_compose! {
         let friction = |(i, (raw, force, static_force)): (usize, (Raw, Signal, Option<Signal>))| {
             let low = |level: &Signal| level.is_constant() && force.is_constant() && level.constant < force.constant;
             let static_force = static_force.filter(|level| !low(level));
-            Friction { name: format!("friction_{i}"), arms: arms_of(&bodies, raw), force, static_force }
+            Friction { name: format!("friction_{i}"), arms: arms_of(&bodies, raw), force, static_force, follows: None }
         };
         let frictions = frictions.into_iter().enumerate().map(friction).collect();
         let load = |(i, (body, force)): (usize, (usize, Signal))| {

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Assembly;
 
-/// Kinds of events of rigid stops, of compliant ones, and of friction.
+/// Kinds of events of rigid stops, of compliant ones, of springs, and of friction.
 const RIGID: &[&str] = &["impact", "chatter", "close", "open"];
 const COMPLIANT: &[&str] = &["press", "free", "cap"];
+const SPRING: &[&str] = &["corner"];
 const FRICTION: &[&str] = &["stick", "slip", "level"];
 /// Kinds that a word always names; events of other kinds may be left out of it altogether.
 const NAMED: &[&str] = &["impact", "chatter", "press"];
@@ -46,13 +47,18 @@ fn elements(kind: &str, assembly: &Assembly) -> Option<Vec<String>> {
     let system = assembly.system();
     let stops = |rigid: bool| {
         let all = system.stops.iter().enumerate();
-        all.filter(move |(_, stop)| stop.restitution().is_some() == rigid)
+        all.filter(move |(i, stop)| !system.is_corner(*i) && stop.restitution().is_some() == rigid)
             .map(|(i, _)| assembly.name_of_stop(i))
             .collect()
     };
     match kind {
         _ if RIGID.contains(&kind) => Some(stops(true)),
         _ if COMPLIANT.contains(&kind) => Some(stops(false)),
+        _ if SPRING.contains(&kind) => {
+            let springs = (0..system.stops.len()).filter(|i| system.is_corner(*i));
+            let names: BTreeSet<String> = springs.map(|i| assembly.name_of_stop(i)).collect();
+            Some(names.into_iter().collect())
+        }
         _ if FRICTION.contains(&kind) => {
             Some((0..system.frictions.len()).map(|i| assembly.name_of_friction(i)).collect())
         }
@@ -156,7 +162,7 @@ fn without_first_impact(letter: WantedLetter) -> WantedLetter {
 
 /// An event from its text, with its element's dotted name.
 fn event_of(event: &str, word: &str, assembly: &Assembly) -> Result<(String, String)> {
-    let kinds = || [RIGID, COMPLIANT, FRICTION].concat().join(", ");
+    let kinds = || [RIGID, COMPLIANT, SPRING, FRICTION].concat().join(", ");
     let Some((kind, name)) = event.split_once(' ').map(|(kind, name)| (kind, name.trim())) else {
         let problem = format!(
             "`{event}` is no event; allowed is a kind with an element, e.g. `impact steel, press buffer`; kinds: {}",

@@ -107,6 +107,16 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
             (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.mode().stops[i])),
             (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.mode().stops[i])),
+            (_, Some(&Part::Spring(_))) if matches!(element, Element::Spring(s) if s.points.len() > 2) => {
+                let system = m.assembly().system();
+                let corner = |part: &Part| match *part {
+                    Part::Stop(i) if system.is_corner(i) => Some(m.mode().stops[i] == StopState::Pressed),
+                    _ => None,
+                };
+                let corners: Vec<bool> = system.parts[i].iter().filter_map(corner).collect();
+                let passed = corners.iter().filter(|passed| **passed).count();
+                format!("on line {} of {}", passed + 1, corners.len() + 1)
+            }
             (_, Some(&Part::Friction(i))) => of_friction(m.mode().frictions[i]).into(),
             _ => "acts".into(),
         };

@@ -75,7 +75,13 @@ impl Selection<'_> {
     /// Verdict on a friction by its level, e' and the event.
     pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {
         let friction = &self.system.frictions[i];
-        let mut level = friction.level.clone();
+        let rate = self.sign(&friction.elongation.rate, 0);
+        let rests = rate == 0.0 || resting;
+        if friction.follows.is_some() {
+            // Its level is found with the stop's state.
+            return if rests { Friction::Resting(usize::MAX) } else { Friction::Is(slipping(rate)) };
+        }
+        let mut level = friction.levels[0].level.clone();
         let mut order = 0;
         // The level is a signal: all its derivatives are known.
         let sign = loop {
@@ -89,7 +95,6 @@ impl Selection<'_> {
         if sign <= 0.0 {
             return Friction::Is(FrictionState::Off);
         }
-        let rate = self.sign(&friction.elongation.rate, 0);
-        if rate == 0.0 || resting { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
+        if rests { Friction::Resting(order) } else { Friction::Is(slipping(rate)) }
     }
 }

@@ -67,7 +67,39 @@ impl Selection<'_> {
     /// The level up to which a resting friction holds: the static one until it is released.
     pub(super) fn level(&self, i: usize) -> &StateRow {
         let friction = &self.system.frictions[i];
-        if self.released[i] { &friction.level } else { &friction.static_level }
+        // Without a force of the stop that it follows no bound is asked for.
+        let own = friction.at(&self.pressing).unwrap_or(&friction.levels[0]);
+        if self.released[i] { &own.level } else { &own.static_level }
+    }
+
+    /// Finds the orders at which levels that follow stops leave zero, and ends the friction where a
+    /// stop pulls.
+    pub(super) fn follow(&mut self, order: usize) {
+        self.pressing = self.states().0;
+        for (i, friction) in self.system.frictions.iter().enumerate() {
+            if friction.follows.is_none() || self.ends[i] {
+                continue;
+            }
+            let Some(own) = friction.at(&self.pressing) else {
+                let stop = friction.follows.as_ref().map(|own| self.stops[own.0]);
+                if matches!(stop, Some(Stop::Is(_))) {
+                    (self.ends[i], self.frictions[i]) = (true, Friction::Is(FrictionState::Off));
+                }
+                continue;
+            };
+            // Once the level has left zero, its first derivative decides.
+            if self.acts[i] {
+                continue;
+            }
+            let sign = self.sign(&own.level, order);
+            self.acts[i] = sign > 0.0;
+            if sign < 0.0 {
+                (self.ends[i], self.frictions[i]) = (true, Friction::Is(FrictionState::Off));
+            }
+            if self.acts[i] && self.frictions[i] == Friction::Resting(usize::MAX) {
+                self.frictions[i] = Friction::Resting(order);
+            }
+        }
     }
 
     /// The frictions that slip at their static level.

@@ -187,6 +187,37 @@ fn second_method_the_parameters_column_is_that_of_differences_of_the_equations()
     }
 }
 
+/// A shaken mass on a spring by points, beside a pad that may pull and one without a dashpot in the
+/// rebound, of which one rubs by its force.
+const LINES: &str = r#"
+name = "Lines"
+body.m = { mass = 1.0 }
+spring.p = { between = ["ground", "m"], points = [[-0.03, -9.0], [-0.01, -1.0], [0.005, 1.0], [0.02, 0.7], [0.05, 9.0]], damping = 1.5 }
+stop.glue = { between = ["ground", "m"], gap = 0.012, stiffness = 300.0, damping = 4.0, law = "pull" }
+stop.pad = { between = ["m", "ground"], gap = 0.012, stiffness = 300.0, damping = 4.0, law = "undamped-rebound" }
+friction.rub = { between = ["ground", "m"], follows = "glue", coefficient = 0.2 }
+load.l = { on = "m", amplitude = 6.0, frequency = 2.5 }
+"#;
+
+#[test]
+fn second_method_orbits_over_corners_and_pads_are_motions() {
+    let machine = machine(LINES);
+    let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    for event in ["corner p", "press glue", "free glue", "press pad", "free pad", "change"] {
+        assert!(words.contains(event), "{words}");
+    }
+    assert!(orbit.is_certified() && orbit.stability() == Stability::Stable, "{:?}", orbit.violation());
+    assert!(orbit.check_by_motion().unwrap() < TIME * orbit.period());
+    let wanted = WantedWord::parse("press glue, press pad", &orbit.place().assembly).unwrap();
+    assert!(wanted.is(orbit.word(), &orbit.place().assembly), "{words}");
+    let refused = WantedWord::parse("corner q", &orbit.place().assembly).unwrap_err().to_string();
+    assert!(refused.contains("allowed with corner: p"), "{refused}");
+    let family = Family::new(&machine, "spring.p.points[2].f", (0.8, 1.2)).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    assert!(found.points.len() > 3, "{}", found.points.len());
+}
+
 /// A piston that strikes a bit, which friction holds until then.
 const HAMMER: &str = r#"
 name = "Hammer"
@@ -201,7 +232,12 @@ load.l = { on = "p", amplitude = 36.0, frequency = 4.5 }
 
 #[test]
 fn second_method_multipliers_are_those_of_the_motions_own_transition() {
-    for machine in [machine(HAMMER), example("percussion_drill.toml"), example("damper_with_buffer.toml")] {
+    for machine in [
+        machine(HAMMER),
+        machine(LINES),
+        example("percussion_drill.toml"),
+        example("damper_with_buffer.toml"),
+    ] {
         let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
         let (assembly, (time, state)) = (orbit.place().assembly.clone(), orbit.middle_state());
         let columns: Vec<By> = (0..state.len()).map(By::Start).collect();

@@ -1,0 +1,323 @@
+//! The equilibrium that is reached when all loads grow together from nothing, in a machine with a
+//! spring of which a line falls (docs/assembly-law.md, section 10).
+
+use super::lines::Lined;
+use super::{Holding, RestSpring, direction};
+use crate::description::{Description, StopLaw};
+use crate::error::Error;
+use crate::system::{StateRow, System};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Stiffness relative to the largest, and length or force relative to its terms, that counts as
+/// zero.
+const ZERO: f64 = 1e-12;
+/// Most pieces of the way.
+const PIECES: usize = 10_000;
+/// Most elements at a limit at once of which all sides are tried.
+const AT_ONCE: usize = 12;
+
+/// A stop at rest.
+struct RestStop {
+    column: DVector<f64>,
+    /// e - gap at q = 0.
+    excess: f64,
+    /// `None` of a rigid stop.
+    stiffness: Option<f64>,
+}
+
+/// The way of the loads from nothing to all.
+pub(super) struct LoadPath<'a> {
+    system: &'a System,
+    lined: Vec<Lined<'a>>,
+    springs: Vec<(DVector<f64>, f64)>,
+    stops: Vec<RestStop>,
+    /// The forces at q = 0, in the metric of the inertia.
+    force: DVector<f64>,
+}
+
+/// A point of the way. Coordinates are y = Lᵀ q with the inertia L Lᵀ.
+#[derive(Clone)]
+struct Point {
+    load: f64,
+    y: DVector<f64>,
+    /// By stop: the force of a rigid one that is closed.
+    lambda: Vec<f64>,
+    /// By lined spring: which line acts.
+    lines: Vec<usize>,
+    /// By stop: whether it presses or is closed.
+    bears: Vec<bool>,
+}
+
+/// An element at its limit.
+#[derive(Clone, Copy)]
+enum Limit {
+    /// A lined spring at the corner at the end of this line.
+    Corner(usize, usize),
+    Stop(usize),
+}
+
+/// How a point moves with the load.
+struct Direction {
+    y: DVector<f64>,
+    lambda: Vec<f64>,
+}
+
+impl<'a> LoadPath<'a> {
+    /// Of a machine whose augmented state is `z` at q = 0; `None` without coordinates.
+    pub fn new(d: &'a Description, system: &'a System, z: &StateRow, holding: &Holding) -> Option<Self> {
+        let lined = Lined::all(d, system, z);
+        if system.coordinates == 0 {
+            return None;
+        }
+        let is_lined = |i: usize| lined.iter().any(|own| own.spring == i);
+        let springs =
+            system.springs.iter().enumerate().filter(|(i, own)| !is_lined(*i) && own.stiffness != 0.0);
+        let springs = springs.map(|(_, own)| (own.elongation.column.clone(), own.stiffness)).collect();
+        let stop = |own: &crate::system::StopRows| RestStop {
+            column: own.elongation.column.clone(),
+            excess: own.excess.dot(z),
+            stiffness: match own.law {
+                StopLaw::Rigid { .. } => None,
+                StopLaw::Compliant { stiffness, .. } => Some(stiffness),
+            },
+        };
+        let stops: Vec<RestStop> = system.stops[..system.first_corner].iter().map(stop).collect();
+        let mut force = holding.force.clone();
+        for own in &lined {
+            let w = &system.springs[own.spring].elongation.w;
+            force.axpy(own.line(0, own.e) - own.line(own.of(own.e), own.e), w, 1.0);
+        }
+        for (rows, own) in system.stops.iter().zip(&stops) {
+            force.axpy(-own.stiffness.unwrap_or(0.0) * own.excess.max(0.0), &rows.elongation.w, 1.0);
+        }
+        let force = system.inertia.l().solve_lower_triangular(&force)?;
+        Some(Self { system, lined, springs, stops, force })
+    }
+
+    fn column(&self, lined: &Lined) -> &DVector<f64> {
+        &self.system.springs[lined.spring].elongation.column
+    }
+
+    /// Follows the way to its end, and returns the machine there with the lines that act, and its
+    /// coordinates.
+    pub fn follow(&self, d: &Description, mut holding: Holding) -> Result<(Holding, DVector<f64>), Error> {
+        let mut at = Point {
+            load: 0.0,
+            y: DVector::zeros(self.system.coordinates),
+            lambda: vec![0.0; self.stops.len()],
+            lines: self.lined.iter().map(|own| own.of(own.e)).collect(),
+            bears: self.stops.iter().map(|own| own.excess > 0.0).collect(),
+        };
+        for _ in 0..PIECES {
+            let limits = self.limits(&at);
+            let Some(direction) = self.choose(&mut at, &limits) else { break };
+            self.advance(&mut at, &direction);
+            if at.load < 1.0 {
+                continue;
+            }
+            for (own, &j) in self.lined.iter().zip(&at.lines) {
+                holding.put_line(self.system, own, (own.slopes[j], own.line(j, own.e)));
+            }
+            self.press(&mut holding, &at);
+            let q = self.system.inertia.l().tr_solve_lower_triangular(&at.y);
+            return Ok((holding, q.unwrap_or(at.y)));
+        }
+        let spring = d.springs[self.gave_way(&at)].name.clone();
+        Err(Error::GivesWay { spring, factor: at.load })
+    }
+
+    /// Puts springs in the place of compliant stops that press, so that the stiffness is that of the
+    /// way's end.
+    fn press(&self, holding: &mut Holding, at: &Point) {
+        let compliant = |own: &&super::RestContact| own.compliance > 0.0;
+        holding.contacts.retain(|own| !compliant(&own));
+        for (i, own) in self.stops.iter().enumerate().filter(|(i, _)| at.bears[*i]) {
+            if let Some(stiffness) = own.stiffness.filter(|k| *k > 0.0) {
+                let w = &self.system.stops[i].elongation.w;
+                holding.force.axpy(-stiffness * own.excess, w, 1.0);
+                holding.sizes += w.abs() * (stiffness * own.excess).abs();
+                let spring = usize::MAX;
+                holding.springs.push(RestSpring { w: direction(w), stiffness, spring });
+            }
+        }
+    }
+
+    /// e of a lined spring, and the size of its terms.
+    fn elongation(&self, own: &Lined, at: &Point) -> (f64, f64) {
+        let column = self.column(own);
+        (own.e + column.dot(&at.y), own.e.abs() + column.abs().dot(&at.y.abs()))
+    }
+
+    /// How far a stop is beyond its limit, and the size of its terms. What a rigid one is beyond its
+    /// gap at the begin vanishes as the loads grow.
+    fn excess(&self, own: &RestStop, at: &Point) -> (f64, f64) {
+        let begin = if own.stiffness.is_none() { (1.0 - at.load) * own.excess.max(0.0) } else { 0.0 };
+        let size = own.excess.abs() + own.column.abs().dot(&at.y.abs());
+        (own.excess + own.column.dot(&at.y) - begin, size)
+    }
+
+    /// The elements at their limits.
+    fn limits(&self, at: &Point) -> Vec<Limit> {
+        let mut limits = Vec::new();
+        for (i, own) in self.lined.iter().enumerate() {
+            let (e, size) = self.elongation(own, at);
+            let corners = own.points[1..own.points.len() - 1].iter().enumerate();
+            let near = corners.filter(|(_, point)| (e - point.e).abs() <= ZERO * (size + point.e.abs()));
+            limits.extend(near.map(|(corner, _)| Limit::Corner(i, corner)));
+        }
+        let force = self.force.amax();
+        for (i, own) in self.stops.iter().enumerate() {
+            let (excess, size) = self.excess(own, at);
+            if excess.abs() <= ZERO * size && at.lambda[i] <= ZERO * force {
+                limits.push(Limit::Stop(i));
+            }
+        }
+        limits
+    }
+
+    /// The direction in which the loads lead, with the sides of the elements at their limits set;
+    /// `None` where the stiffness is positive on no side that they lead to.
+    fn choose(&self, at: &mut Point, limits: &[Limit]) -> Option<Direction> {
+        let limits = &limits[..limits.len().min(AT_ONCE)];
+        (0..1usize << limits.len()).find_map(|sides| {
+            let mut tried = at.clone();
+            for (k, limit) in limits.iter().enumerate() {
+                let flips = sides & (1 << k) != 0;
+                match *limit {
+                    Limit::Corner(i, corner) => {
+                        let above = (at.lines[i] > corner) != flips;
+                        tried.lines[i] = corner + usize::from(above);
+                    }
+                    Limit::Stop(i) => tried.bears[i] = at.bears[i] != flips,
+                }
+            }
+            let direction = self.direction(&tried)?;
+            let leads = limits.iter().all(|limit| self.leads(&tried, &direction, *limit));
+            leads.then(|| {
+                *at = tried;
+                direction
+            })
+        })
+    }
+
+    /// Whether an element at its limit moves to the side on which it is taken to be.
+    fn leads(&self, at: &Point, direction: &Direction, limit: Limit) -> bool {
+        let moved =
+            |column: &DVector<f64>| (column.dot(&direction.y), ZERO * column.abs().dot(&direction.y.abs()));
+        let (rate, zero, up) = match limit {
+            Limit::Corner(i, corner) => {
+                let (rate, zero) = moved(self.column(&self.lined[i]));
+                (rate, zero, at.lines[i] > corner)
+            }
+            Limit::Stop(i) if self.stops[i].stiffness.is_none() && at.bears[i] => {
+                (direction.lambda[i], ZERO * self.force.amax(), true)
+            }
+            Limit::Stop(i) => {
+                let (rate, zero) = moved(&self.stops[i].column);
+                let own = &self.stops[i];
+                let begin = if own.stiffness.is_none() { own.excess.max(0.0) } else { 0.0 };
+                (rate + begin, zero + ZERO * begin, at.bears[i])
+            }
+        };
+        if up { rate >= -zero } else { rate <= zero }
+    }
+
+    /// How a point moves by the load while everything keeps its side; `None` where the stiffness of
+    /// what is free is not positive definite.
+    fn direction(&self, at: &Point) -> Option<Direction> {
+        let n = self.system.coordinates;
+        let mut stiffness = DMatrix::zeros(n, n);
+        let mut add = |column: &DVector<f64>, k: f64| stiffness.ger(k, column, column, 1.0);
+        self.springs.iter().for_each(|(column, k)| add(column, *k));
+        self.lined.iter().zip(&at.lines).for_each(|(own, &j)| add(self.column(own), own.slopes[j]));
+        let mut closed = Vec::new();
+        for (i, own) in self.stops.iter().enumerate().filter(|(i, _)| at.bears[*i]) {
+            match own.stiffness {
+                Some(k) => add(&own.column, k),
+                None => closed.push(i),
+            }
+        }
+        let held = DMatrix::from_fn(n, closed.len(), |k, c| self.stops[closed[c]].column[k]);
+        let begin = DVector::from_fn(closed.len(), |c, _| -self.stops[closed[c]].excess.max(0.0));
+        // y = held⁺ᵀ begin in the directions that are held; the rest by the stiffness.
+        let largest = stiffness.amax().max(f64::MIN_POSITIVE);
+        let inverse = match closed.len() {
+            0 => held.transpose(),
+            _ => held.clone().pseudo_inverse(ZERO * held.amax()).ok()?,
+        };
+        let kept = DMatrix::identity(n, n) - &held * &inverse;
+        let mut y = inverse.tr_mul(&begin);
+        let left = &kept * (&self.force - &stiffness * &y);
+        let free = &kept * &stiffness * &kept + largest * (&held * &inverse);
+        let SymmetricEigen { eigenvectors, eigenvalues } =
+            SymmetricEigen::new(0.5 * (&free + free.transpose()));
+        let highest = eigenvalues.amax();
+        for (along, &value) in eigenvectors.column_iter().zip(eigenvalues.iter()) {
+            let push = along.dot(&left);
+            if value > ZERO * highest {
+                y.axpy(push / value, &along, 1.0);
+            } else if push.abs() > ZERO * self.force.norm() || !self.is_loose(&along.into_owned()) {
+                return None;
+            }
+        }
+        let bear = &inverse * (&self.force - &stiffness * &y);
+        let mut lambda = vec![0.0; self.stops.len()];
+        closed.iter().zip(bear.iter()).for_each(|(&i, &force)| lambda[i] = force);
+        Some(Direction { y, lambda })
+    }
+
+    /// Whether no element acts along a direction.
+    fn is_loose(&self, along: &DVector<f64>) -> bool {
+        let lined = self.lined.iter().map(|own| self.column(own));
+        let springs = self.springs.iter().map(|(column, _)| column);
+        let mut all = lined.chain(springs).chain(self.stops.iter().map(|own| &own.column));
+        all.all(|column| column.dot(along).abs() <= ZERO.sqrt() * column.norm())
+    }
+
+    /// Moves a point to the next limit, or to the end of the way.
+    fn advance(&self, at: &mut Point, direction: &Direction) {
+        let mut length = 1.0 - at.load;
+        let mut limit = |left: f64, rate: f64| {
+            if rate > 0.0 {
+                length = length.min((left / rate).max(0.0));
+            }
+        };
+        for (own, &j) in self.lined.iter().zip(&at.lines) {
+            let ((e, _), (below, above)) = (self.elongation(own, at), own.span(j));
+            let rate = self.column(own).dot(&direction.y);
+            limit(above - e, rate);
+            limit(e - below, -rate);
+        }
+        for (i, own) in self.stops.iter().enumerate() {
+            let begin = if own.stiffness.is_none() { own.excess.max(0.0) } else { 0.0 };
+            let rate = own.column.dot(&direction.y) + begin;
+            let (excess, _) = self.excess(own, at);
+            match (at.bears[i], own.stiffness) {
+                (false, _) => limit(-excess, rate),
+                (true, Some(_)) => limit(excess, -rate),
+                (true, None) => limit(at.lambda[i], -direction.lambda[i]),
+            }
+        }
+        at.load = if length >= 1.0 - at.load { 1.0 } else { at.load + length };
+        at.y.axpy(length, &direction.y, 1.0);
+        at.lambda.iter_mut().zip(&direction.lambda).for_each(|(force, by)| *force += length * by);
+    }
+
+    /// The spring with the most steeply falling line that acts or is met here, or else the first
+    /// with one.
+    fn gave_way(&self, at: &Point) -> usize {
+        let limits = self.limits(at);
+        let falls = |(i, own): (usize, &Lined)| {
+            let met = limits.iter().filter_map(|limit| match limit {
+                Limit::Corner(other, corner) if *other == i => Some([*corner, corner + 1]),
+                _ => None,
+            });
+            let lines = met.flatten().chain([at.lines[i]]);
+            let steepest = lines.map(|j| own.slopes[j]).fold(0.0, f64::min);
+            (steepest * self.column(own).norm_squared(), own.spring)
+        };
+        let steepest = self.lined.iter().enumerate().map(falls).min_by(|a, b| a.0.total_cmp(&b.0));
+        let first = || self.lined.iter().find(|own| own.falls()).map_or(0, |own| own.spring);
+        steepest.filter(|own| own.0 < 0.0).map_or_else(first, |own| own.1)
+    }
+}
