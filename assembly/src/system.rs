@@ -2,6 +2,7 @@
 //! force as a row on the augmented state z = (q, v, 1, signals)
 //! (docs/assembly-law.md (A1) to (A4)).
 
+mod further;
 mod parts;
 mod rows;
 mod split;
@@ -11,7 +12,7 @@ pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
-use crate::description::{Arms, BodyKind, DampingLimit, Description, Follows, StopLaw};
+use crate::description::{Arms, BodyKind, Description, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
@@ -305,20 +306,7 @@ impl System {
             };
             self.parts.push(parts);
         }
-        for (i, spring) in d.springs.iter().enumerate().filter(|(_, spring)| !spring.points.is_empty()) {
-            let line = Polyline::new(&spring.points);
-            self.stored_at_zero += line.energy_at_zero();
-            for &(e, stiffness) in &line.corners {
-                let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
-                let corner = self.add_stop(&spring.arms, e, law);
-                self.parts[i].extend(corner);
-            }
-        }
-    }
-
-    /// Whether a stop is a corner of a spring's force.
-    pub fn is_corner(&self, stop: usize) -> bool {
-        stop >= self.first_corner
+        self.add_corners(d);
     }
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
@@ -351,28 +339,6 @@ impl System {
             passes: true,
             has_static: static_level.is_some(),
         });
-        vec![Part::Friction(self.frictions.len() - 1)]
-    }
-
-    /// Adds a friction whose levels follow the force of a stop.
-    fn add_following(&mut self, arms: &Arms, follows: &Follows) -> Vec<Part> {
-        let stop = &self.stops[follows.stop];
-        let states = stop.states_with_force();
-        let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
-        let levels = states.iter().filter_map(|&state| {
-            let force = self.stop_force(follows.stop, state)?;
-            let (level, largest) = (follows.coefficient * &force, largest * &force);
-            Some(LevelRows { level, static_level: Functional::of(largest) })
-        });
-        let rows = FrictionRows {
-            elongation: self.elongation(arms),
-            levels: levels.collect(),
-            passes: stop.may_pull(),
-            follows: Some((follows.stop, states)),
-            has_static: follows.static_coefficient.is_some(),
-        };
-        self.stops[follows.stop].is_followed = true;
-        self.frictions.push(rows);
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 
