@@ -200,9 +200,8 @@ impl Machine {
 
     /// The place of a quantity among the states of a host's solver, if it is one.
     fn state_of(&self, quantity: Quantity) -> Option<usize> {
-        let (body, order) = quantity.as_body().filter(|(_, order)| *order < 2)?;
-        let bodies = self.plan.assembly.states();
-        Some(order * bodies.len() + bodies.iter().position(|&state| state == body)?)
+        let Quantity::Column(quantity) = quantity else { return None };
+        self.plan.states.iter().position(|[state, _]| *state == quantity)
     }
 
     /// Takes a value over that was checked.

@@ -99,7 +99,7 @@ impl<'a> Structure<'a> {
     /// Adds the parameters of a section except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
-        all.filter(|(_, rest)| !rest.starts_with(".start."))
+        all.filter(|(_, rest)| !rest.starts_with(".start.") && *rest != ".slider")
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
@@ -216,7 +216,26 @@ impl<'a> Structure<'a> {
         // The force of a damper does not depend on its elongation.
         let first = usize::from(matches!(element, Element::Damper(_)));
         (first..2).for_each(|order| self.elongation(element, order, &mut own));
+        self.slider(element, &mut own);
         join(&mut knowns, &own, times);
+        self.of_section(&element.dotted(), &mut knowns);
+        knowns
+    }
+
+    /// Adds the inner place of a spring in series.
+    fn slider(&self, element: Element, knowns: &mut Knowns) {
+        let place = self.elements.iter().position(|own| *own == element);
+        if let (Some(i), true) = (place, element.series().is_some()) {
+            put(knowns, self.references[&slider_of(i)], Constant);
+        }
+    }
+
+    /// The knowns of the rate of an inner place: with a dashpot that of the spring's force.
+    fn slider_rate(&self, element: Element) -> Knowns {
+        let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+        self.elongation(element, 0, &mut own);
+        self.slider(element, &mut own);
+        join(&mut knowns, &own, Tunable);
         self.of_section(&element.dotted(), &mut knowns);
         knowns
     }
@@ -285,6 +304,12 @@ impl<'a> Structure<'a> {
             (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
             (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
             (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
+            (Owner::Element(i), What::Slider) => {
+                let mut knowns = Knowns::new();
+                self.slider(self.elements[i], &mut knowns);
+                knowns
+            }
+            (Owner::Element(i), What::SliderRate) => self.slider_rate(self.elements[i]),
             (Owner::Element(i), _) => self.of_element(self.elements[i], 2),
         }
     }
@@ -303,16 +328,18 @@ impl<'a> Structure<'a> {
                         matches!(e.action(), Action::Linear | Action::Switching | Action::Hitting)
                     };
                     for &element in self.elements.iter().filter(stores) {
-                        join(knowns, &self.of_element(element, 0), Dependent);
+                        let mut own = self.of_element(element, 0);
+                        self.slider(element, &mut own);
+                        join(knowns, &own, Dependent);
                         self.of_section(&element.dotted(), knowns);
                     }
                 }
             }
             // The accounts depend on the whole motion.
             Energy::Work | Energy::Lost | Energy::Residual => {
-                let states = self.plan.assembly.states().iter();
-                let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::of_body(body, order)));
-                states.for_each(|state| put(knowns, self.references[&state], Dependent));
+                for [state, _] in &self.plan.states {
+                    put(knowns, self.references[&Quantity::Column(*state)], Dependent);
+                }
                 self.anything_set(knowns);
                 put(knowns, self.references[&Quantity::Time], Dependent);
             }
@@ -343,6 +370,11 @@ impl<'a> Structure<'a> {
         }
         self.anything_set(knowns);
     }
+}
+
+/// The inner place of an element, by its index.
+fn slider_of(i: usize) -> Quantity {
+    Quantity::Column(vibro_assembly::Quantity::of_element(i, What::Slider))
 }
 
 /// The variables of some roles, in the table's order.

@@ -6,6 +6,7 @@
 //! | dotted names of the file, such as `stop.upper.gap` | parameter |
 //! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
+//! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
 //! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
@@ -217,6 +218,14 @@ impl VariableTable {
                     self.push(format!("{name}.state"), "State of the friction", "1", Role::Discrete, state);
                     frictions += 1;
                 }
+                Element::Spring(spring) if spring.series.is_some() => {
+                    let what = What::SliderRate;
+                    let name = format!("{}.{}", spring.name, what.word());
+                    let unit = what.unit(spring.arms.dimension);
+                    let quantity = vibro_assembly::Quantity::of_element(i, what);
+                    let meaning = vibro_assembly::quantity::meaning(what, Some(element));
+                    self.push(name, meaning, unit, Role::Output, Quantity::Column(quantity));
+                }
                 _ => {}
             }
         }
@@ -276,7 +285,7 @@ impl VariableTable {
 
     /// Adds the matrices of derivatives over a step, for a machine with so many states.
     pub(crate) fn add_matrices(&mut self, states: usize) {
-        const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
+        const ROWS: &str = "Derivatives of the states (coordinates, rates, inner places, in the order of the model structure) at the end of the \
                             last step";
         let inputs = 4 * self.inputs.len();
         let tunable = self.tunable().count();
@@ -331,11 +340,17 @@ impl VariableTable {
     }
 }
 
+/// Whether a number is a start value: of a body, or the inner place of a spring in series.
+pub(crate) fn is_start(name: &str) -> bool {
+    let is_slider = name.starts_with("spring.") && name.ends_with(".slider");
+    name.contains(".start.") || (is_slider && !name.contains(".arms."))
+}
+
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
 /// arm, on which the choice of coordinates depends, nor a frequency whose phase, which goes on from
 /// where it is, follows from a named parameter. A named one where all that follows may be.
 fn is_tunable(machine: &Description, name: &str) -> bool {
-    let is_free = |name: &str| !name.contains(".start.") && !name.contains(".arms.");
+    let is_free = |name: &str| !is_start(name) && !name.contains(".arms.");
     let phase = name.strip_suffix(".frequency").map(|of| format!("{of}.phase"));
     let follows = machine.named.numbers_of(name);
     is_free(name)

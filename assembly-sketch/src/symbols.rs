@@ -145,7 +145,9 @@ impl Hand<'_> {
         let name = y - 0.5 * height_of(placed.symbol) - 0.42 * NAME;
         self.write((middle, name), &placed.name, FONT, Along::Middle);
         match placed.symbol {
-            Some(Symbol::Spring { zigzag: true, dashpot: true }) => {
+            Some(
+                symbol @ (Symbol::Spring { zigzag: true, dashpot: true } | Symbol::Series { dashpot: true }),
+            ) => {
                 let (upper, lower) = (y - 34.0, y + 34.0);
                 let [left, right] = [0, 1].map(|end| 26.0 + room_of(placed.arms[end].as_deref()));
                 let ends = (from + left, to - right);
@@ -153,9 +155,13 @@ impl Hand<'_> {
                 self.line(vec![(ends.1, y), (to, y)]);
                 self.line(vec![(ends.0, upper), (ends.0, lower)]);
                 self.line(vec![(ends.1, upper), (ends.1, lower)]);
-                self.zigzag(ends.0, ends.1, upper);
+                match symbol {
+                    Symbol::Series { .. } => self.series(ends.0, ends.1, upper),
+                    _ => self.zigzag(ends.0, ends.1, upper),
+                }
                 self.dashpot(ends.0, ends.1, lower);
             }
+            Some(Symbol::Series { .. }) => self.series(from, to, y),
             Some(Symbol::Spring { zigzag: true, .. }) => self.zigzag(from, to, y),
             Some(Symbol::Spring { .. }) => self.dashpot(from, to, y),
             Some(Symbol::Stop { compliant }) if faces => self.plates(from, to, y, compliant),
@@ -198,6 +204,13 @@ impl Hand<'_> {
         points.extend((0..teeth).map(tooth));
         points.extend([(last, y), (to, y)]);
         self.line(points);
+    }
+
+    /// A short zigzag and a dashpot behind one another.
+    fn series(&mut self, from: f64, to: f64, y: f64) {
+        let middle = 0.5 * (from + to);
+        self.coil(from, middle, y, 3);
+        self.dashpot(middle, to, y);
     }
 
     /// The zigzag of a compliant stop behind its plate.

@@ -5,7 +5,10 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
+mod series;
+
 use crate::named::NamedParameters;
+pub use series::{Series, SeriesLaw};
 
 /// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,7 +108,8 @@ impl Arms {
 }
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
-/// e: it acts on a body by -arm · f.
+/// e: it acts on a body by -arm · f. One with a partner in [`series`](Self::series) has
+/// f = stiffness · (e - x) + damping · e', where x is its inner place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -116,8 +120,10 @@ pub struct Spring {
     pub stiffness: f64,
     /// N s/m or N m s/rad, not negative.
     pub damping: f64,
-    /// The force at e = 0, N or N m.
+    /// The force at e = 0, N or N m; 0 beside `series`.
     pub preload: f64,
+    /// What it is in series with; `None` for an ordinary spring.
+    pub series: Option<Series>,
 }
 
 /// A dashpot alone. Its force f = damping · e' resists e'. No force depends on its elongation, so

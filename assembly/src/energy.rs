@@ -32,6 +32,8 @@ pub struct Accounts {
     pub stops: Vec<DoubleDouble>,
     /// Loss in each friction.
     pub frictions: Vec<DoubleDouble>,
+    /// Loss in the partner of each spring in series.
+    pub branches: Vec<DoubleDouble>,
     /// Loss at impacts.
     pub impacts: DoubleDouble,
 }
@@ -47,6 +49,7 @@ impl Accounts {
             dashpots: zero(system.springs.len()),
             stops: zero(system.stops.len()),
             frictions: zero(system.frictions.len()),
+            branches: zero(system.branches.len()),
             impacts: DoubleDouble::default(),
         }
     }
@@ -64,7 +67,8 @@ impl Accounts {
         let dashpots = self.dashpots.iter().fold(put_in, minus);
         let stops = self.stops.iter().fold(dashpots, minus);
         let frictions = self.frictions.iter().fold(stops, minus);
-        frictions.minus(self.impacts).value()
+        let branches = self.branches.iter().fold(frictions, minus);
+        branches.minus(self.impacts).value()
     }
 
     /// Adds an impact's loss, and the work of prescribed motions in it.
@@ -96,6 +100,7 @@ impl Accounts {
             Account::Dashpot(i) => &mut self.dashpots[i],
             Account::Stop(i) => &mut self.stops[i],
             Account::Friction(i) => &mut self.frictions[i],
+            Account::Branch(i) => &mut self.branches[i],
         };
         *sum = sum.plus(work);
     }
@@ -107,6 +112,7 @@ impl Accounts {
 }
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
+/// of ½ b²/k over springs in series,
 /// of ½ k max(0, e - gap)² over compliant stops, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
@@ -118,6 +124,10 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     for spring in &system.springs {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
+    }
+    for branch in &system.branches {
+        let force = branch.force.dot(z);
+        stored += 0.5 * force * force / branch.stiffness;
     }
     for stop in &system.stops {
         let excess = stop.excess.dot(z).max(0.0);

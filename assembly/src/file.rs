@@ -30,6 +30,7 @@ mod elements;
 mod named;
 mod reading;
 mod records;
+mod series;
 mod signals;
 mod start;
 mod write;

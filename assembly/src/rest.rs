@@ -88,10 +88,7 @@ struct Weighted {
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
-    let mut z = StateRow::zeros(system.signals.size);
-    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
-    system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
-    let n = system.coordinates;
+    let (n, z) = (system.coordinates, system.at_rest(None));
     let mut worst = None;
     for friction in [FrictionLevel::None, FrictionLevel::Slipping, FrictionLevel::Static] {
         match Holding::new(system, &z, friction).settle(&system.mass) {
@@ -103,6 +100,27 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
     let name = body.map_or(String::new(), |k| d.bodies[system.bodies_of[k]].name.clone());
     Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
+}
+
+impl System {
+    /// The augmented state at rest at time 0, with coordinates q or zeros, and with springs in series
+    /// that bear no force.
+    pub(crate) fn at_rest(&self, q: Option<&DVector<f64>>) -> StateRow {
+        let mut z = StateRow::zeros(self.signals.size);
+        let inputs = vec![(0.0, [0.0; 4]); self.signals.inputs];
+        self.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
+        q.iter().for_each(|q| z.rows_mut(0, self.coordinates).copy_from(q));
+        for branch in &self.branches {
+            z[branch.place] = branch.elongation.e.dot(&z);
+        }
+        z
+    }
+
+    /// The states of first order at rest with coordinates q.
+    pub(crate) fn inner_at_rest(&self, q: &DVector<f64>) -> Vec<f64> {
+        let z = self.at_rest(Some(q));
+        self.places_of_first_order().map(|place| z[place]).collect()
+    }
 }
 
 fn direction(w: &DVector<f64>) -> Direction {

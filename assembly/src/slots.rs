@@ -1,6 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Free, SeriesLaw, Signal, Spring, StopLaw,
+};
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
 
@@ -65,6 +67,24 @@ impl<'a> Slots<'a> {
         of
     }
 
+    fn spring(&mut self, spring: &'a mut Spring, bodies: &[(String, Dimension)], at_rest: bool) {
+        let of = self.element("spring", &spring.name, &mut spring.arms, bodies);
+        let stiffness = if spring.series.is_some() { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+        self.push(format!("{of}.stiffness"), stiffness, &mut spring.stiffness);
+        self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+        let Some(series) = &mut spring.series else {
+            return self.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+        };
+        match &mut series.law {
+            SeriesLaw::Dashpot { damping } => {
+                self.push(format!("{of}.series_damping"), kinds::DASHPOT, damping);
+            }
+        }
+        if !at_rest {
+            self.push(format!("{of}.slider"), kinds::SLIDER, &mut series.slider);
+        }
+    }
+
     fn law(&mut self, of: &str, law: &'a mut StopLaw) {
         match law {
             StopLaw::Rigid { restitution } => {
@@ -113,10 +133,7 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
     machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
     for spring in &mut machine.springs {
-        let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
-        slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
-        slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
-        slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+        slots.spring(spring, &bodies, machine.starts_at_rest);
     }
     for damper in &mut machine.dampers {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);

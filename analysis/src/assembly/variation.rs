@@ -26,9 +26,11 @@ const HELD: f64 = 1e-12;
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// Metric that divides coordinates' units by ω (1/s) and leaves rates as they are.
-    pub fn by_frequency(coordinates: usize, omega: f64) -> Self {
-        Self((0..2 * coordinates).map(|k| if k < coordinates { 1.0 / omega } else { 1.0 }).collect())
+    /// Metric of n coordinates, their rates and inner places that divides the units of places by ω
+    /// (1/s) and leaves rates as they are.
+    pub fn by_frequency(n: usize, inner: usize, omega: f64) -> Self {
+        let is_rate = |k: usize| (n..2 * n).contains(&k);
+        Self((0..2 * n + inner).map(|k| if is_rate(k) { 1.0 } else { 1.0 / omega }).collect())
     }
 
     /// The length of a variation.
@@ -117,7 +119,7 @@ impl Frame {
             hold(system, &mode.basis, &mut v, metric);
             v
         };
-        Self { columns: (0..2 * system.coordinates).map(unit).collect(), metric: metric.clone() }
+        Self { columns: (0..system.states()).map(unit).collect(), metric: metric.clone() }
     }
 }
 

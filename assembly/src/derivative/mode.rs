@@ -143,7 +143,7 @@ impl VariedMode {
         system.parts[i].iter().any(|part| match *part {
             Part::Stop(i) => self.shared.contains(&Contact::Stop(i)),
             Part::Friction(i) => self.shared.contains(&Contact::Friction(i)),
-            Part::Spring(_) | Part::Load(_) => false,
+            Part::Spring(_) | Part::Branch(_) | Part::Load(_) => false,
         })
     }
 
@@ -261,7 +261,8 @@ impl VariedMode {
         let rows = change.row_iter().enumerate();
         let rows = rows.map(|(k, row)| (n + k, Sparse::of(row.transpose().as_slice())));
         let signals = tangent.signals.rates().map(|(i, term)| (i, Sparse::from_terms(std::iter::once(term))));
-        let a = rows.filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
+        let inner = tangent.first_order(system).map(|(i, row)| (i, Sparse::of(row.as_slice())));
+        let a = rows.chain(inner).filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
         InMode { a, lambda }
     }
 }

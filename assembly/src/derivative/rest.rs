@@ -37,8 +37,11 @@ pub(super) fn equilibrium(
             forces.ger(-1.0, &system.frictions[i].elongation.w, &force, 1.0);
         }
     }
-    let mut right = tangent.forces_in(system, mode) * at.z + &forces * &*delta;
+    let mut right = tangent.forces_in(system, mode) * at.z;
+    take_relaxed(machine, p, at, (&mut forces, &mut right));
+    right += &forces * &*delta;
     if right.amax() == 0.0 && mode.contacts().all(|contact| is_unmoved(machine, p, contact, (delta, at))) {
+        follow(machine, p, delta, at);
         return Ok(());
     }
     let held = held(machine, p, at)?;
@@ -75,7 +78,29 @@ pub(super) fn equilibrium(
     let solved = matrix.svd(true, true).solve(&known, limit).unwrap_or_else(|_| DVector::zeros(size));
     let found = root.tr_solve_lower_triangular(&solved.rows(0, n)).unwrap_or_else(|| DVector::zeros(n));
     delta.rows_mut(0, n).copy_from(&found);
+    follow(machine, p, delta, at);
     Ok(())
+}
+
+/// Takes springs that have relaxed out of the forces, and out of what the column changes in them:
+/// they bear nothing at rest.
+fn take_relaxed(
+    machine: &Machine,
+    p: usize,
+    at: &Instant,
+    (forces, right): (&mut DMatrix<f64>, &mut DVector<f64>),
+) {
+    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
+        forces.ger(1.0, &branch.elongation.w, &branch.force, 1.0);
+        right.axpy(by.force.dot(at.z), &branch.elongation.w, 1.0);
+    }
+}
+
+/// The inner places of relaxed springs follow their elongations.
+fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
+    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
+        delta[branch.place] = branch.elongation.e.dot(delta) + by.elongation.e.dot(at.z);
+    }
 }
 
 /// Whether a column changes nothing in a contact at rest: its direction, its place, its level.

@@ -83,6 +83,9 @@ impl Start<'_> {
                     delta[k] += s;
                     delta[n + k] += v;
                 }
+                for (k, slider) in tangent.inner.iter().enumerate() {
+                    delta[2 * n + k] += slider;
+                }
             }
         }
         Ok(delta)

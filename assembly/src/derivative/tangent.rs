@@ -1,6 +1,7 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
 use super::bodies::{BodyTangent, bodies};
+use super::branches::BranchTangent;
 use crate::description::{Arms, BodyKind, Description, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::signals::SignalTangent;
@@ -53,10 +54,13 @@ pub(super) struct Tangent {
     pub springs: Vec<(ElongationTangent, StateRow)>,
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
+    pub branches: Vec<BranchTangent>,
     /// By load: its force.
     pub loads: Vec<StateRow>,
     /// By coordinate: start values of place and rate.
     pub starts: Vec<(f64, f64)>,
+    /// By state of first order: its start value.
+    pub inner: Vec<f64>,
 }
 
 /// The description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
@@ -113,14 +117,17 @@ impl Tangent {
             springs: Vec::new(),
             stops: Vec::new(),
             frictions: Vec::new(),
+            branches: Vec::new(),
             loads: Vec::new(),
             starts: system.bodies_of.iter().map(start).collect(),
+            inner: Vec::new(),
             signals,
         };
         tangent.put_inertia(system, d, &along);
         tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.put_loads(system, d);
         tangent.put_springs(system, d, &along);
+        tangent.put_branches(system, d, &along);
         tangent.put_stops(system, d, &along);
         tangent.put_frictions(system, d, &along);
         tangent
@@ -161,7 +168,11 @@ impl Tangent {
 
     fn put_springs(&mut self, system: &System, d: &Description, along: &Description) {
         let springs = d.springs.iter().zip(&along.springs);
-        let springs = springs.map(|(s, by)| (&s.arms, &by.arms, by.stiffness, by.damping, by.preload));
+        let springs = springs.map(|(s, by)| {
+            // The stiffness of a spring in series is that of its branch.
+            let dk = if s.series.is_some() { 0.0 } else { by.stiffness };
+            (&s.arms, &by.arms, dk, by.damping, by.preload)
+        });
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (&s.arms, &by.arms, 0.0, by.damping, 0.0));
         for (rows, (arms, by, dk, dc, preload)) in system.springs.iter().zip(springs.chain(dampers)) {
@@ -208,7 +219,7 @@ impl Tangent {
         }
     }
 
-    fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
+    pub(super) fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
         let size = system.signals.size;
         let (mut e, mut rate, mut drift) =
             (StateRow::zeros(size), StateRow::zeros(size), StateRow::zeros(size));

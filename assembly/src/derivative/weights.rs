@@ -2,6 +2,7 @@
 //! follows (docs/assembly-law.md (A35)).
 
 use super::bodies::BodyTangent;
+use super::branches::BranchTangent;
 use super::columns::padded;
 use super::mode::VariedMode;
 use super::tangent::{ElongationTangent, FrictionTangent, StopTangent, Tangent};
@@ -17,6 +18,7 @@ pub(super) struct Weights {
     pub springs: Vec<(ElongationTangent, StateRow)>,
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
+    pub branches: Vec<BranchTangent>,
     pub loads: Vec<StateRow>,
     /// Of the signals' rows of A, from the first one on.
     signals: DMatrix<f64>,
@@ -72,6 +74,7 @@ impl Weights {
         };
         let friction =
             FrictionTangent { elongation: e.clone(), level: row.clone(), static_level: row.clone() };
+        let branch = BranchTangent { elongation: e.clone(), force: row.clone(), rate: row.clone() };
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {
             mass: DMatrix::zeros(n, n),
@@ -80,6 +83,7 @@ impl Weights {
             springs: vec![(e, row.clone()); system.springs.len()],
             stops: vec![stop; system.stops.len()],
             frictions: vec![friction; system.frictions.len()],
+            branches: vec![branch; system.branches.len()],
             loads: vec![row; system.loads.len()],
             signals: DMatrix::zeros(size - system.signals.one, size),
         }
@@ -189,7 +193,9 @@ impl Weights {
     pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
         let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
         let by_a = own.by_a();
-        self.signals += by_a.rows(n, size - 2 * n);
+        let one = system.signals.one;
+        self.signals += by_a.rows(one - n, size - one);
+        self.add_first_order(system, &by_a);
         let own_a = by_a.rows(0, n);
         let mut acceleration = DMatrix::zeros(n, size);
         for k in 0..n {
@@ -255,10 +261,14 @@ impl Weights {
             let levels = own.level.dot(&by.level) + own.static_level.dot(&by.static_level);
             e(&own.elongation, &by.elongation) + levels
         });
+        let branches = self.branches.iter().zip(&tangent.branches).map(|(own, by)| {
+            e(&own.elongation, &by.elongation) + own.force.dot(&by.force) + own.rate.dot(&by.rate)
+        });
         let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
         let one = system.signals.one;
         let signals = tangent.signals.rates().map(|(i, (j, x))| self.signals[(i - one, j)] * x);
-        let elements = bodies.chain(springs).chain(stops).chain(frictions).chain(loads).chain(signals);
+        let elements =
+            bodies.chain(springs).chain(stops).chain(frictions).chain(branches).chain(loads).chain(signals);
         self.mass.dot(&tangent.mass) + self.forces.dot(&tangent.forces) + elements.sum::<f64>()
     }
 }

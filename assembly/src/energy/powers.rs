@@ -4,7 +4,7 @@
 use super::long::WorkIntegral;
 use super::nodes::NodeStates;
 use super::{AtNodes, EIGHT, NODES, SHORT};
-use crate::description::StopLaw;
+use crate::description::{SeriesLaw, StopLaw};
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
 use crate::kernel::{Sparse, SparseColumns};
 use crate::mode::{FrictionState, Mode, StopState};
@@ -80,6 +80,8 @@ pub enum Account {
     Stop(usize),
     /// Loss in a friction.
     Friction(usize),
+    /// Loss in the partner of a spring in series.
+    Branch(usize),
 }
 
 /// The states within an interval of time, from which powers are computed.
@@ -156,6 +158,10 @@ impl Losses {
                 let (account, rate) = (Account::Friction(i), &friction.elongation.rate);
                 put(When::Friction(i, state), account, state.direction(), &friction.level, rate);
             }
+        }
+        for (i, branch) in system.branches.iter().enumerate() {
+            let SeriesLaw::Dashpot { damping } = branch.law;
+            put(When::Always, Account::Branch(i), 1.0 / damping, &branch.force, &branch.force);
         }
         Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
     }
@@ -302,6 +308,9 @@ impl Powers {
         for spring in &system.springs {
             add(1.0, &spring.force, &spring.elongation.rate);
         }
+        for branch in &system.branches {
+            add(1.0, &branch.force, &branch.elongation.rate);
+        }
         for (i, stop) in system.stops.iter().enumerate() {
             if let Some(force) = system.stop_force(i, mode.stops[i]) {
                 add(1.0, &force, &stop.elongation.rate);
@@ -408,8 +417,8 @@ impl Powers {
     }
 
     /// The first coordinate that any power depends on: the velocities', where none does on places.
-    pub fn first(&self, one: usize) -> usize {
-        if self.needs_places { 0 } else { one / 2 }
+    pub fn first(&self, coordinates: usize) -> usize {
+        if self.needs_places { 0 } else { coordinates }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::bodies::Names;
 use super::reading::{Entry, FileTable, Reading, number};
+use super::series;
 use super::signals::{self, Values};
 use crate::description::{
     Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -60,14 +61,22 @@ fn with_arms<T>(
 }
 
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
-    reading.known(table, &["between", "arms", "stiffness", "damping", "preload"]);
-    let (arms, (stiffness, damping, preload)) = with_arms(reading, table, names, |reading, dimension| {
-        let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
-        let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
-        let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-        Some((stiffness?, damping?, preload?))
-    })?;
-    Some(Spring { name, arms, stiffness, damping, preload })
+    reading
+        .known(table, &[&["between", "arms", "stiffness", "damping", "preload"], &series::KEYS[..]].concat());
+    let (arms, (stiffness, damping, preload, series)) =
+        with_arms(reading, table, names, |reading, dimension| {
+            let series = series::read(reading, table, dimension);
+            let is_in_series = series::is_given(table);
+            let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+            let stiffness = reading.required_number(table, "stiffness", kind, dimension);
+            let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+            let preload = match is_in_series {
+                true => Some(0.0),
+                false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
+            };
+            Some((stiffness?, damping?, preload?, series?))
+        })?;
+    Some(Spring { name, arms, stiffness, damping, preload, series })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {

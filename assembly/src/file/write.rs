@@ -1,7 +1,8 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, SeriesLaw, Signal, Spring, Stop,
+    StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -36,11 +37,7 @@ pub(super) fn machine(machine: &Description) -> String {
             own.arms(&mut text, &of, arms);
         }
         match element {
-            Element::Spring(spring) => {
-                own.line(&mut text, &of, "stiffness", spring.stiffness);
-                own.line(&mut text, &of, "damping", spring.damping);
-                own.line(&mut text, &of, "preload", spring.preload);
-            }
+            Element::Spring(spring) => own.spring(&mut text, &of, spring),
             Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
@@ -139,6 +136,18 @@ impl Writing<'_> {
         let end =
             |sign: f64| arms.terms.iter().find(|term| term.1 == sign).map_or("ground", |term| name(term.0));
         line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
+    }
+
+    fn spring(&self, text: &mut String, of: &str, spring: &Spring) {
+        self.line(text, of, "stiffness", spring.stiffness);
+        self.line(text, of, "damping", spring.damping);
+        let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
+        match series.law {
+            SeriesLaw::Dashpot { damping } => self.line(text, of, "series_damping", damping),
+        }
+        if !self.machine.starts_at_rest {
+            self.line(text, of, "slider", series.slider);
+        }
     }
 
     fn stop(&self, text: &mut String, of: &str, stop: &Stop) {

@@ -12,6 +12,8 @@ use std::sync::Arc;
 /// The linear system of a mode.
 #[derive(Clone, Debug)]
 pub struct Linear {
+    /// Number of coordinates.
+    pub coordinates: usize,
     /// z' = A z.
     pub a: SparseMatrix,
     /// By entry of A: the sum of the sizes of its terms; `None` without contacts. If a closed stop
@@ -62,10 +64,21 @@ impl System {
         if mode.basis.is_empty() {
             let watched = self.watched(mode, &[]);
             let (lambda, triangle) = (Vec::new(), Triangle::default());
-            return Linear { a: free, terms: None, lambda, triangle, watched, elastic, loose: None };
+            let coordinates = self.coordinates;
+            return Linear {
+                coordinates,
+                a: free,
+                terms: None,
+                lambda,
+                triangle,
+                watched,
+                elastic,
+                loose: None,
+            };
         }
         let Reaction { a, terms, lambda } = held.react(&free);
         Linear {
+            coordinates: self.coordinates,
             a,
             terms: Some(terms),
             watched: self.watched(mode, &lambda),
@@ -89,6 +102,7 @@ impl System {
         let mut a = SparseMatrix::default();
         (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
         (0..n).for_each(|k| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))));
+        self.push_first_order(&mut a);
         self.signals.rates().iter().for_each(|row| a.push_row(row.terms().iter().copied()));
         a
     }

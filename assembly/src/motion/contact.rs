@@ -92,7 +92,8 @@ impl Motion {
     /// Updates the largest sizes of velocities and coordinates by the terms since the mode began
     /// (docs/assembly-law.md (A14)).
     pub(super) fn include_flight(&mut self) {
-        let (time, one) = (self.time(), self.assembly.system.signals.one);
+        let time = self.time();
+        let (n, one) = (self.assembly.system.coordinates, self.assembly.system.states());
         let hybrid = &mut self.hybrid;
         if time <= hybrid.since {
             return;
@@ -104,12 +105,14 @@ impl Motion {
             *size = x.abs();
         }
         rates.resize(start.len(), 0.0);
-        let flight_sizes = &mut rates[..one - one / 2];
+        let flight_sizes = &mut rates[..one - n];
         self.tables.at(self.place).table.flight_sizes(start, time - hybrid.since, second, flight_sizes);
         let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
-        let (places, rates) = sizes.split_at_mut(one / 2);
-        for ((place, rate), flight_sizes) in places.iter_mut().zip(rates).zip(flight_sizes) {
+        let (places, rates) = sizes.split_at_mut(n);
+        for (place, flight_sizes) in places.iter_mut().zip(&*flight_sizes) {
             *place = place.max(flight * *flight_sizes);
+        }
+        for (rate, flight_sizes) in rates.iter_mut().zip(flight_sizes) {
             *rate = rate.max(*flight_sizes);
         }
         hybrid.since = time;

@@ -82,8 +82,8 @@ impl System {
 }
 
 impl Assembly {
-    /// The bodies whose coordinates, followed by their rates, are the continuous states of a host's
-    /// solver.
+    /// The bodies whose coordinates, followed by their rates and by the states of first order, are the
+    /// continuous states of a host's solver.
     pub fn states(&self) -> &[usize] {
         &self.system.bodies_of
     }
@@ -93,7 +93,7 @@ impl Assembly {
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
         let mut z: StateRow = DVector::from_element(system.signals.size, 1.0);
-        z.rows_mut(0, system.signals.one).fill(0.0);
+        z.rows_mut(0, system.states()).fill(0.0);
         let given = |row: &StateRow| row.abs().dot(&z);
         let stiffness = |k: usize| -system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
@@ -118,7 +118,12 @@ impl Assembly {
         };
         let rates: Vec<f64> = (0..n).map(rate).collect();
         let positive = |x: f64| x.clamp(f64::MIN_POSITIVE, f64::MAX);
-        lengths.into_iter().chain(rates).map(positive).collect()
+        let inner = system.branches.iter().map(|own| {
+            let along = own.elongation.w.iter().zip(&lengths).map(|(w, length)| w.abs() * length);
+            own.elongation.e.abs().dot(&z).max(self.inner[own.place - 2 * n].abs()).max(along.sum())
+        });
+        let inner: Vec<f64> = inner.map(|x| if x > 0.0 { x } else { usual }).collect();
+        lengths.into_iter().chain(rates).chain(inner).map(positive).collect()
     }
 }
 
@@ -161,7 +166,7 @@ impl Motion {
         self.refill_on(course);
     }
 
-    /// The continuous states: coordinates, then rates.
+    /// The continuous states: coordinates, rates, states of first order.
     pub fn states(&self) -> &[f64] {
         &self.hybrid.z.as_slice()[..self.assembly.system.signals.one]
     }
@@ -345,7 +350,8 @@ impl Motion {
     }
 
     /// The state at a fraction of the time since the last accepted point. Coordinates are the
-    /// quintic through values, rates and accelerations at both ends, rates its derivative.
+    /// quintic through values, rates and accelerations at both ends, rates its derivative, states of
+    /// first order the cubic through values and rates.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
@@ -360,6 +366,10 @@ impl Motion {
                 (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
             z[k] = q0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5))));
             z[n + k] = (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h;
+        }
+        for k in self.assembly.system.places_of_first_order() {
+            let (x0, r0, d, r1) = (from[k], h * a[k], to[k] - from[k], h * b[k]);
+            z[k] = x0 + u * (r0 + u * (3.0 * d - 2.0 * r0 - r1 + u * (r0 + r1 - 2.0 * d)));
         }
         z
     }

@@ -60,7 +60,7 @@ impl Crossing<'_> {
     /// that of the impacts in the order in which they happened.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let before = DVector::from_column_slice(self.states[0]);
-        let (impacts, own) = (Impulse::all(system, self.events, &before), 2 * system.coordinates);
+        let (impacts, own) = (Impulse::all(system, self.events, &before), system.states());
         let [incoming, outgoing] = self.rates;
         let passage = self.row.map(|row| {
             let terms: f64 = row.iter().zip(incoming).map(|(a, b)| (a * b).abs()).sum();
@@ -88,13 +88,13 @@ impl Motion {
     }
 
     /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
-    /// state (coordinates, then rates), then by value and derivatives 1 to 3 of each input, each
+    /// state (coordinates, rates, states of first order), then by value and derivatives 1 to 3 of each input, each
     /// projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
         let inputs = (0..signals.inputs).filter_map(|i| signals.place_of_input(i));
-        let places = (0..2 * system.coordinates).chain(inputs.flat_map(|first| first..first + 4));
+        let places = (0..system.states()).chain(inputs.flat_map(|first| first..first + 4));
         let unit = |place: usize| {
             let mut variation = vec![0.0; signals.size];
             variation[place] = 1.0;

@@ -37,7 +37,8 @@ pub struct Split {
     norm: Norm,
 }
 
-/// A watched functional; with entries on velocities its slope depends on the mode.
+/// A watched functional; with entries on velocities or on states of first order its slope depends
+/// on the mode.
 pub type Known = (Arc<WatchTable>, bool);
 
 /// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d²
@@ -45,6 +46,8 @@ pub type Known = (Arc<WatchTable>, bool);
 #[derive(Clone, Debug)]
 struct Norm {
     scales: Vec<f64>,
+    /// Weights of the states of first order.
+    inner: Vec<f64>,
     /// By signal the largest weight beside which no velocity's rate feels it by more than one.
     signals: Vec<f64>,
     /// The rate of the signals among themselves.
@@ -105,7 +108,7 @@ impl Split {
             let rows = rows.into_iter().map(|(watch, row)| (watch, Sparse::of(row.as_slice())));
             let rows = rows.filter(|(_, row)| !system.is_constant_and_negative(row));
             rows.map(|(watch, row)| {
-                let depends = row.terms().iter().any(|(j, _)| (n..2 * n).contains(j));
+                let depends = row.terms().iter().any(|(j, _)| (n..system.states()).contains(j));
                 (Arc::new(WatchTable::new(watch, Arc::new(row), &base)), depends)
             })
             .collect()
@@ -157,8 +160,8 @@ impl Split {
 
     /// A bound of the norm of a mode's A, and by coordinate 1/w (A6).
     pub fn norm(&self, a: &SparseMatrix) -> (f64, Vec<f64>) {
-        let Norm { scales, signals, rate } = &self.norm;
-        let (n, one) = (scales.len(), 2 * scales.len());
+        let Norm { scales, inner, signals, rate } = &self.norm;
+        let (n, first, one) = (scales.len(), 2 * scales.len(), 2 * scales.len() + inner.len());
         // Ω = κ/Ω + γ + SHARE Ω of each row, and the largest Ω of all.
         let of_row = |k: f64, c: f64| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
         let (mut rate, mut excess) = (rate.max(crate::flow::LEAST_RATE), 1.0f64);
@@ -167,19 +170,24 @@ impl Split {
             for &(j, x) in a.row(n + k) {
                 match j {
                     _ if j < n => stiffness += x.abs() * scales[j] / scale,
-                    _ if j < one => damping += x.abs() * scales[j - n] / scale,
+                    _ if j < first => damping += x.abs() * scales[j - n] / scale,
+                    _ if j < one => stiffness += x.abs() * inner[j - first] / scale,
                     // Held contacts may hand a body more of a signal than it has by itself.
                     _ => excess = excess.max(x.abs() * signals[j - one] / scale),
                 }
             }
             rate = rate.max(of_row(stiffness, damping));
         }
+        let (mut rate, bound) = (rate, |rate: f64| self.norm.of_inner(a, rate));
+        rate = rate.max(bound(0.0).0 / (1.0 - SHARE));
+        excess = excess.max(bound(rate).1);
         let mut weights = Vec::with_capacity(one + signals.len());
         weights.extend(scales.iter().map(|d| 1.0 / d));
         weights.extend(scales.iter().map(|d| 1.0 / (rate * d)));
+        weights.extend(inner.iter().map(|s| 1.0 / s));
         let unit = SHARE * rate * rate / (signals.len() as f64 * excess);
         weights.extend(signals.iter().map(|g| 1.0 / (unit * g)));
-        (rate, weights)
+        (rate.max(bound(rate).0), weights)
     }
 }
 
@@ -191,7 +199,8 @@ impl Norm {
         let mut added = vec![0.0; size - one];
         let mut by_row: Vec<Vec<(&Term, f64)>> = vec![Vec::new(); n];
         for term in terms.into_iter().flatten() {
-            term.by.terms().iter().for_each(|&(place, x)| by_row[place - n].push((term, x)));
+            let on_rates = term.by.terms().iter().filter(|(place, _)| *place < 2 * n);
+            on_rates.for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
         let mut lowest = crate::flow::LEAST_RATE;
         for k in 0..n {
@@ -230,6 +239,44 @@ impl Norm {
             terms.map(|&(j, x)| x.abs() * signals[j - one] / signals[i - one]).sum::<f64>()
         };
         let rate = (one..size).map(of_row).fold(0.0, f64::max);
-        Self { scales, signals, rate }
+        let inner = (2 * n..).zip(&system.first_order).map(|(i, own)| Self::inner(&scales, i, &own.rate));
+        Self { inner: inner.collect(), scales, signals, rate }
+    }
+
+    /// The weight of the state of first order at a place, by the row of its rate: with it the terms
+    /// of the coordinates are as large as its own, or those of the velocities leave the share of the
+    /// signals.
+    fn inner(scales: &[f64], i: usize, rate: &Functional) -> f64 {
+        let n = scales.len();
+        let sum = |first: usize| {
+            let terms = rate.terms().iter().filter(|(j, _)| (first..first + n).contains(j));
+            terms.map(|&(j, x)| x.abs() * scales[j - first]).sum::<f64>()
+        };
+        let weight = (sum(0) / rate[i].abs()).max(sum(n) / (1.0 - SHARE));
+        if weight.is_finite() && weight > 0.0 { weight } else { 1.0 }
+    }
+
+    /// The largest sum of a state's row of first order where velocities have Ω = `rate`, with the
+    /// share of the signals, and the largest part by which a signal exceeds its share.
+    fn of_inner(&self, a: &SparseMatrix, rate: f64) -> (f64, f64) {
+        let (n, first) = (self.scales.len(), 2 * self.scales.len());
+        let one = first + self.inner.len();
+        let (mut most, mut excess) = (0.0f64, 0.0f64);
+        for (i, own) in (first..).zip(&self.inner) {
+            let (mut sum, mut is_driven) = (0.0, false);
+            for &(j, x) in a.row(i) {
+                match j {
+                    _ if j < n => sum += x.abs() * self.scales[j] / own,
+                    _ if j < first => sum += x.abs() * rate * self.scales[j - n] / own,
+                    _ if j < one => sum += x.abs() * self.inner[j - first] / own,
+                    _ => {
+                        is_driven = true;
+                        excess = excess.max(x.abs() * self.signals[j - one] * rate / own);
+                    }
+                }
+            }
+            most = most.max(sum + if is_driven { SHARE * rate } else { 0.0 });
+        }
+        (most, excess)
     }
 }

@@ -122,7 +122,7 @@ prop_compose! {
         }
         let spring = |(i, (mut raw, stiffness, damping, preload)): (usize, (Raw, f64, f64, f64))| {
             raw.2 = i;
-            Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload }
+            Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload, series: None }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {

@@ -21,7 +21,7 @@ impl Orbit {
     /// # Errors
     /// [`Error::Described`] where the machine has another event or goes on in another mode.
     pub fn check_by_motion(&self) -> Result<f64> {
-        let own = 2 * self.place.assembly.system().coordinates;
+        let own = self.place.assembly.system().states();
         let mut largest: f64 = 0.0;
         for (k, leg) in self.legs().iter().enumerate() {
             let (time, z) = middle(&self.place, leg);
@@ -60,7 +60,7 @@ impl Orbit {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         for (k, leg) in self.legs().iter().enumerate() {
             if let Some((time, z)) = &leg.run {
-                let own = 2 * system.coordinates;
+                let own = system.states();
                 let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
                 // The run was followed before, from this state.
                 if let Ok(motion) = motion {
@@ -147,6 +147,7 @@ impl Orbit {
                     Part::Spring(i) => accounts.dashpots[i].value(),
                     Part::Stop(i) => accounts.stops[i].value(),
                     Part::Friction(i) => accounts.frictions[i].value(),
+                    Part::Branch(i) => accounts.branches[i].value(),
                     Part::Load(i) => accounts.loads[i].value(),
                 })
                 .sum();

@@ -12,7 +12,6 @@ use std::sync::Arc;
 use vibro_analysis::Error;
 use vibro_assembly::Start;
 use vibro_assembly::motion::keep;
-use vibro_assembly::start::BodyStart;
 
 /// Largest number of Newton steps.
 const STEPS: usize = 60;
@@ -293,11 +292,12 @@ impl Orbit {
     /// A start on the orbit: in the middle of its longest flight.
     pub fn start(&self) -> Start {
         let (time, z) = self.middle_state();
-        let (assembly, count) = (&self.place.assembly, z.len());
-        let names = assembly.system().bodies_of.iter().map(|body| &assembly.description.bodies[*body].name);
-        let body = |k: usize| BodyStart { s: Some(z[k]), v: Some(z[count / 2 + k]) };
-        let bodies = names.enumerate().map(|(k, name)| (name.clone(), body(k)));
-        Start { time, bodies: bodies.collect() }
+        let mut start = Start { time, ..Start::default() };
+        let names = Start::names(&self.place.assembly);
+        let d = &self.place.assembly.description;
+        // The machine has these numbers.
+        names.iter().zip(&z).for_each(|(name, x)| _ = start.set(d, name, *x));
+        start
     }
 
     /// Time and state (q, q') in the middle of its longest flight.

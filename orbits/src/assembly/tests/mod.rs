@@ -4,6 +4,7 @@
 mod closed_forms;
 mod motions;
 mod paper;
+mod series;
 
 use super::*;
 use std::path::Path;
