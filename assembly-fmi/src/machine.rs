@@ -157,6 +157,7 @@ impl Machine {
             (Some(shown), Quantity::Impacts(i)) => shown.stops[i].1,
             (Some(shown), Quantity::Impulse(i)) => shown.stops[i].2,
             (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
+            (Some(shown), Quantity::SliderState(i)) => shown.sliders[i],
             _ => moving.value(quantity),
         }
     }

@@ -10,7 +10,7 @@ mod initial;
 mod knowns;
 
 use crate::plan::Plan;
-use crate::table::{Energy, Quantity, Role};
+use crate::table::{Energy, Quantity, Role, slides};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
@@ -230,9 +230,17 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of the rate of an inner place: with a dashpot that of the spring's force.
+    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a slider
+    /// those of e', which it follows where it slips.
     fn slider_rate(&self, element: Element) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+        if slides(&element.series().copied()) {
+            self.elongation(element, 1, &mut own);
+            join(&mut knowns, &own, Discrete);
+            // They decide whether it slips.
+            self.of_section(&element.dotted(), &mut knowns);
+            return knowns;
+        }
         self.elongation(element, 0, &mut own);
         self.slider(element, &mut own);
         join(&mut knowns, &own, Tunable);
@@ -281,6 +289,11 @@ impl<'a> Structure<'a> {
             Quantity::FrictionState(i) => {
                 let friction = self.nth(|element| matches!(element, Element::Friction(_)), i);
                 let all = friction.into_iter().flat_map(|own| (1..3).map(move |k| self.of_element(own, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
+            }
+            Quantity::SliderState(i) => {
+                let spring = self.nth(|element| element.series().is_some(), i);
+                let all = spring.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
                 all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
@@ -360,11 +373,16 @@ impl<'a> Structure<'a> {
                 Action::Hitting => (1, 0),
                 Action::Switching => (2, 0),
                 Action::Rubbing => (3, 1),
+                Action::Linear if slides(&element.series().copied()) => (2, 0),
                 Action::Linear | Action::Tying | Action::Driving => (0, 0),
             };
             vec![(*element, first); count]
         };
-        if let Some((element, first)) = self.elements.iter().flat_map(of_element).nth(place) {
+        // Those of sliders stand last.
+        let [others, springs] = [false, true].map(|is_spring| {
+            self.elements.iter().filter(move |own| matches!(own, Element::Spring(_)) == is_spring)
+        });
+        if let Some((element, first)) = others.chain(springs).flat_map(of_element).nth(place) {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }

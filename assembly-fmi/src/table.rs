@@ -7,16 +7,17 @@
 //! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
-//! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
+//! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
+//! | `SPRING.indicator.up`, `.down` of sliders | local |
 //!
 //! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
 //! variables share a name.
 
 use fmi_doors::{Base, Bases, Problem};
-use vibro_assembly::description::{Dimension, Stop, StopLaw};
+use vibro_assembly::description::{Dimension, Series, SeriesLaw, Stop, StopLaw};
 use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
@@ -39,6 +40,8 @@ pub enum Quantity {
     Impulse(usize),
     /// The state of a friction.
     FrictionState(usize),
+    /// The state of a slider in series with a spring, by the spring's place among those in series.
+    SliderState(usize),
     /// A part of the energy balance.
     Energy(Energy),
     /// An event indicator, by its index.
@@ -180,7 +183,9 @@ impl VariableTable {
     fn push(&mut self, name: String, meaning: &str, unit: &'static str, role: Role, quantity: Quantity) {
         let base = match quantity {
             Quantity::Impacts(_) => Base::Integer,
-            Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
+            Quantity::StopState(_) | Quantity::FrictionState(_) | Quantity::SliderState(_) => {
+                Base::Enumeration
+            }
             _ => Base::Real,
         };
         self.rows.push(VariableRow {
@@ -205,7 +210,7 @@ impl VariableTable {
             }
         };
         (0..machine.bodies.len()).for_each(|i| push_those_of(self, Owner::Body(i)));
-        let (mut stops, mut frictions) = (0, 0);
+        let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
             match element {
@@ -225,6 +230,11 @@ impl VariableTable {
                     let quantity = vibro_assembly::Quantity::of_element(i, what);
                     let meaning = vibro_assembly::quantity::meaning(what, Some(element));
                     self.push(name, meaning, unit, Role::Output, Quantity::Column(quantity));
+                    if slides(&spring.series) {
+                        let (name, state) = (&spring.name, Quantity::SliderState(sliders));
+                        self.push(format!("{name}.state"), "State of the slider", "1", Role::Discrete, state);
+                    }
+                    sliders += 1;
                 }
                 _ => {}
             }
@@ -280,6 +290,11 @@ impl VariableTable {
             push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
             push(format!("{name}.down"), "Negative where slipping begins downwards");
             push(format!("{name}.level"), "Negative where friction begins or ceases to act");
+        }
+        for spring in machine.springs.iter().filter(|spring| slides(&spring.series)) {
+            let name = format!("{}.indicator", spring.name);
+            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
+            push(format!("{name}.down"), "Negative where slipping begins downwards");
         }
     }
 
@@ -338,6 +353,11 @@ impl VariableTable {
         };
         Err(Problem::Reference { reference, wanted: bases.name, found })
     }
+}
+
+/// Whether a spring's partner is a slider.
+pub(crate) fn slides(series: &Option<Series>) -> bool {
+    series.is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. }))
 }
 
 /// Whether a number is a start value: of a body, or the inner place of a spring in series.

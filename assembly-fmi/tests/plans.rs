@@ -14,6 +14,7 @@ fn plans() -> Vec<Plan> {
     let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
     let mut plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
     plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/joint.toml").into(), "joint.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }

@@ -3,7 +3,7 @@
 use crate::description::{Body, BodyKind, Description};
 use crate::elements::Element;
 use crate::error::Error;
-use crate::mode::Watch;
+use crate::mode::{Contact, Watch};
 use crate::quantity::{Quantity, What};
 use crate::rates;
 use crate::rest::equilibrium;
@@ -66,6 +66,7 @@ impl Assembly {
                 self.name_of_stop(i)
             }
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.name_of_friction(i),
+            Watch::Yields(i, _) | Watch::Turns(i) => self.name_of_branch(i),
         }
     }
 
@@ -107,6 +108,20 @@ impl Assembly {
     /// Dotted name of the element that has a friction, by the friction's place.
     pub fn name_of_friction(&self, i: usize) -> String {
         self.name_of_part(Part::Friction(i))
+    }
+
+    /// Dotted name of the element that has a branch, by the branch's place.
+    pub fn name_of_branch(&self, i: usize) -> String {
+        self.name_of_part(Part::Branch(i))
+    }
+
+    /// Dotted name of the element of a contact or a slider.
+    pub fn name_of_contact(&self, contact: Contact) -> String {
+        match contact {
+            Contact::Stop(i) => self.name_of_stop(i),
+            Contact::Friction(i) => self.name_of_friction(i),
+            Contact::Slider(i) => self.name_of_branch(i),
+        }
     }
 
     fn name_of_part(&self, part: Part) -> String {

@@ -77,6 +77,11 @@ impl Accounts {
         self.motions = self.motions.plus(work);
     }
 
+    /// Adds the loss of a slider that is moved at once.
+    pub(crate) fn slide(&mut self, i: usize, lost: f64) {
+        self.branches[i] = self.branches[i].plus(lost);
+    }
+
     /// Adds the work and losses over an interval of length `dt` in a mode with these powers.
     /// `values` is scratch memory.
     #[inline(always)]

@@ -3,11 +3,11 @@
 
 mod factor;
 
-use crate::description::{Description, StopLaw};
+use crate::description::{Description, SeriesLaw, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{SpringRows, StateRow, System};
+use crate::system::{BranchRows, SpringRows, StateRow, System};
 use factor::Factor;
 use nalgebra::{DMatrix, DVector};
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -116,10 +116,18 @@ impl System {
         z
     }
 
-    /// The states of first order at rest with coordinates q.
+    /// The states of first order at rest with coordinates q, reached from zeros.
     pub(crate) fn inner_at_rest(&self, q: &DVector<f64>) -> Vec<f64> {
         let z = self.at_rest(Some(q));
-        self.places_of_first_order().map(|place| z[place]).collect()
+        let inner = |branch: &BranchRows| match branch.law {
+            SeriesLaw::Dashpot { .. } => z[branch.place],
+            // From x = 0 on, and held where its force is at its level.
+            SeriesLaw::Slider { slip } => {
+                let (e, most) = (z[branch.place], slip / branch.stiffness);
+                if e.abs() > most { e - most.copysign(e) } else { 0.0 }
+            }
+        };
+        self.branches.iter().map(inner).collect()
     }
 }
 
@@ -163,6 +171,12 @@ impl Holding {
             contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
+        for branch in &system.branches {
+            let SeriesLaw::Slider { slip } = branch.law else { continue };
+            let (w, excess) = (direction(&branch.elongation.w), branch.elongation.e.dot(z));
+            let compliance = 1.0 / branch.stiffness;
+            contacts.push(RestContact { w, excess, force: (-slip, slip), compliance });
+        }
         for rows in &system.frictions {
             let rate = rows.elongation.rate.dot(z);
             let level = if friction == FrictionLevel::Static { &rows.static_level } else { &rows.level };

@@ -79,6 +79,7 @@ impl<'a> Slots<'a> {
             SeriesLaw::Dashpot { damping } => {
                 self.push(format!("{of}.series_damping"), kinds::DASHPOT, damping);
             }
+            SeriesLaw::Slider { slip } => self.push(format!("{of}.slip"), kinds::SLIP, slip),
         }
         if !at_rest {
             self.push(format!("{of}.slider"), kinds::SLIDER, &mut series.slider);

@@ -250,7 +250,7 @@ impl System {
     }
 
     /// The row of a constant.
-    fn constant(&self, value: f64) -> StateRow {
+    pub(crate) fn constant(&self, value: f64) -> StateRow {
         let mut row = StateRow::zeros(self.signals.size);
         row[self.signals.one] = value;
         row

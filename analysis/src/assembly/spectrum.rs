@@ -49,7 +49,7 @@ impl Orthogonal {
                 let own = if i == j { 1.0 } else { 0.0 };
                 *x = (own + 0.3 * (1.0 + 0.7 * (i * size + j) as f64).sin()) * unit;
             }
-            hold(system, &mode.basis, &mut v, &metric);
+            hold(system, mode, &mut v, &metric);
             v
         };
         let mut new = Self { columns: (0..size).map(column).collect(), growth: vec![0.0; size], metric };
@@ -104,7 +104,7 @@ impl Observer for Orthogonal {
         for _ in 0..parts as u64 {
             for v in &mut self.columns {
                 *v = Flow::stretches(flow, v, span / parts, &mut |_, _| ());
-                hold(system, &flow.mode.basis, v, &self.metric);
+                hold(system, &flow.mode, v, &self.metric);
             }
             self.orthogonalize();
         }

@@ -4,7 +4,7 @@ use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::problem::refused;
 use crate::table::{Energy, Quantity};
-use crate::units::{friction_state, stop_state};
+use crate::units::{friction_state, slider_state, stop_state};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_assembly::energy::Accounts;
@@ -185,6 +185,7 @@ impl Moving {
         Shown {
             stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
             frictions: mode.frictions.iter().copied().map(friction_state).collect(),
+            sliders: mode.sliders.iter().copied().map(slider_state).collect(),
         }
     }
 
@@ -197,6 +198,7 @@ impl Moving {
             Quantity::Impacts(i) => motion.impacts(i).count as f64,
             Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
+            Quantity::SliderState(i) => slider_state(motion.mode().sliders[i]),
             Quantity::Indicator(i) => motion.indicators()[i],
             Quantity::Column(column) => motion.value(column),
             Quantity::Time
@@ -231,12 +233,16 @@ pub struct Shown {
     pub(super) stops: Vec<(f64, f64, f64)>,
     /// By friction.
     pub(super) frictions: Vec<f64>,
+    /// By spring in series.
+    pub(super) sliders: Vec<f64>,
 }
 
 impl Shown {
     /// Whether it is of as many stops and frictions.
     pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
-        self.stops.len() == other.stops.len() && self.frictions.len() == other.frictions.len()
+        self.stops.len() == other.stops.len()
+            && self.frictions.len() == other.frictions.len()
+            && self.sliders.len() == other.sliders.len()
     }
 }
 

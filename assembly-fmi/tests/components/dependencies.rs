@@ -156,7 +156,8 @@ fn compare(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>
 
 /// The states of all stops and frictions.
 fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
-    let is_state = |q| matches!(q, Quantity::StopState(_) | Quantity::FrictionState(_));
+    let is_state =
+        |q| matches!(q, Quantity::StopState(_) | Quantity::FrictionState(_) | Quantity::SliderState(_));
     let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| is_state(row.quantity));
     let references: Vec<u32> = rows.map(|(reference, _)| reference).collect();
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()

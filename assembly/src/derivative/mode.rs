@@ -216,6 +216,11 @@ impl VariedMode {
                 let sign = if up { 1.0 } else { -1.0 };
                 sign * force(Contact::Friction(i)) - &tangent.frictions[i].static_level
             }
+            Watch::Yields(i, up) => {
+                let by = &tangent.branches[i];
+                if up { &by.force - &by.level } else { -&by.force - &by.level }
+            }
+            Watch::Turns(i) => -self.mode.sliders[i].direction() * &tangent.branches[i].elongation.rate,
             Watch::Level(i) => {
                 let off = self.mode.frictions[i] == crate::mode::FrictionState::Off;
                 if off { tangent.frictions[i].level.clone() } else { -&tangent.frictions[i].level }
@@ -261,7 +266,7 @@ impl VariedMode {
         let rows = change.row_iter().enumerate();
         let rows = rows.map(|(k, row)| (n + k, Sparse::of(row.transpose().as_slice())));
         let signals = tangent.signals.rates().map(|(i, term)| (i, Sparse::from_terms(std::iter::once(term))));
-        let inner = tangent.first_order(system).map(|(i, row)| (i, Sparse::of(row.as_slice())));
+        let inner = tangent.first_order(system, &self.mode).map(|(i, row)| (i, Sparse::of(row.as_slice())));
         let a = rows.chain(inner).filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
         InMode { a, lambda }
     }

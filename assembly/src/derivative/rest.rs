@@ -3,7 +3,9 @@
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
+use crate::description::SeriesLaw;
 use crate::mode::Contact;
+use crate::system::BranchRows;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative singular value under which nothing acts in a direction.
@@ -70,7 +72,7 @@ pub(super) fn equilibrium(
                 let column = Varied { p, delta, scale: delta };
                 machine.point(column, at).of(&system.stops[i].excess, &tangent.stops[i].excess)
             }
-            Contact::Friction(_) => by.w.dot(&at.z.rows(0, n)),
+            Contact::Friction(_) | Contact::Slider(_) => by.w.dot(&at.z.rows(0, n)),
         };
         known[n + place] = -off * scale / norm;
     }
@@ -82,8 +84,8 @@ pub(super) fn equilibrium(
     Ok(())
 }
 
-/// Takes springs that have relaxed out of the forces, and out of what the column changes in them:
-/// they bear nothing at rest.
+/// Takes springs in series that have relaxed, or whose slider is at its level, out of the forces, and
+/// out of what the column changes in them: they bear nothing at rest, or their level.
 fn take_relaxed(
     machine: &Machine,
     p: usize,
@@ -91,15 +93,42 @@ fn take_relaxed(
     (forces, right): (&mut DMatrix<f64>, &mut DVector<f64>),
 ) {
     for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
+        let level = match level_at_rest(branch, at) {
+            Rest::Elastic => continue,
+            Rest::Relaxed => 0.0,
+            Rest::AtLevel(direction) => direction * by.level.dot(at.z),
+        };
         forces.ger(1.0, &branch.elongation.w, &branch.force, 1.0);
-        right.axpy(by.force.dot(at.z), &branch.elongation.w, 1.0);
+        right.axpy(by.force.dot(at.z) - level, &branch.elongation.w, 1.0);
     }
 }
 
-/// The inner places of relaxed springs follow their elongations.
+/// What a branch is at rest: one with a dashpot has relaxed, a slider has not moved from zero or is
+/// at its level.
+enum Rest {
+    Relaxed,
+    Elastic,
+    AtLevel(f64),
+}
+
+fn level_at_rest(branch: &BranchRows, at: &Instant) -> Rest {
+    match branch.law {
+        SeriesLaw::Dashpot { .. } => Rest::Relaxed,
+        SeriesLaw::Slider { .. } if at.z[branch.place] == 0.0 => Rest::Elastic,
+        SeriesLaw::Slider { .. } => Rest::AtLevel(branch.force.dot(at.z).signum()),
+    }
+}
+
+/// The inner places of these springs follow their elongations.
 fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
     for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
-        delta[branch.place] = branch.elongation.e.dot(delta) + by.elongation.e.dot(at.z);
+        let direction = match level_at_rest(branch, at) {
+            Rest::Elastic => continue,
+            Rest::Relaxed => 0.0,
+            Rest::AtLevel(direction) => direction,
+        };
+        let off = branch.force.dot(delta) + by.force.dot(at.z) - direction * by.level.dot(at.z);
+        delta[branch.place] += off / branch.stiffness;
     }
 }
 
@@ -109,6 +138,7 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
     let (row, own) = match contact {
         Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
         Contact::Friction(i) => (&*system.frictions[i].static_level, &tangent.frictions[i].static_level),
+        Contact::Slider(i) => (&*system.branches[i].force, &tangent.branches[i].force),
     };
     by.w.amax() == 0.0 && row.dot(delta) + own.dot(at.z) == 0.0
 }
@@ -135,6 +165,7 @@ fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact
             let level = machine.system.frictions[i].level.dot(at.z);
             way.abs() <= STILL * size && force(k).0.abs() < (1.0 - STILL) * level
         }
+        Contact::Slider(_) => true,
     };
     let contacts = mode.contacts().filter(|c| keeps(&(0, *c)));
     let limit = |contact| Lost { time: at.time, element: machine.name_of(contact), cause: Cause::Limit };

@@ -239,6 +239,7 @@ impl Tangent {
         match contact {
             Contact::Stop(i) => &self.stops[i].elongation,
             Contact::Friction(i) => &self.frictions[i].elongation,
+            Contact::Slider(i) => &self.branches[i].elongation,
         }
     }
 

@@ -74,7 +74,12 @@ impl Weights {
         };
         let friction =
             FrictionTangent { elongation: e.clone(), level: row.clone(), static_level: row.clone() };
-        let branch = BranchTangent { elongation: e.clone(), force: row.clone(), rate: row.clone() };
+        let branch = BranchTangent {
+            elongation: e.clone(),
+            force: row.clone(),
+            rate: row.clone(),
+            level: row.clone(),
+        };
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {
             mass: DMatrix::zeros(n, n),
@@ -93,6 +98,7 @@ impl Weights {
         match contact {
             Contact::Stop(i) => &mut self.stops[i].elongation,
             Contact::Friction(i) => &mut self.frictions[i].elongation,
+            Contact::Slider(i) => &mut self.branches[i].elongation,
         }
     }
 
@@ -164,6 +170,15 @@ impl Weights {
                 own.add_force(mode, Contact::Friction(i), if up { factor } else { -factor }, z);
                 self.frictions[i].static_level.axpy(-factor, z, 1.0);
             }
+            Watch::Yields(i, up) => {
+                let own = &mut self.branches[i];
+                own.force.axpy(if up { factor } else { -factor }, z, 1.0);
+                own.level.axpy(-factor, z, 1.0);
+            }
+            Watch::Turns(i) => {
+                let factor = -mode.mode.sliders[i].direction() * factor;
+                self.branches[i].elongation.rate.axpy(factor, z, 1.0);
+            }
             Watch::Level(i) => {
                 let off = mode.mode.frictions[i] == FrictionState::Off;
                 self.frictions[i].level.axpy(if off { factor } else { -factor }, z, 1.0);
@@ -195,7 +210,7 @@ impl Weights {
         let by_a = own.by_a();
         let one = system.signals.one;
         self.signals += by_a.rows(one - n, size - one);
-        self.add_first_order(system, &by_a);
+        self.add_first_order(system, &mode.mode, &by_a);
         let own_a = by_a.rows(0, n);
         let mut acceleration = DMatrix::zeros(n, size);
         for k in 0..n {
@@ -262,7 +277,10 @@ impl Weights {
             e(&own.elongation, &by.elongation) + levels
         });
         let branches = self.branches.iter().zip(&tangent.branches).map(|(own, by)| {
-            e(&own.elongation, &by.elongation) + own.force.dot(&by.force) + own.rate.dot(&by.rate)
+            e(&own.elongation, &by.elongation)
+                + own.force.dot(&by.force)
+                + own.rate.dot(&by.rate)
+                + own.level.dot(&by.level)
         });
         let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
         let one = system.signals.one;

@@ -18,4 +18,10 @@ pub enum SeriesLaw {
         /// N s/m or N m s/rad, positive.
         damping: f64,
     },
+    /// A slider (Jenkins' element, elastic-perfectly-plastic): x stands while the force is under
+    /// `slip` in size, and follows e so that it is no more.
+    Slider {
+        /// N or N m, positive.
+        slip: f64,
+    },
 }

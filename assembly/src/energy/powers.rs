@@ -7,7 +7,7 @@ use super::{AtNodes, EIGHT, NODES, SHORT};
 use crate::description::{SeriesLaw, StopLaw};
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
 use crate::kernel::{Sparse, SparseColumns};
-use crate::mode::{FrictionState, Mode, StopState};
+use crate::mode::{FrictionState, Mode, SliderState, StopState};
 use crate::system::{StateRow, System};
 use std::sync::Arc;
 
@@ -110,6 +110,7 @@ enum When {
     Always,
     Stop(usize, StopState),
     Friction(usize, FrictionState),
+    Slider(usize, SliderState),
 }
 
 /// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
@@ -160,8 +161,15 @@ impl Losses {
             }
         }
         for (i, branch) in system.branches.iter().enumerate() {
-            let SeriesLaw::Dashpot { damping } = branch.law;
-            put(When::Always, Account::Branch(i), 1.0 / damping, &branch.force, &branch.force);
+            let (account, force) = (Account::Branch(i), &branch.force);
+            match branch.law {
+                SeriesLaw::Dashpot { damping } => put(When::Always, account, 1.0 / damping, force, force),
+                SeriesLaw::Slider { .. } => {
+                    for state in [SliderState::Up, SliderState::Down] {
+                        put(When::Slider(i, state), account, 1.0, force, &branch.elongation.rate);
+                    }
+                }
+            }
         }
         Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
     }
@@ -172,6 +180,7 @@ impl Losses {
             When::Always => true,
             When::Stop(i, state) => mode.stops[i] == state,
             When::Friction(i, state) => mode.frictions[i] == state,
+            When::Slider(i, state) => mode.sliders[i] == state,
         };
         self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
     }

@@ -144,6 +144,7 @@ impl Writing<'_> {
         let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
         match series.law {
             SeriesLaw::Dashpot { damping } => self.line(text, of, "series_damping", damping),
+            SeriesLaw::Slider { slip } => self.line(text, of, "slip", slip),
         }
         if !self.machine.starts_at_rest {
             self.line(text, of, "slider", series.slider);

@@ -11,13 +11,14 @@ use super::event::Event;
 use super::jump::Parted;
 use super::{Hybrid, Motion, Observer, saved};
 use crate::assembly::Assembly;
+use crate::description::SeriesLaw;
 use crate::energy::{Accounts, Samples};
 use crate::error::Error;
 use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{StateRow, System};
+use crate::system::{BranchRows, StateRow, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -53,11 +54,18 @@ impl Course {
 }
 
 /// Places of the event indicators. A rigid stop has one; a compliant stop has two, of its edge and
-/// of its force; a friction has three, of slipping upwards, of slipping downwards and of its level.
+/// of its force; a friction has three, of slipping upwards, of slipping downwards and of its level; a slider has two,
+/// of slipping upwards and downwards.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
-        self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len()
+        self.first_indicator_of_slider(self.branches.len())
+    }
+
+    fn first_indicator_of_slider(&self, i: usize) -> usize {
+        let slides = |b: &&BranchRows| matches!(b.law, SeriesLaw::Slider { .. });
+        let before = self.branches[..i].iter().filter(slides).count();
+        self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len() + 2 * before
     }
 
     fn first_indicator_of_stop(&self, i: usize) -> usize {
@@ -77,6 +85,8 @@ impl System {
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,
             Watch::Level(i) => friction(i) + 2,
+            Watch::Yields(i, true) | Watch::Turns(i) => self.first_indicator_of_slider(i),
+            Watch::Yields(i, false) => self.first_indicator_of_slider(i) + 1,
         }
     }
 }
@@ -217,7 +227,7 @@ impl Motion {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, then frictions. Each is 1e-11 minus the ratio of its functional
+    /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its functional
     /// to the functional's size. An event occurs where the indicator becomes negative. An indicator
     /// without a watched functional is 1.
     pub fn indicators(&self) -> Vec<f64> {

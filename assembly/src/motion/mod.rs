@@ -231,7 +231,8 @@ impl Motion {
         };
         let stops = system.stops.iter().map(state).collect();
         let frictions = vec![FrictionState::Up; system.frictions.len()];
-        let table = FlowTable::of_mode(system, &Mode { stops, frictions, basis: Vec::new() });
+        let sliders = system.held_sliders();
+        let table = FlowTable::of_mode(system, &Mode { stops, frictions, sliders, basis: Vec::new() });
         let (first, length) = (system.coordinates, table.length);
         let mut added = vec![0.0; system.states() - first];
         table.flight_sizes(sizes.0.as_slice(), length, &mut Vec::new(), &mut added);
@@ -281,7 +282,12 @@ impl Motion {
         for j in system.signals.one..system.signals.constant_size_until() {
             sizes.0[j] = 1.0;
         }
-        let mode = Mode { stops: Vec::new(), frictions: Vec::new(), basis: Vec::new() };
+        let mode = Mode {
+            stops: Vec::new(),
+            frictions: Vec::new(),
+            sliders: system.held_sliders(),
+            basis: Vec::new(),
+        };
         let energy = crate::energy::Accounts::new(system);
         let impacts = vec![StopRecord::default(); system.stops.len()];
         let hybrid = Hybrid {
@@ -305,7 +311,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The augmented state with coordinates and rates `start`.
+    /// The augmented state with coordinates, rates and states of first order `start`; sliders are
+    /// moved to where no force is above its level.
     fn state_with_signals(
         assembly: &Assembly,
         time: DoubleDouble,
@@ -316,6 +323,7 @@ impl Motion {
         let mut z = DVector::zeros(system.signals.size);
         z.as_mut_slice()[..start.len()].copy_from_slice(start);
         system.signals.fill(time, inputs, z.as_mut_slice());
+        system.clamp_sliders(z.as_mut_slice());
         z
     }
 

@@ -129,7 +129,7 @@ impl PassageSearch<'_> {
     #[inline(always)]
     pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
-            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_)
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_)
                 if self.is_unwatched(place) =>
             {
                 f64::INFINITY
@@ -384,8 +384,10 @@ impl PassageSearch<'_> {
         let zero = self.hybrid.sizes.zero_of(&w.row);
         let turns = match w.watch {
             Watch::Meets(_) | Watch::Level(_) => true,
-            Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) => turns_round(begin, c, zero),
-            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) => false,
+            Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) | Watch::Yields(..) => {
+                turns_round(begin, c, zero)
+            }
+            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_) => false,
         };
         let lower = begin - zero;
         // Most functionals are beyond at the end: they have passed.

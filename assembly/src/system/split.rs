@@ -4,7 +4,7 @@
 use super::{Functional, StateRow, System};
 use crate::flow::WatchTable;
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::{FrictionState, Mode, StopState, Watch};
+use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch};
 use std::sync::Arc;
 
 /// The part of the rate that signals may add to it in the norm of (A6).
@@ -34,6 +34,10 @@ pub struct Split {
     watched_stops: Vec<[Vec<Known>; 6]>,
     /// By friction what is watched where it is off, slips upwards and downwards, and sticks.
     watched_frictions: Vec<[Vec<Known>; 4]>,
+    /// By branch what is added to A where its slider slips.
+    sliders: Vec<Term>,
+    /// By branch what is watched where its slider is held, slips upwards and downwards.
+    watched_sliders: Vec<[Vec<Known>; 3]>,
     norm: Norm,
 }
 
@@ -57,6 +61,9 @@ struct Norm {
 /// The states in which a friction's force is its level, in the order of [`Split::frictions`].
 const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
+
+/// The places of the states in [`Split::watched_sliders`].
+const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
 
 /// The places of the states in [`Split::watched_stops`].
 const STATES: [StopState; 6] = [
@@ -120,8 +127,26 @@ impl Split {
         let watched_frictions = (0..system.frictions.len())
             .map(|i| states.map(|state| known(system.watched_of_friction(i, state))))
             .collect();
+        let sliding = |branch: &super::BranchRows| {
+            let by = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
+            Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(by) }
+        };
+        let sliders = system.branches.iter().map(sliding).collect();
+        let watched_sliders = (0..system.branches.len())
+            .map(|i| SLIDERS.map(|state| known(system.watched_of_slider(i, state))))
+            .collect();
         let norm = Norm::new(system, &base, scales, [&stiff, stops.as_flattened(), frictions.as_flattened()]);
-        Self { base, stiff, stops, frictions, watched_stops, watched_frictions, norm }
+        Self {
+            base,
+            stiff,
+            stops,
+            frictions,
+            watched_stops,
+            watched_frictions,
+            sliders,
+            watched_sliders,
+            norm,
+        }
     }
 
     /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
@@ -134,11 +159,14 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them.
+    /// The forces of frictions whose state determines them, and the rates of sliders that slip.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions);
         let place = |state| LEVELS.iter().position(|own| own == state);
-        frictions.filter_map(|(own, state)| place(state).map(|place| own[place].clone())).collect()
+        let frictions = frictions.filter_map(|(own, state)| place(state).map(|place| own[place].clone()));
+        let sliders = self.sliders.iter().zip(&mode.sliders);
+        let slipping = sliders.filter(|(_, state)| **state != SliderState::Held);
+        frictions.chain(slipping.map(|(own, _)| own.clone())).collect()
     }
 
     /// A with forces beside base.
@@ -155,7 +183,9 @@ impl Split {
             FrictionState::Down => &own[2],
             FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => &own[3],
         });
-        stops.chain(frictions).flatten()
+        let sliders = self.watched_sliders.iter().zip(&mode.sliders);
+        let sliders = sliders.map(|(own, state)| &own[SLIDERS.iter().position(|s| s == state).unwrap_or(0)]);
+        stops.chain(frictions).chain(sliders).flatten()
     }
 
     /// A bound of the norm of a mode's A, and by coordinate 1/w (A6).

@@ -37,7 +37,11 @@ impl Orbit {
                 return Err(self.differs(time, "is in another mode"));
             }
             let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
-            if reached != Reached::Event || motion.due() != Some(letter.watch) {
+            // Of functionals that are one, rounding chooses.
+            let row = |watch| leg.flow.watched.iter().find(|own| Some(own.0) == watch).map(|own| &own.1);
+            let is_due = motion.due() == Some(letter.watch)
+                || row(motion.due()).is_some_and(|due| row(Some(letter.watch)) == Some(due));
+            if reached != Reached::Event || !is_due {
                 return Err(self.differs(end, "has another event"));
             }
             largest = largest.max((motion.time() - end).abs());
@@ -203,6 +207,13 @@ fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<E
                 EventKind::Impact { stop, speed, impulse, stops }
             }
             EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
+            EventKind::Yield { slider, direction, .. } => {
+                let force = system.branches[slider].force.at(&z);
+                EventKind::Yield { slider, direction, force }
+            }
+            EventKind::Hold { slider, .. } => {
+                EventKind::Hold { slider, force: system.branches[slider].force.at(&z) }
+            }
             kind => kind,
         };
         events.push(Event { time, kind });

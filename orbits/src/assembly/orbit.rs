@@ -351,7 +351,7 @@ pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
     let (time, mut z) = (leg.time + 0.5 * leg.span, half.as_slice().to_vec());
     let system = place.assembly.system();
     with_signals(system, time, &mut z);
-    keep(system, &leg.flow.mode.basis, &mut z);
+    keep(system, &leg.flow.mode, &mut z);
     (time, z)
 }
 
@@ -398,5 +398,6 @@ pub(super) fn element_of(place: &Place, watch: vibro_assembly::mode::Watch) -> S
     match watch.contact() {
         Contact::Stop(i) => place.assembly.name_of_stop(i),
         Contact::Friction(i) => place.assembly.name_of_friction(i),
+        Contact::Slider(i) => place.assembly.name_of_branch(i),
     }
 }

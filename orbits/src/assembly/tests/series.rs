@@ -78,3 +78,29 @@ fn second_method_an_orbit_on_a_zener_mount_has_a_multiplier_for_its_inner_place(
         check_column(&machine, &orbit, parameter);
     }
 }
+
+/// The same block on a joint of two sliders beside a spring and a damper.
+const JOINT: &str = r#"
+name = "Joint"
+body.b = { mass = 1.0 }
+spring.soft = { between = ["ground", "b"], stiffness = 100.0, damping = 0.8 }
+spring.first = { between = ["ground", "b"], stiffness = 60.0, slip = 1.0 }
+spring.second = { between = ["ground", "b"], stiffness = 40.0, slip = 3.0 }
+load.drive = { on = "b", amplitude = 10.0, frequency = 2.0 }
+"#;
+
+#[test]
+fn second_method_an_orbit_whose_sliders_slip_forgets_their_places() {
+    let machine = machine(JOINT);
+    let orbit = examined(&machine, 4);
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    assert!(words.contains("slip first") && words.contains("stick first"), "{words}");
+    assert_eq!(orbit.stability(), Stability::Stable);
+    // At its level a force has forgotten where its slider was.
+    assert!(orbit.multipliers()[2..].iter().all(|m| m.norm() < ROUNDING), "{:?}", orbit.multipliers());
+    for parameter in
+        ["spring.first.stiffness", "spring.first.slip", "spring.second.slip", "load.drive.amplitude"]
+    {
+        check_column(&machine, &orbit, parameter);
+    }
+}
