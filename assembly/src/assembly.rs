@@ -66,7 +66,7 @@ impl Assembly {
                 self.name_of_stop(i)
             }
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.name_of_friction(i),
-            Watch::Yields(i, _) | Watch::Turns(i) => self.name_of_branch(i),
+            Watch::Yields(i, _) | Watch::Reverses(i) => self.name_of_branch(i),
         }
     }
 

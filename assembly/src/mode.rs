@@ -119,7 +119,7 @@ pub enum Watch {
     /// The force of a branch whose slider is held reaches its level, upwards (true) or downwards.
     Yields(usize, bool),
     /// The rate of a branch whose slider slips reaches zero.
-    Turns(usize),
+    Reverses(usize),
 }
 
 impl Watch {
@@ -130,7 +130,7 @@ impl Watch {
                 Contact::Stop(i)
             }
             Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => Contact::Friction(i),
-            Self::Yields(i, _) | Self::Turns(i) => Contact::Slider(i),
+            Self::Yields(i, _) | Self::Reverses(i) => Contact::Slider(i),
         }
     }
 

@@ -352,7 +352,7 @@ impl Machine {
     /// damping, or of a branch with a slider.
     pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
-            Watch::Yields(..) | Watch::Turns(_) => true,
+            Watch::Yields(..) | Watch::Reverses(_) => true,
             Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
                 self.system.stops[i].force == self.system.stops[i].spring
             }

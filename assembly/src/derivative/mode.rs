@@ -220,7 +220,7 @@ impl VariedMode {
                 let by = &tangent.branches[i];
                 if up { &by.force - &by.level } else { -&by.force - &by.level }
             }
-            Watch::Turns(i) => -self.mode.sliders[i].direction() * &tangent.branches[i].elongation.rate,
+            Watch::Reverses(i) => -self.mode.sliders[i].direction() * &tangent.branches[i].elongation.rate,
             Watch::Level(i) => {
                 let off = self.mode.frictions[i] == crate::mode::FrictionState::Off;
                 if off { tangent.frictions[i].level.clone() } else { -&tangent.frictions[i].level }

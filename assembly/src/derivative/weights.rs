@@ -175,7 +175,7 @@ impl Weights {
                 own.force.axpy(if up { factor } else { -factor }, z, 1.0);
                 own.level.axpy(-factor, z, 1.0);
             }
-            Watch::Turns(i) => {
+            Watch::Reverses(i) => {
                 let factor = -mode.mode.sliders[i].direction() * factor;
                 self.branches[i].elongation.rate.axpy(factor, z, 1.0);
             }

@@ -54,7 +54,7 @@ impl System {
                 (Watch::Yields(i, true), &*branch.force - &level),
                 (Watch::Yields(i, false), -&*branch.force - level),
             ],
-            state => vec![(Watch::Turns(i), -state.direction() * &*branch.elongation.rate)],
+            state => vec![(Watch::Reverses(i), -state.direction() * &*branch.elongation.rate)],
         }
     }
 }

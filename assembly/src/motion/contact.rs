@@ -219,7 +219,7 @@ impl Motion {
                     if edge { flags.edges[i] = true } else { flags.limits[i] = true }
                 }
                 Watch::Yields(i, up) => flags.sliders[i].level = if up { 1.0 } else { -1.0 },
-                Watch::Turns(i) => flags.sliders[i].turns = true,
+                Watch::Reverses(i) => flags.sliders[i].turns = true,
                 Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => {}
             }
         }

@@ -85,7 +85,7 @@ impl System {
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,
             Watch::Level(i) => friction(i) + 2,
-            Watch::Yields(i, true) | Watch::Turns(i) => self.first_indicator_of_slider(i),
+            Watch::Yields(i, true) | Watch::Reverses(i) => self.first_indicator_of_slider(i),
             Watch::Yields(i, false) => self.first_indicator_of_slider(i) + 1,
         }
     }

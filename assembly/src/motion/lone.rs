@@ -89,7 +89,7 @@ impl Motion {
                 let state = if up { SliderState::Up } else { SliderState::Down };
                 [Some(ElementState::Slider(i, state)), None]
             }
-            Watch::Turns(i) => [Some(ElementState::Slider(i, SliderState::Held)), None],
+            Watch::Reverses(i) => [Some(ElementState::Slider(i, SliderState::Held)), None],
             Watch::Meets(_) | Watch::Level(_) | Watch::Stops(_) | Watch::Slips(..) => [None, None],
         }
     }

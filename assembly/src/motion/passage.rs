@@ -129,7 +129,7 @@ impl PassageSearch<'_> {
     #[inline(always)]
     pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
-            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_)
+            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Reverses(_)
                 if self.is_unwatched(place) =>
             {
                 f64::INFINITY
@@ -387,7 +387,7 @@ impl PassageSearch<'_> {
             Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) | Watch::Yields(..) => {
                 turns_round(begin, c, zero)
             }
-            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_) => false,
+            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Reverses(_) => false,
         };
         let lower = begin - zero;
         // Most functionals are beyond at the end: they have passed.

@@ -35,7 +35,7 @@ impl Hybrid {
                 i < stops
             }
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => i < frictions,
-            Watch::Yields(i, _) | Watch::Turns(i) => is_slider(i),
+            Watch::Yields(i, _) | Watch::Reverses(i) => is_slider(i),
         };
         let there = |contact: &Contact| match *contact {
             Contact::Stop(i) => self.mode.stops.get(i) == Some(&StopState::Closed),
