@@ -22,7 +22,7 @@ impl Plan {
         let types = declared().map(Declared::declared_type).chain(units::enumerations(rebounds)).collect();
         let structure = Structure::new(self);
         let outputs = of_roles(self, &[Role::Output, Role::Discrete]);
-        let derivatives: Vec<_> = self.states(1).chain(self.states(2)).collect();
+        let derivatives: Vec<_> = self.rates().collect();
         Description {
             model_name: machine.name.clone().into(),
             model_identifier: machine.name.clone().into(),
@@ -80,31 +80,29 @@ impl Plan {
         let machine = &self.assembly.description;
         let bodies = machine.bodies.len();
         let bodies = if bodies == 1 { "one body".to_owned() } else { format!("{bodies} bodies") };
-        format!("{}, a machine of {bodies} with {} states", machine.name, 2 * self.assembly.states().len())
+        format!("{}, a machine of {bodies} with {} states", machine.name, self.nominals.len())
     }
 
-    /// The states' coordinates (`order` 0), rates (1) or accelerations (2), with value references.
-    fn states(&self, order: usize) -> impl Iterator<Item = (u32, Quantity)> {
-        let quantities = self.assembly.states().iter().map(move |&body| Quantity::of_body(body, order));
+    /// The derivatives of the continuous states, with value references.
+    fn rates(&self) -> impl Iterator<Item = (u32, Quantity)> {
+        let quantities = self.states.iter().map(|[_, rate]| Quantity::Column(*rate));
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// Adds the attributes of continuous states to the variable of a body's quantity: whether the
-    /// variable may be reinitialized, the state whose derivative it is, and the nominal value.
-    fn in_exchange(&self, row: &VariableRow, variable: Variable) -> Variable {
-        let Some((body, order)) = row.quantity.as_body() else { return variable };
-        let states = self.assembly.states();
-        let Some(place) = states.iter().position(|&state| state == body) else { return variable };
-        let mut variable = match order {
-            0 => variable.reinitialized(),
-            _ => match self.table.reference_of(Quantity::of_body(body, order - 1)) {
-                Some(state) if order == 1 => variable.derivative_of(state).reinitialized(),
-                Some(state) => variable.derivative_of(state),
-                None => variable,
-            },
-        };
-        if let (Kind::Real { nominal, .. }, true) = (&mut variable.kind, order < 2) {
-            *nominal = self.nominals.get(order * states.len() + place).copied();
+    /// Adds the attributes of continuous states to the variable of a quantity: whether the variable
+    /// may be reinitialized, the state whose derivative it is, and the nominal value.
+    fn in_exchange(&self, quantity: vibro_assembly::Quantity, mut variable: Variable) -> Variable {
+        let all = &self.states;
+        if let Some([state, _]) = all.iter().find(|[_, rate]| *rate == quantity)
+            && let Some(state) = self.table.reference_of(Quantity::Column(*state))
+        {
+            variable = variable.derivative_of(state);
+        }
+        if let Some(place) = all.iter().position(|[state, _]| *state == quantity) {
+            variable = variable.reinitialized();
+            if let Kind::Real { nominal, .. } = &mut variable.kind {
+                *nominal = self.nominals.get(place).copied();
+            }
         }
         variable
     }
@@ -148,7 +146,7 @@ impl Plan {
                 }
             }
             (_, Base::Integer) => real.counting(),
-            _ if row.quantity.as_body().is_some() => self.in_exchange(row, real),
+            (Quantity::Column(quantity), _) => self.in_exchange(quantity, real),
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
             _ => real,
         }

@@ -158,6 +158,7 @@ impl Machine {
             (Some(shown), Quantity::Impulse(i)) => shown.stops[i].2,
             (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
             (Some(shown), Quantity::Line(i)) => shown.lines[i],
+            (Some(shown), Quantity::SliderState(i)) => shown.sliders[i],
             _ => moving.value(quantity),
         }
     }
@@ -201,9 +202,8 @@ impl Machine {
 
     /// The place of a quantity among the states of a host's solver, if it is one.
     fn state_of(&self, quantity: Quantity) -> Option<usize> {
-        let (body, order) = quantity.as_body().filter(|(_, order)| *order < 2)?;
-        let bodies = self.plan.assembly.states();
-        Some(order * bodies.len() + bodies.iter().position(|&state| state == body)?)
+        let Quantity::Column(quantity) = quantity else { return None };
+        self.plan.states.iter().position(|[state, _]| *state == quantity)
     }
 
     /// Takes a value over that was checked.

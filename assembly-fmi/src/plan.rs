@@ -27,6 +27,8 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
+    /// The continuous states with their rates, in order.
+    pub(crate) states: Vec<[vibro_assembly::Quantity; 2]>,
     /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2, 2.4.8).
     pub(crate) knows_parameters: bool,
     token: String,
@@ -44,8 +46,8 @@ impl Plan {
         let assembly = Arc::new(Assembly::new(machine)?);
         let token = token(&text);
         let table = VariableTable::new(&assembly.description);
-        let nominals = assembly.nominals();
-        Ok(Self { table, assembly, nominals, knows_parameters: true, token, text })
+        let (nominals, states) = (assembly.nominals(), assembly.state_quantities());
+        Ok(Self { table, assembly, nominals, states, knows_parameters: true, token, text })
     }
 
     /// The plan of a description, written as a file with its records included.
@@ -61,7 +63,7 @@ impl Plan {
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
-        self.table.add_matrices(2 * self.assembly.states().len());
+        self.table.add_matrices(self.nominals.len());
         self
     }
 

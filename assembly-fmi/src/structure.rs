@@ -10,7 +10,7 @@ mod initial;
 mod knowns;
 
 use crate::plan::Plan;
-use crate::table::{Energy, Quantity, Role};
+use crate::table::{Energy, Quantity, Role, slides};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
@@ -99,7 +99,7 @@ impl<'a> Structure<'a> {
     /// Adds the parameters of a section except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
-        all.filter(|(_, rest)| !rest.starts_with(".start."))
+        all.filter(|(_, rest)| !rest.starts_with(".start.") && *rest != ".slider")
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
@@ -220,7 +220,34 @@ impl<'a> Structure<'a> {
         // The force of a damper does not depend on its elongation.
         let first = usize::from(matches!(element, Element::Damper(_)));
         (first..2).for_each(|order| self.elongation(element, order, &mut own));
+        self.slider(element, &mut own);
         join(&mut knowns, &own, times);
+        self.of_section(&element.dotted(), &mut knowns);
+        knowns
+    }
+
+    /// Adds the inner place of a spring in series.
+    fn slider(&self, element: Element, knowns: &mut Knowns) {
+        let place = self.elements.iter().position(|own| *own == element);
+        if let (Some(i), true) = (place, element.series().is_some()) {
+            put(knowns, self.references[&slider_of(i)], Constant);
+        }
+    }
+
+    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a slider
+    /// those of e', which it follows where it slips.
+    fn slider_rate(&self, element: Element) -> Knowns {
+        let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+        if slides(&element.series().copied()) {
+            self.elongation(element, 1, &mut own);
+            join(&mut knowns, &own, Discrete);
+            // They decide whether it slips.
+            self.of_section(&element.dotted(), &mut knowns);
+            return knowns;
+        }
+        self.elongation(element, 0, &mut own);
+        self.slider(element, &mut own);
+        join(&mut knowns, &own, Tunable);
         self.of_section(&element.dotted(), &mut knowns);
         knowns
     }
@@ -272,6 +299,11 @@ impl<'a> Structure<'a> {
                 (0..2).for_each(|k| join(&mut knowns, &self.of_element(self.elements[i], k), Dependent));
                 self.of_section(&self.elements[i].dotted(), &mut knowns);
             }
+            Quantity::SliderState(i) => {
+                let spring = self.nth(|element| element.series().is_some(), i);
+                let all = spring.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
+            }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
             Quantity::Indicator(place) => self.indicator(place, &mut knowns),
             Quantity::Time
@@ -293,6 +325,12 @@ impl<'a> Structure<'a> {
             (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
             (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
             (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
+            (Owner::Element(i), What::Slider) => {
+                let mut knowns = Knowns::new();
+                self.slider(self.elements[i], &mut knowns);
+                knowns
+            }
+            (Owner::Element(i), What::SliderRate) => self.slider_rate(self.elements[i]),
             (Owner::Element(i), _) => self.of_element(self.elements[i], 2),
         }
     }
@@ -311,16 +349,18 @@ impl<'a> Structure<'a> {
                         matches!(e.action(), Action::Linear | Action::Switching | Action::Hitting)
                     };
                     for &element in self.elements.iter().filter(stores) {
-                        join(knowns, &self.of_element(element, 0), Dependent);
+                        let mut own = self.of_element(element, 0);
+                        self.slider(element, &mut own);
+                        join(knowns, &own, Dependent);
                         self.of_section(&element.dotted(), knowns);
                     }
                 }
             }
             // The accounts depend on the whole motion.
             Energy::Work | Energy::Lost | Energy::Residual => {
-                let states = self.plan.assembly.states().iter();
-                let states = states.flat_map(|&body| [0, 1].map(|order| Quantity::of_body(body, order)));
-                states.for_each(|state| put(knowns, self.references[&state], Dependent));
+                for [state, _] in &self.plan.states {
+                    put(knowns, self.references[&Quantity::Column(*state)], Dependent);
+                }
                 self.anything_set(knowns);
                 put(knowns, self.references[&Quantity::Time], Dependent);
             }
@@ -342,6 +382,7 @@ impl<'a> Structure<'a> {
                 Action::Hitting => (1, 0),
                 Action::Switching => (2, 0),
                 Action::Rubbing => (3, 1),
+                Action::Linear if slides(&element.series().copied()) => (2, 0),
                 Action::Linear | Action::Tying | Action::Driving => (0, 0),
             };
             vec![(*element, first); count]
@@ -351,15 +392,24 @@ impl<'a> Structure<'a> {
             Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
             _ => Vec::new(),
         });
+        // Those of sliders stand last.
+        let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
         let rubs = |element: &&Element| element.action() == Action::Rubbing;
-        let stops = self.elements.iter().filter(|element| !rubs(element)).flat_map(of_element);
-        let mut all = stops.chain(corners).chain(self.elements.iter().filter(rubs).flat_map(of_element));
-        if let Some((element, first)) = all.nth(place) {
+        let all = self.elements.iter();
+        let stops = all.clone().filter(|own| !rubs(own) && !is_spring(own)).flat_map(of_element);
+        let frictions = all.clone().filter(|own| rubs(own) && !is_spring(own)).flat_map(of_element);
+        let sliders = all.filter(is_spring).flat_map(of_element);
+        if let Some((element, first)) = stops.chain(corners).chain(frictions).chain(sliders).nth(place) {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }
         self.anything_set(knowns);
     }
+}
+
+/// The inner place of an element, by its index.
+fn slider_of(i: usize) -> Quantity {
+    Quantity::Column(vibro_assembly::Quantity::of_element(i, What::Slider))
 }
 
 /// The variables of some roles, in the table's order.

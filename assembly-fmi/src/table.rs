@@ -6,18 +6,19 @@
 //! | dotted names of the file, such as `stop.upper.gap` | parameter |
 //! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
-//! | `STOP.state`, `FRICTION.state` (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
+//! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
+//! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
 //! | `SPRING.line` of springs by points | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
 //! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
-//! | `SPRING.indicator.points[1]` of its corners | local |
+//! | `SPRING.indicator.points[1]` of its corners; `SPRING.indicator.up`, `.down` of sliders | local |
 //!
 //! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
 //! variables share a name.
 
 use fmi_doors::{Base, Bases, Problem};
-use vibro_assembly::description::{Dimension, Stop, StopLaw};
+use vibro_assembly::description::{Dimension, Series, SeriesLaw, Stop, StopLaw};
 use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
@@ -42,6 +43,8 @@ pub enum Quantity {
     FrictionState(usize),
     /// The number of corners that a spring has passed, by its place among the springs.
     Line(usize),
+    /// The state of a slider in series with a spring, by the spring's place among those in series.
+    SliderState(usize),
     /// A part of the energy balance.
     Energy(Energy),
     /// An event indicator, by its index.
@@ -183,7 +186,9 @@ impl VariableTable {
     fn push(&mut self, name: String, meaning: &str, unit: &'static str, role: Role, quantity: Quantity) {
         let base = match quantity {
             Quantity::Impacts(_) | Quantity::Line(_) => Base::Integer,
-            Quantity::StopState(_) | Quantity::FrictionState(_) => Base::Enumeration,
+            Quantity::StopState(_) | Quantity::FrictionState(_) | Quantity::SliderState(_) => {
+                Base::Enumeration
+            }
             _ => Base::Real,
         };
         self.rows.push(VariableRow {
@@ -208,7 +213,7 @@ impl VariableTable {
             }
         };
         (0..machine.bodies.len()).for_each(|i| push_those_of(self, Owner::Body(i)));
-        let (mut stops, mut frictions) = (0, 0);
+        let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
             match element {
@@ -225,6 +230,19 @@ impl VariableTable {
                     let (name, state) = (&friction.name, Quantity::FrictionState(frictions));
                     self.push(format!("{name}.state"), "State of the friction", "1", Role::Discrete, state);
                     frictions += 1;
+                }
+                Element::Spring(spring) if spring.series.is_some() => {
+                    let what = What::SliderRate;
+                    let name = format!("{}.{}", spring.name, what.word());
+                    let unit = what.unit(spring.arms.dimension);
+                    let quantity = vibro_assembly::Quantity::of_element(i, what);
+                    let meaning = vibro_assembly::quantity::meaning(what, Some(element));
+                    self.push(name, meaning, unit, Role::Output, Quantity::Column(quantity));
+                    if slides(&spring.series) {
+                        let (name, state) = (&spring.name, Quantity::SliderState(sliders));
+                        self.push(format!("{name}.state"), "State of the slider", "1", Role::Discrete, state);
+                    }
+                    sliders += 1;
                 }
                 _ => {}
             }
@@ -287,11 +305,16 @@ impl VariableTable {
             push(format!("{name}.down"), "Negative where slipping begins downwards");
             push(format!("{name}.level"), "Negative where friction begins or ceases to act");
         }
+        for spring in machine.springs.iter().filter(|spring| slides(&spring.series)) {
+            let name = format!("{}.indicator", spring.name);
+            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
+            push(format!("{name}.down"), "Negative where slipping begins downwards");
+        }
     }
 
     /// Adds the matrices of derivatives over a step, for a machine with so many states.
     pub(crate) fn add_matrices(&mut self, states: usize) {
-        const ROWS: &str = "Derivatives of the states (coordinates, then rates, in the order of the model structure) at the end of the \
+        const ROWS: &str = "Derivatives of the states (coordinates, rates, inner places, in the order of the model structure) at the end of the \
                             last step";
         let inputs = 4 * self.inputs.len();
         let tunable = self.tunable().count();
@@ -346,11 +369,22 @@ impl VariableTable {
     }
 }
 
+/// Whether a spring's partner is a slider.
+pub(crate) fn slides(series: &Option<Series>) -> bool {
+    series.is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. }))
+}
+
+/// Whether a number is a start value: of a body, or the inner place of a spring in series.
+pub(crate) fn is_start(name: &str) -> bool {
+    let is_slider = name.starts_with("spring.") && name.ends_with(".slider");
+    name.contains(".start.") || (is_slider && !name.contains(".arms."))
+}
+
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
 /// arm, on which the choice of coordinates depends, nor a frequency whose phase, which goes on from
 /// where it is, follows from a named parameter. A named one where all that follows may be.
 fn is_tunable(machine: &Description, name: &str) -> bool {
-    let is_free = |name: &str| !name.contains(".start.") && !name.contains(".arms.");
+    let is_free = |name: &str| !is_start(name) && !name.contains(".arms.");
     let phase = name.strip_suffix(".frequency").map(|of| format!("{of}.phase"));
     let follows = machine.named.numbers_of(name);
     is_free(name)

@@ -3,7 +3,7 @@
 use crate::table::NO_UNIT;
 use fmi_doors::description::{Item, Type, TypeKind, Unit};
 use std::f64::consts::{PI, TAU};
-use vibro_assembly::mode::{FrictionState, StopState};
+use vibro_assembly::mode::{FrictionState, SliderState, StopState};
 
 /// A unit and its declared type.
 pub(crate) struct Declared {
@@ -135,6 +135,15 @@ pub(crate) fn friction_state(state: FrictionState) -> f64 {
     }
 }
 
+/// The enumeration value of a slider's state, among those of frictions.
+pub(crate) fn slider_state(state: SliderState) -> f64 {
+    match state {
+        SliderState::Up => 2.0,
+        SliderState::Down => 3.0,
+        SliderState::Held => 4.0,
+    }
+}
+
 /// Type name of the states of stops.
 pub(crate) const STOP_STATE: &str = "StopState";
 /// Type name of the states of frictions.
@@ -155,7 +164,7 @@ pub(crate) fn enumerations(rebounds: bool) -> [Type; 2] {
         Type { name: STOP_STATE.into(), description: "State of a stop".into(), kind: items(states) },
         Type {
             name: FRICTION_STATE.into(),
-            description: "State of a friction".into(),
+            description: "State of a friction or a slider".into(),
             kind: items(&FRICTION_STATES),
         },
     ]

@@ -15,6 +15,7 @@ fn plans() -> Vec<Plan> {
     let mut plans: Vec<_> = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap()).collect();
     plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
     plans.push(Plan::new(include_str!("../../assembly/tests/data/laws.toml").into(), "laws.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/joint.toml").into(), "joint.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }
@@ -223,20 +224,16 @@ fn closed_form_units_have_the_exponents_that_their_names_say() {
 #[test]
 fn invariant_states_are_described_with_their_nominals_and_derivatives() {
     for plan in plans() {
-        let (states, nominals) = (plan.assembly.states(), &plan.nominals);
+        let (states, nominals) = (plan.assembly.state_quantities(), &plan.nominals);
         for variable in plan.description().variables {
             let quantity = plan.table.rows[variable.reference as usize - 1].quantity;
             let Kind::Real { nominal, derivative_of, reinit, .. } = variable.kind else { continue };
-            let Some((body, order)) = quantity.as_body() else {
-                assert_eq!((nominal, derivative_of, reinit), (None, None, false), "{}", variable.name);
-                continue;
-            };
-            let place = states.iter().position(|&state| state == body);
-            let expected = place.filter(|_| order < 2).map(|k| nominals[order * states.len() + k]);
+            let place = |which: usize| states.iter().position(|own| quantity == Quantity::Column(own[which]));
+            let expected = place(0).map(|k| nominals[k]);
             assert_eq!(nominal, expected, "{} {}", plan.name(), variable.name);
             assert_eq!(reinit, expected.is_some());
-            let below = place.filter(|_| order > 0).map(|_| variable.reference - 1);
-            assert_eq!(derivative_of, below, "{}", variable.name);
+            // A rate follows its state in the list.
+            assert_eq!(derivative_of, place(1).map(|_| variable.reference - 1), "{}", variable.name);
         }
     }
 }
@@ -252,7 +249,7 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
             let follows = plan.assembly.description.named.numbers_of(&row.name);
-            let fixed = [".start.", ".arms."]
+            let fixed = [".start.", ".arms.", ".slider"]
                 .iter()
                 .any(|part| row.name.contains(part) || follows.iter().any(|name| name.contains(part)));
             let tunable = !fixed && !follows.iter().any(|name| name.ends_with(".frequency"));

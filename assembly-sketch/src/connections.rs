@@ -1,6 +1,6 @@
 //! Elements as connections between bodies, with the symbol of each.
 
-use vibro_assembly::description::{Arms, StopLaw};
+use vibro_assembly::description::{Arms, SeriesLaw, Spring, StopLaw};
 use vibro_assembly::{Description, Element};
 
 /// The symbol of an element.
@@ -8,6 +8,8 @@ use vibro_assembly::{Description, Element};
 pub(crate) enum Symbol {
     /// A zigzag, a dashpot, or both in parallel.
     Spring { zigzag: bool, dashpot: bool },
+    /// A zigzag in series with a dashpot or a slider, and where `dashpot` one in parallel to both.
+    Series { slides: bool, dashpot: bool },
     /// Two plates with a gap; a zigzag behind one of them if it is compliant.
     Stop { compliant: bool },
     /// Two bars in sliding contact.
@@ -58,6 +60,10 @@ fn number(x: f64) -> String {
 /// Connections of all elements except loads.
 pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
     let symbol = |element: Element| match element {
+        Element::Spring(Spring { damping, series: Some(series), .. }) => {
+            let slides = matches!(series.law, SeriesLaw::Slider { .. });
+            Symbol::Series { slides, dashpot: *damping > 0.0 }
+        }
         Element::Spring(spring) => {
             let dashpot = spring.damping > 0.0;
             let acts = spring.stiffness > 0.0 || !spring.points.is_empty();

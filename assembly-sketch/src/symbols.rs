@@ -145,7 +145,10 @@ impl Hand<'_> {
         let name = y - 0.5 * height_of(placed.symbol) - 0.42 * NAME;
         self.write((middle, name), &placed.name, FONT, Along::Middle);
         match placed.symbol {
-            Some(Symbol::Spring { zigzag: true, dashpot: true }) => {
+            Some(
+                symbol @ (Symbol::Spring { zigzag: true, dashpot: true }
+                | Symbol::Series { dashpot: true, .. }),
+            ) => {
                 let (upper, lower) = (y - 34.0, y + 34.0);
                 let [left, right] = [0, 1].map(|end| 26.0 + room_of(placed.arms[end].as_deref()));
                 let ends = (from + left, to - right);
@@ -153,19 +156,18 @@ impl Hand<'_> {
                 self.line(vec![(ends.1, y), (to, y)]);
                 self.line(vec![(ends.0, upper), (ends.0, lower)]);
                 self.line(vec![(ends.1, upper), (ends.1, lower)]);
-                self.zigzag(ends.0, ends.1, upper);
+                match symbol {
+                    Symbol::Series { slides, .. } => self.series(ends.0, ends.1, upper, slides),
+                    _ => self.zigzag(ends.0, ends.1, upper),
+                }
                 self.dashpot(ends.0, ends.1, lower);
             }
+            Some(Symbol::Series { slides, .. }) => self.series(from, to, y, slides),
             Some(Symbol::Spring { zigzag: true, .. }) => self.zigzag(from, to, y),
             Some(Symbol::Spring { .. }) => self.dashpot(from, to, y),
             Some(Symbol::Stop { compliant }) if faces => self.plates(from, to, y, compliant),
             Some(Symbol::Stop { compliant }) => self.clasp(from, to, y, compliant),
-            Some(Symbol::Friction) => {
-                self.line(vec![(from, y), (middle - 60.0, y), (middle - 60.0, y - 9.0)]);
-                self.thick(vec![(middle - 62.0, y - 9.0), (middle + 44.0, y - 9.0)]);
-                self.thick(vec![(middle - 44.0, y + 9.0), (middle + 62.0, y + 9.0)]);
-                self.line(vec![(middle + 60.0, y + 9.0), (middle + 60.0, y), (to, y)]);
-            }
+            Some(Symbol::Friction) => self.bars(from, to, y, 60.0),
             Some(Symbol::Link) => {
                 self.thick(vec![(from, y), (to, y)]);
                 let (ends, radius) = (self.scaled(&[(from, y), (to, y)]), 2.2 * self.scale * self.width());
@@ -198,6 +200,22 @@ impl Hand<'_> {
         points.extend((0..teeth).map(tooth));
         points.extend([(last, y), (to, y)]);
         self.line(points);
+    }
+
+    /// A short zigzag, and a dashpot or a slider behind it.
+    fn series(&mut self, from: f64, to: f64, y: f64, slides: bool) {
+        let middle = 0.5 * (from + to);
+        self.coil(from, middle, y, 3);
+        if slides { self.bars(middle, to, y, 40.0) } else { self.dashpot(middle, to, y) }
+    }
+
+    /// Two bars in sliding contact, each to `half` beyond the middle.
+    fn bars(&mut self, from: f64, to: f64, y: f64, half: f64) {
+        let middle = 0.5 * (from + to);
+        self.line(vec![(from, y), (middle - half, y), (middle - half, y - 9.0)]);
+        self.thick(vec![(middle - half - 2.0, y - 9.0), (middle + half - 16.0, y - 9.0)]);
+        self.thick(vec![(middle - half + 16.0, y + 9.0), (middle + half + 2.0, y + 9.0)]);
+        self.line(vec![(middle + half, y + 9.0), (middle + half, y), (to, y)]);
     }
 
     /// The zigzag of a compliant stop behind its plate.

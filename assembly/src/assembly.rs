@@ -3,12 +3,11 @@
 use crate::description::{Body, BodyKind, Description};
 use crate::elements::Element;
 use crate::error::Error;
-use crate::mode::Watch;
+use crate::mode::{Contact, Watch};
+use crate::quantity::{Quantity, What};
 use crate::rates;
 use crate::rest::equilibrium;
-use crate::system::{Part, System};
-use nalgebra::DVector;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use crate::system::{Part, System, in_series};
 
 /// A checked machine with its matrices.
 #[derive(Clone, Debug)]
@@ -18,6 +17,8 @@ pub struct Assembly {
     pub(crate) system: System,
     /// Coordinate and rate of each body at time 0; 0 for prescribed bodies.
     pub(crate) starts: Vec<(f64, f64)>,
+    /// States of first order at time 0.
+    pub(crate) inner: Vec<f64>,
 }
 
 impl Assembly {
@@ -32,11 +33,13 @@ impl Assembly {
         rates::check(&description, &system)?;
         let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
         let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
+        let mut inner: Vec<f64> = in_series(&description).map(|(_, series)| series.slider).collect();
         if description.starts_at_rest {
             let rest = equilibrium(&description, &system)?;
             system.bodies_of.iter().zip(rest.iter()).for_each(|(&body, &s)| starts[body] = (s, 0.0));
+            inner = system.inner_at_rest(&rest);
         }
-        Ok(Self { description, system, starts })
+        Ok(Self { description, system, starts, inner })
     }
 
     /// The bodies' coordinates in static equilibrium under the signals of time 0, m or rad.
@@ -45,13 +48,7 @@ impl Assembly {
     /// [`Error::NoEquilibrium`], [`Error::GivesWay`].
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
-        let mut z = DVector::zeros(system.signals.size);
-        system.signals.fill(
-            DoubleDouble::default(),
-            &vec![(0.0, [0.0; 4]); system.signals.inputs],
-            z.as_mut_slice(),
-        );
-        z.rows_mut(0, system.coordinates).copy_from(&q);
+        let z = system.at_rest(Some(&q));
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }
 
@@ -73,6 +70,37 @@ impl Assembly {
             | Watch::Leaves(i)
             | Watch::Turns(i) => self.name_of_stop(i),
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => self.name_of_friction(i),
+            Watch::Yields(i, _) | Watch::Reverses(i) => self.name_of_branch(i),
+        }
+    }
+
+    /// The continuous states and their rates as quantities, in the order of the augmented state: places
+    /// of bodies, then their rates, then states of first order.
+    pub fn state_quantities(&self) -> Vec<[Quantity; 2]> {
+        let system = &self.system;
+        let of_bodies = |whats: [What; 2]| {
+            system.bodies_of.iter().map(move |&body| whats.map(|what| Quantity::of_body(body, what)))
+        };
+        let sliders = (0..system.branches.len()).map(|i| {
+            let element = system.element_of(Part::Branch(i));
+            [What::Slider, What::SliderRate].map(|what| Quantity::of_element(element, what))
+        });
+        of_bodies([What::S, What::V]).chain(of_bodies([What::V, What::A])).chain(sliders).collect()
+    }
+
+    /// Name of the state at a place of the augmented state: `body.NAME.s`, `body.NAME.v`,
+    /// `spring.NAME.slider`.
+    pub(crate) fn name_of_state(&self, place: usize) -> String {
+        let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
+        let body = |k: usize| &self.description.bodies[own(k)].name;
+        match place {
+            _ if place < n => format!("body.{}.s", body(place)),
+            _ if place < 2 * n => format!("body.{}.v", body(place - n)),
+            _ => {
+                let branch = self.system.branches.iter().position(|own| own.place == place);
+                let element = self.name_of_part(Part::Branch(branch.unwrap_or_default()));
+                format!("{element}.slider")
+            }
         }
     }
 
@@ -84,6 +112,20 @@ impl Assembly {
     /// Dotted name of the element that has a friction, by the friction's place.
     pub fn name_of_friction(&self, i: usize) -> String {
         self.name_of_part(Part::Friction(i))
+    }
+
+    /// Dotted name of the element that has a branch, by the branch's place.
+    pub fn name_of_branch(&self, i: usize) -> String {
+        self.name_of_part(Part::Branch(i))
+    }
+
+    /// Dotted name of the element of a contact or a slider.
+    pub fn name_of_contact(&self, contact: Contact) -> String {
+        match contact {
+            Contact::Stop(i) => self.name_of_stop(i),
+            Contact::Friction(i) => self.name_of_friction(i),
+            Contact::Slider(i) => self.name_of_branch(i),
+        }
     }
 
     fn name_of_part(&self, part: Part) -> String {

@@ -69,6 +69,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     machine.springs.iter().for_each(|spring| check_points(spring, &mut problems));
     machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
     loads(machine, &mut problems);
+    series(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
     }
@@ -181,6 +182,14 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
             }
             Some(_) => {}
         }
+    }
+}
+
+/// Problems of springs in series: their inner place at time 0 says what a preload would.
+fn series(machine: &Description, problems: &mut Vec<Problem>) {
+    for spring in machine.springs.iter().filter(|own| own.series.is_some() && own.preload != 0.0) {
+        let text = "allowed is 0 of a spring in series";
+        problems.push(refused(format!("spring.{}.preload", spring.name), spring.preload, text));
     }
 }
 

@@ -10,6 +10,7 @@
 
 mod adjoint;
 mod bodies;
+mod branches;
 mod by;
 mod columns;
 mod crossing;

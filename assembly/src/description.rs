@@ -5,7 +5,10 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
+mod series;
+
 use crate::named::NamedParameters;
+pub use series::{Series, SeriesLaw};
 
 /// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,7 +109,8 @@ impl Arms {
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
 /// e: it acts on a body by -arm · f. One with [`points`](Self::points) has straight lines through
-/// them instead of preload + stiffness · e.
+/// them instead of preload + stiffness · e; one with a partner in [`series`](Self::series) has
+/// f = stiffness · (e - x) + damping · e', where x is its inner place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -117,11 +121,13 @@ pub struct Spring {
     pub stiffness: f64,
     /// N s/m or N m s/rad, not negative.
     pub damping: f64,
-    /// The force at e = 0, N or N m.
+    /// The force at e = 0, N or N m; 0 beside `series`.
     pub preload: f64,
     /// Points of the force without its dashpot: none, or two or more at rising e. Beyond the first
     /// and the last one the line goes on. Beside them stiffness and preload are 0.
     pub points: Vec<ForcePoint>,
+    /// What it is in series with; `None` for an ordinary spring.
+    pub series: Option<Series>,
 }
 
 /// A point of a spring's force.

@@ -5,7 +5,8 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+    Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Series, Signal, Spring, Stop,
+    StopLaw,
 };
 
 /// An element of a machine.
@@ -115,6 +116,11 @@ impl<'a> Element<'a> {
             Self::Link(_) => Action::Tying,
             Self::Load(_) => Action::Driving,
         }
+    }
+
+    /// What a spring is in series with.
+    pub fn series(self) -> Option<&'a Series> {
+        if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
     /// Its signals, each with the key that follows its dotted name, empty for the only signal.

@@ -32,6 +32,8 @@ pub struct Accounts {
     pub stops: Vec<DoubleDouble>,
     /// Loss in each friction.
     pub frictions: Vec<DoubleDouble>,
+    /// Loss in the partner of each spring in series.
+    pub branches: Vec<DoubleDouble>,
     /// Loss at impacts.
     pub impacts: DoubleDouble,
 }
@@ -47,6 +49,7 @@ impl Accounts {
             dashpots: zero(system.springs.len()),
             stops: zero(system.stops.len()),
             frictions: zero(system.frictions.len()),
+            branches: zero(system.branches.len()),
             impacts: DoubleDouble::default(),
         }
     }
@@ -64,13 +67,19 @@ impl Accounts {
         let dashpots = self.dashpots.iter().fold(put_in, minus);
         let stops = self.stops.iter().fold(dashpots, minus);
         let frictions = self.frictions.iter().fold(stops, minus);
-        frictions.minus(self.impacts).value()
+        let branches = self.branches.iter().fold(frictions, minus);
+        branches.minus(self.impacts).value()
     }
 
     /// Adds an impact's loss, and the work of prescribed motions in it.
     pub fn impact(&mut self, lost: f64, work: f64) {
         self.impacts = self.impacts.plus(lost);
         self.motions = self.motions.plus(work);
+    }
+
+    /// Adds the loss of a slider that is moved at once.
+    pub(crate) fn slide(&mut self, i: usize, lost: f64) {
+        self.branches[i] = self.branches[i].plus(lost);
     }
 
     /// Adds the work and losses over an interval of length `dt` in a mode with these powers.
@@ -96,6 +105,7 @@ impl Accounts {
             Account::Dashpot(i) => &mut self.dashpots[i],
             Account::Stop(i) => &mut self.stops[i],
             Account::Friction(i) => &mut self.frictions[i],
+            Account::Branch(i) => &mut self.branches[i],
         };
         *sum = sum.plus(work);
     }
@@ -108,7 +118,7 @@ impl Accounts {
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
 /// of ½ k max(0, e - gap)² over compliant stops and corners of springs, less what it is at e = 0,
-/// and the potential energy of weight.
+/// of ½ b²/k over springs in series, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {
@@ -119,6 +129,10 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     for spring in &system.springs {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
+    }
+    for branch in &system.branches {
+        let force = branch.force.dot(z);
+        stored += 0.5 * force * force / branch.stiffness;
     }
     let (stops, corners) = system.stops.split_at(system.first_corner);
     for stop in stops {

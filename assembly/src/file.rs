@@ -32,6 +32,7 @@ mod named;
 mod points;
 mod reading;
 mod records;
+mod series;
 mod signals;
 mod start;
 mod write;

@@ -79,7 +79,9 @@ pub struct FlowTable {
     sizes: Option<SparseMatrix>,
     /// The sizes of what contacts leave of the velocities, where there are such.
     loose: Option<SparseMatrix>,
-    /// Number of coordinates and velocities, which precede the signals.
+    /// Number of coordinates, which precede their velocities.
+    coordinates: usize,
+    /// Number of states, which precede the signals: coordinates, velocities, states of first order.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
@@ -111,7 +113,7 @@ impl FlowTable {
 
     /// The flow of a linear system with a bound of the norm of A by its matrix.
     fn with_norm(linear: Linear, one: usize, norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>)) -> Self {
-        let Linear { mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
+        let Linear { coordinates, mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
         // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
@@ -133,6 +135,7 @@ impl FlowTable {
             // Without contacts nothing cancels.
             sizes: terms,
             loose,
+            coordinates,
             one,
             rate,
             weights,
@@ -171,6 +174,7 @@ impl FlowTable {
         let mut table = Self {
             sizes: None,
             loose: None,
+            coordinates: system.coordinates,
             one,
             rate,
             weights,
@@ -386,16 +390,16 @@ impl FlowTable {
     }
 
     /// Writes the sizes of the terms that a time, of which at most a sub-step counts, has added to
-    /// the velocities: Σ |A| |z| times this time, from the coordinates' sizes, without what
+    /// the velocities and states of first order: Σ |A| |z| times this time, from the coordinates' sizes, without what
     /// contacts keep at zero. A velocity under balanced forces has the rounding of this size. `all`
     /// is scratch memory.
     #[inline(always)]
     pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);
         match &self.loose {
-            None => self.a.sizes_rows_times_to(self.one / 2, sizes, time, to),
+            None => self.a.sizes_rows_times_to(self.coordinates, sizes, time, to),
             Some(loose) => {
-                let first = self.one / 2;
+                let first = self.coordinates;
                 let apart = self.apart.as_ref().and_then(|apart| Some((apart, apart.rest_terms()?)));
                 let own = self.sizes.as_ref().unwrap_or(&self.a);
                 let terms = apart.map_or(own, |(_, terms)| terms);

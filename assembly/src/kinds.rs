@@ -40,6 +40,9 @@ pub const START: NumberKind = kind("Coordinate at time 0", "m", "rad", Range::FI
 pub const RATE: NumberKind = kind("Rate of the even motion", "m/s", "rad/s", Range::FINITE);
 pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
+pub const SERIES_STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE);
+pub const SLIP: NumberKind = kind("Force at which the slider slips", "N", "N.m", Range::POSITIVE);
+pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::FINITE);
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
 pub const DASHPOT: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);

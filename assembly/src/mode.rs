@@ -4,10 +4,12 @@
 pub(crate) mod groups;
 mod held;
 mod linear;
+mod slider;
 pub mod states;
 
 pub use groups::Triangle;
 pub use linear::{Elastic, Linear};
+pub use slider::SliderState;
 pub use states::{FrictionState, StopState};
 
 use crate::system::{Elongation, StateRow, System};
@@ -15,13 +17,15 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::hash::{Hash, Hasher};
 
-/// A contact that keeps e'' at zero.
+/// A contact that keeps e'' at zero, or a slider, which has states as these have and keeps nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Contact {
     /// A rigid stop, by its place.
     Stop(usize),
     /// A friction, by its place.
     Friction(usize),
+    /// The slider of a branch, by the branch's place; none is in a basis.
+    Slider(usize),
 }
 
 /// A mode: the state of every element, and the independent contacts whose forces are solved for.
@@ -31,6 +35,8 @@ pub struct Mode {
     pub stops: Vec<StopState>,
     /// By friction.
     pub frictions: Vec<FrictionState>,
+    /// By branch.
+    pub sliders: Vec<SliderState>,
     /// Independent closed stops and sticking frictions, in order. A dependent contact has the force
     /// zero or, where its state says so, its level.
     pub basis: Vec<Contact>,
@@ -41,6 +47,7 @@ impl Hash for Mode {
     fn hash<H: Hasher>(&self, hasher: &mut H) {
         let states = self.stops.iter().map(|state| *state as u64);
         let all = states.chain(self.frictions.iter().map(|state| *state as u64));
+        let all = all.chain(self.sliders.iter().map(|state| *state as u64));
         hasher.write_u64(all.fold(0, |sum, state| (sum ^ state).rotate_left(5).wrapping_mul(MIXER)));
     }
 }
@@ -55,6 +62,8 @@ pub enum ElementState {
     Stop(usize, StopState),
     /// A friction, by its place.
     Friction(usize, FrictionState),
+    /// A branch, by its place.
+    Slider(usize, SliderState),
 }
 
 impl Mode {
@@ -63,6 +72,7 @@ impl Mode {
         match element {
             ElementState::Stop(i, _) => ElementState::Stop(i, self.stops[i]),
             ElementState::Friction(i, _) => ElementState::Friction(i, self.frictions[i]),
+            ElementState::Slider(i, _) => ElementState::Slider(i, self.sliders[i]),
         }
     }
 
@@ -70,6 +80,7 @@ impl Mode {
     pub(crate) fn assign(&mut self, other: &Self) {
         self.stops.clone_from(&other.stops);
         self.frictions.clone_from(&other.frictions);
+        self.sliders.clone_from(&other.sliders);
         self.basis.clone_from(&other.basis);
     }
 
@@ -107,6 +118,10 @@ pub enum Watch {
     Level(usize),
     /// e' of a compliant stop with the law `undamped-rebound` passes zero beyond its gap.
     Turns(usize),
+    /// The force of a branch whose slider is held reaches its level, upwards (true) or downwards.
+    Yields(usize, bool),
+    /// The rate of a branch whose slider slips reaches zero.
+    Reverses(usize),
 }
 
 impl Watch {
@@ -120,6 +135,7 @@ impl Watch {
             | Self::Leaves(i)
             | Self::Turns(i) => Contact::Stop(i),
             Self::Stops(i) | Self::Slips(i, _) | Self::Level(i) => Contact::Friction(i),
+            Self::Yields(i, _) | Self::Reverses(i) => Contact::Slider(i),
         }
     }
 
@@ -129,6 +145,7 @@ impl Watch {
             == match element {
                 ElementState::Stop(i, _) => Contact::Stop(i),
                 ElementState::Friction(i, _) => Contact::Friction(i),
+                ElementState::Slider(i, _) => Contact::Slider(i),
             }
     }
 }
@@ -139,6 +156,7 @@ impl System {
         match contact {
             Contact::Stop(i) => &self.stops[i].elongation,
             Contact::Friction(i) => &self.frictions[i].elongation,
+            Contact::Slider(i) => &self.branches[i].elongation,
         }
     }
 
@@ -232,6 +250,7 @@ impl System {
         match element {
             ElementState::Stop(i, state) => mode.stops[i] = state,
             ElementState::Friction(i, state) => mode.frictions[i] = state,
+            ElementState::Slider(i, state) => mode.sliders[i] = state,
         }
         mode.basis = self.independent(&mode.contacts().collect::<Vec<_>>());
         mode

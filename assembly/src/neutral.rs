@@ -20,6 +20,8 @@ const ZERO: f64 = 1e-10;
 pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
+    /// By state of first order the direction w of the elongation with which it moves.
+    inner: Vec<DVector<f64>>,
     /// Directions of the coordinates, a sparse basis found by elimination.
     places: Vec<DVector<f64>>,
     /// Directions of the velocities.
@@ -38,8 +40,10 @@ impl Neutral {
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
         rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
+        rows.extend(system.branches.iter().map(|b| b.elongation.w.clone()));
         let rates = null_space(rows, system.coordinates);
-        Self { coordinates: system.coordinates, places, rates }
+        let inner = system.branches.iter().map(|own| own.elongation.w.clone()).collect();
+        Self { coordinates: system.coordinates, inner, places, rates }
     }
 
     /// Directions of the coordinates q on which no force depends, each of length N.
@@ -53,13 +57,15 @@ impl Neutral {
         &self.rates
     }
 
-    /// All directions as changes of the state (q, q').
+    /// All directions as changes of the state (q, q', states of first order).
     pub fn states(&self) -> Vec<Vec<f64>> {
         let n = self.coordinates;
         let all = self.places.iter().map(|u| (u, 0)).chain(self.rates.iter().map(|u| (u, n)));
         all.map(|(u, first)| {
             let mut state = vec![0.0; 2 * n];
             state[first..first + n].copy_from_slice(u.as_slice());
+            // An inner place goes with the elongation, so that the force stays.
+            state.extend(self.inner.iter().map(|w| if first == 0 { w.dot(u) } else { 0.0 }));
             state
         })
         .collect()

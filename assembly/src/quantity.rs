@@ -18,11 +18,15 @@ pub enum What {
     Rate,
     /// An element's force, which resists its elongation; a load's force on its body.
     F,
+    /// The inner place of a spring in series, in the unit of its elongation.
+    Slider,
+    /// The rate of this inner place: a derivative of FMUs, no column.
+    SliderRate,
 }
 
 impl What {
-    /// All kinds.
-    pub const ALL: [Self; 6] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F];
+    /// All kinds of columns.
+    pub const ALL: [Self; 7] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F, Self::Slider];
 
     /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
@@ -36,14 +40,16 @@ impl What {
             Self::E => "e",
             Self::Rate => "rate",
             Self::F => "f",
+            Self::Slider => "slider",
+            Self::SliderRate => "slider.rate",
         }
     }
 
     /// SI unit.
     pub fn unit(self, dimension: Dimension) -> &'static str {
         let units = match self {
-            Self::S | Self::E => ["m", "rad"],
-            Self::V | Self::Rate => ["m/s", "rad/s"],
+            Self::S | Self::E | Self::Slider => ["m", "rad"],
+            Self::V | Self::Rate | Self::SliderRate => ["m/s", "rad/s"],
             Self::A => ["m/s2", "rad/s2"],
             Self::F => ["N", "N.m"],
         };
@@ -126,12 +132,14 @@ impl Element<'_> {
         match self.action() {
             Action::Tying => &[],
             Action::Driving => &[What::F],
+            _ if self.series().is_some() => &[What::E, What::Rate, What::F, What::Slider],
             _ => &[What::E, What::Rate, What::F],
         }
     }
 }
 
-fn meaning(what: What, element: Option<Element>) -> &'static str {
+/// The meaning of a quantity in words.
+pub fn meaning(what: What, element: Option<Element>) -> &'static str {
     match what {
         What::S => "Coordinate",
         What::V => "Rate of the coordinate",
@@ -140,5 +148,7 @@ fn meaning(what: What, element: Option<Element>) -> &'static str {
         What::Rate => "Rate of the elongation",
         What::F if element.is_some_and(|e| e.action() == Action::Driving) => "Force or torque",
         What::F => "Force against the elongation",
+        What::Slider => "Inner place between spring and partner",
+        What::SliderRate => "Rate of the inner place",
     }
 }

@@ -39,6 +39,7 @@ fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
             StopLaw::Compliant { stiffness, damping, .. } => Some([stiffness, damping]),
             StopLaw::Rigid { .. } => None,
         },
+        Part::Branch(i) => Some([system.branches[i].stiffness, 0.0]),
         Part::Friction(_) | Part::Load(_) => None,
     }
 }

@@ -5,11 +5,11 @@ mod factor;
 mod lines;
 mod path;
 
-use crate::description::{Description, Friction, StopLaw};
+use crate::description::{Description, Friction, SeriesLaw, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{FrictionRows, SpringRows, StateRow, System};
+use crate::system::{BranchRows, FrictionRows, SpringRows, StateRow, System};
 use factor::Factor;
 use lines::Lined;
 use nalgebra::{DMatrix, DVector};
@@ -102,10 +102,7 @@ struct Weighted {
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
-    let mut z = StateRow::zeros(system.signals.size);
-    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
-    system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
-    let n = system.coordinates;
+    let (n, z) = (system.coordinates, system.at_rest(None));
     let lined = Lined::all(d, system, &z);
     let held = |friction, levels: &[[f64; 2]]| {
         let mut holding = Holding::new(system, &z, friction, levels);
@@ -169,6 +166,35 @@ fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
     pairs.into_iter().all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
 }
 
+impl System {
+    /// The augmented state at rest at time 0, with coordinates q or zeros, and with springs in series
+    /// that bear no force.
+    pub(crate) fn at_rest(&self, q: Option<&DVector<f64>>) -> StateRow {
+        let mut z = StateRow::zeros(self.signals.size);
+        let inputs = vec![(0.0, [0.0; 4]); self.signals.inputs];
+        self.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
+        q.iter().for_each(|q| z.rows_mut(0, self.coordinates).copy_from(q));
+        for branch in &self.branches {
+            z[branch.place] = branch.elongation.e.dot(&z);
+        }
+        z
+    }
+
+    /// The states of first order at rest with coordinates q, reached from zeros.
+    pub(crate) fn inner_at_rest(&self, q: &DVector<f64>) -> Vec<f64> {
+        let z = self.at_rest(Some(q));
+        let inner = |branch: &BranchRows| match branch.law {
+            SeriesLaw::Dashpot { .. } => z[branch.place],
+            // From x = 0 on, and held where its force is at its level.
+            SeriesLaw::Slider { slip } => {
+                let (e, most) = (z[branch.place], slip / branch.stiffness);
+                if e.abs() > most { e - most.copysign(e) } else { 0.0 }
+            }
+        };
+        self.branches.iter().map(inner).collect()
+    }
+}
+
 fn direction(w: &DVector<f64>) -> Direction {
     w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0).collect()
 }
@@ -209,6 +235,12 @@ impl Holding {
             contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
+        for branch in &system.branches {
+            let SeriesLaw::Slider { slip } = branch.law else { continue };
+            let (w, excess) = (direction(&branch.elongation.w), branch.elongation.e.dot(z));
+            let compliance = 1.0 / branch.stiffness;
+            contacts.push(RestContact { w, excess, force: (-slip, slip), compliance });
+        }
         for (rows, &[slides, holds]) in system.frictions.iter().zip(levels) {
             let rate = rows.elongation.rate.dot(z);
             let level = if friction == FrictionLevel::Static { holds } else { slides };

@@ -1,6 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Free, SeriesLaw, Signal, Spring, StopLaw,
+};
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
 
@@ -65,6 +67,33 @@ impl<'a> Slots<'a> {
         of
     }
 
+    fn spring(&mut self, spring: &'a mut Spring, bodies: &[(String, Dimension)], at_rest: bool) {
+        let of = self.element("spring", &spring.name, &mut spring.arms, bodies);
+        if !spring.points.is_empty() {
+            self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+            for (i, point) in spring.points.iter_mut().enumerate() {
+                self.push(format!("{of}.points[{i}].e"), kinds::POINT, &mut point.e);
+                self.push(format!("{of}.points[{i}].f"), kinds::POINT_FORCE, &mut point.f);
+            }
+            return;
+        }
+        let stiffness = if spring.series.is_some() { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+        self.push(format!("{of}.stiffness"), stiffness, &mut spring.stiffness);
+        self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+        let Some(series) = &mut spring.series else {
+            return self.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
+        };
+        match &mut series.law {
+            SeriesLaw::Dashpot { damping } => {
+                self.push(format!("{of}.series_damping"), kinds::DASHPOT, damping);
+            }
+            SeriesLaw::Slider { slip } => self.push(format!("{of}.slip"), kinds::SLIP, slip),
+        }
+        if !at_rest {
+            self.push(format!("{of}.slider"), kinds::SLIDER, &mut series.slider);
+        }
+    }
+
     fn law(&mut self, of: &str, law: &'a mut StopLaw) {
         match law {
             StopLaw::Rigid { restitution } => {
@@ -113,18 +142,7 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
     machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
     for spring in &mut machine.springs {
-        let of = slots.element("spring", &spring.name, &mut spring.arms, &bodies);
-        if spring.points.is_empty() {
-            slots.push(format!("{of}.stiffness"), kinds::STIFFNESS, &mut spring.stiffness);
-            slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
-            slots.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
-            continue;
-        }
-        slots.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
-        for (i, point) in spring.points.iter_mut().enumerate() {
-            slots.push(format!("{of}.points[{i}].e"), kinds::POINT, &mut point.e);
-            slots.push(format!("{of}.points[{i}].f"), kinds::POINT_FORCE, &mut point.f);
-        }
+        slots.spring(spring, &bodies, machine.starts_at_rest);
     }
     for damper in &mut machine.dampers {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);

@@ -11,6 +11,7 @@ use crate::kinds::{self, NumberKind};
 use crate::motion::{Event, Motion};
 use crate::parameters::read;
 use crate::refusal::{Problem, Refusal, advice};
+use crate::system::in_series;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
@@ -18,7 +19,8 @@ use std::sync::Arc;
 
 /// Start of a motion. A coordinate or rate that is not given is that of the machine's own start.
 ///
-/// Its numbers have names: `time`, and `box.s` and `box.v` of a body `box` with mass or inertia.
+/// Its numbers have names: `time`, `box.s` and `box.v` of a body `box` with mass or inertia, and
+/// `mount.slider` of a spring `mount` in series.
 /// Stops and friction have no values of their own: the law finds which are closed and which stick.
 ///
 /// ```
@@ -58,6 +60,8 @@ pub struct Start {
     pub time: f64,
     /// What is given of each body, by its name.
     pub bodies: BTreeMap<String, BodyStart>,
+    /// Inner places of springs in series, m or rad, by the spring's name, where they are given.
+    pub sliders: BTreeMap<String, f64>,
 }
 
 /// Coordinate and rate of a body at the start, where they are given.
@@ -77,6 +81,8 @@ enum Place {
     Coordinate(usize),
     /// Its rate.
     Rate(usize),
+    /// Of the spring with an index: its inner place.
+    Slider(usize),
 }
 
 impl Place {
@@ -85,6 +91,7 @@ impl Place {
             Self::Time => (kinds::TIME, Dimension::Translation),
             Self::Coordinate(body) => (kinds::START, d.bodies[body].dimension),
             Self::Rate(body) => (kinds::START_RATE, d.bodies[body].dimension),
+            Self::Slider(spring) => (kinds::SLIDER, d.springs[spring].arms.dimension),
         }
     }
 }
@@ -97,7 +104,10 @@ impl Start {
             let [s, v] = [motion.coordinate(i), motion.body(i)[1]].map(|x| Some(x + 0.0));
             (assembly.description.bodies[i].name.clone(), BodyStart { s, v })
         };
-        Self { time: motion.time(), bodies: assembly.system.bodies_of.iter().map(body).collect() }
+        let bodies = assembly.system.bodies_of.iter().map(body).collect();
+        let places = assembly.system.branches.iter().map(|own| motion.state()[own.place] + 0.0);
+        let sliders = in_series(&assembly.description).map(|(spring, _)| spring.name.clone()).zip(places);
+        Self { time: motion.time(), bodies, sliders: sliders.collect() }
     }
 
     /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
@@ -108,6 +118,9 @@ impl Start {
             for (key, value) in [("s", s), ("v", v)] {
                 let _ = value.map_or(Ok(()), |x| writeln!(text, "{key} = {x:?}"));
             }
+        }
+        for (name, slider) in &self.sliders {
+            let _ = writeln!(text, "\n[spring.{name}]\nslider = {slider:?}");
         }
         text
     }
@@ -144,12 +157,13 @@ impl Start {
     }
 
     fn put(&mut self, d: &Description, place: Place, value: f64) {
-        let (Place::Coordinate(i) | Place::Rate(i)) = place else {
-            self.time = value;
-            return;
-        };
-        let body = self.bodies.entry(d.bodies[i].name.clone()).or_default();
-        *if place == Place::Rate(i) { &mut body.v } else { &mut body.s } = Some(value);
+        let name = |i: usize| d.bodies[i].name.clone();
+        match place {
+            Place::Time => self.time = value,
+            Place::Coordinate(i) => self.bodies.entry(name(i)).or_default().s = Some(value),
+            Place::Rate(i) => self.bodies.entry(name(i)).or_default().v = Some(value),
+            Place::Slider(i) => _ = self.sliders.insert(d.springs[i].name.clone(), value),
+        }
     }
 
     /// The numbers with their names, as [`set`](Self::set) takes them.
@@ -158,7 +172,8 @@ impl Start {
             [("s", body.s), ("v", body.v)].map(|(key, x)| Some((format!("{name}.{key}"), x?)))
         };
         let bodies = self.bodies.iter().flat_map(of).flatten();
-        std::iter::once(("time".into(), self.time)).chain(bodies).collect()
+        let sliders = self.sliders.iter().map(|(name, x)| (format!("{name}.slider"), *x));
+        std::iter::once(("time".into(), self.time)).chain(bodies).chain(sliders).collect()
     }
 
     /// Whether it is the machine's own start, at time 0.
@@ -166,13 +181,16 @@ impl Start {
         *self == Self::default()
     }
 
-    /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, ….
+    /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, …,
+    /// `mount.slider`, ….
     pub fn names(assembly: &Assembly) -> Vec<String> {
         let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
-        bodies().map(|name| format!("{name}.s")).chain(bodies().map(|name| format!("{name}.v"))).collect()
+        let sliders = in_series(&assembly.description).map(|(spring, _)| format!("{}.slider", spring.name));
+        let rates = bodies().map(|name| format!("{name}.v"));
+        bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders).collect()
     }
 
-    /// Coordinates and rates of a machine's coordinates, as [`Motion::from_state`] takes them.
+    /// Coordinates and rates of a machine's coordinates and inner places of its springs in series, as [`Motion::from_state`] takes them.
     ///
     /// # Errors
     /// A [`Refusal`] for a body that the machine does not have, and for one whose coordinate
@@ -185,6 +203,12 @@ impl Start {
             let (body, order) = match place(d, &name) {
                 Ok(Place::Coordinate(body)) => (body, 0),
                 Ok(Place::Rate(body)) => (body, 1),
+                Ok(Place::Slider(spring)) => {
+                    let own = &d.springs[spring].name;
+                    let place = in_series(d).position(|(spring, _)| spring.name == *own);
+                    place.iter().for_each(|k| state[2 * of.len() + k] = value);
+                    continue;
+                }
                 Ok(Place::Time) => continue,
                 Err(refusal) => {
                     problems.extend(refusal.problems);
@@ -268,6 +292,7 @@ impl TryFrom<String> for Start {
             match number.map(|(name, x)| (name.split_once('.'), x)) {
                 Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
                 Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
+                Some((Some((spring, "slider")), x)) => _ = start.sliders.insert(spring.into(), x),
                 Some((None, time)) => start.time = time,
                 _ => return Err(format!("`{part}` is no number of a start")),
             }
@@ -287,10 +312,16 @@ impl fmt::Display for Start {
     }
 }
 
-/// The number with a name: `time`, `box.s`, `body.box.v`.
+/// The number with a name: `time`, `box.s`, `body.box.v`, `mount.slider`, `spring.mount.slider`.
 fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     if name.trim() == "time" {
         return Ok(Place::Time);
+    }
+    if let Some(spring) = name.trim().strip_suffix(".slider") {
+        let spring = spring.strip_prefix("spring.").unwrap_or(spring);
+        if let Some(i) = d.springs.iter().position(|own| own.name == spring && own.series.is_some()) {
+            return Ok(Place::Slider(i));
+        }
     }
     let free = |body: &&Body| matches!(body.kind, BodyKind::Free(_));
     let refused = |text: String| Err(Refusal::one(Problem::new(name.trim(), None, text)));
@@ -312,7 +343,8 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
         None => {
             let names =
                 d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
-            let names: Vec<String> = std::iter::once("time".into()).chain(names).collect();
+            let sliders = in_series(d).map(|(spring, _)| format!("{}.slider", spring.name));
+            let names: Vec<String> = std::iter::once("time".into()).chain(names).chain(sliders).collect();
             let near = advice(plain, names.iter().map(String::as_str));
             refused(format!("no number of a start has this name; {near}"))
         }

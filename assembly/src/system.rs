@@ -1,18 +1,21 @@
 //! The machine as matrices: minimal coordinates, inertia matrix, and every elongation, rate and
-//! force as a row on the augmented state z = (q, v, 1, signals)
+//! force as a row on the augmented state z = (q, v, states of first order, 1, signals)
 //! (docs/assembly-law.md (A1) to (A4)).
 
+mod first_order;
 mod further;
 mod parts;
 mod rows;
 mod split;
 mod stiff;
 
+pub(crate) use first_order::in_series;
+pub use first_order::{BranchRows, FirstOrder};
 pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
-use crate::description::{Arms, BodyKind, Description, StopLaw};
+use crate::description::{Arms, BodyKind, Description, Spring, StopLaw};
 use crate::elements::Element;
 use crate::energy::Losses;
 use crate::error::Error;
@@ -33,7 +36,7 @@ pub struct System {
     pub coordinates: usize,
     /// The index of the body whose coordinate each q is.
     pub bodies_of: Vec<usize>,
-    /// Signals, which follow q and v in the augmented state.
+    /// Signals, which follow q, v and the states of first order in the augmented state.
     pub signals: Signals,
     /// Cholesky factor L of the inertia matrix.
     pub inertia: Cholesky<f64, Dyn>,
@@ -61,6 +64,10 @@ pub struct System {
     pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
+    /// Springs in series with a partner.
+    pub branches: Vec<BranchRows>,
+    /// States of first order.
+    pub first_order: Vec<FirstOrder>,
     /// By load: its force.
     pub loads: Vec<StateRow>,
     /// By load: its body.
@@ -155,7 +162,7 @@ impl System {
     pub(crate) fn laid_out(d: &Description, layout: Layout) -> Result<Self, Error> {
         let reduction = reduce(d)?;
         let n = reduction.kept.len();
-        let mut builder = Builder::new(2 * n, layout);
+        let mut builder = Builder::new(2 * n + first_order::count(d), layout);
         let motions: Vec<Option<usize>> = d
             .bodies
             .iter()
@@ -212,6 +219,8 @@ impl System {
             first_corner: d.stops.len(),
             stored_at_zero: 0.0,
             frictions: Vec::new(),
+            branches: Vec::new(),
+            first_order: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             split: OnceLock::new(),
@@ -249,7 +258,7 @@ impl System {
     }
 
     /// The row of a constant.
-    fn constant(&self, value: f64) -> StateRow {
+    pub(crate) fn constant(&self, value: f64) -> StateRow {
         let mut row = StateRow::zeros(self.signals.size);
         row[self.signals.one] = value;
         row
@@ -280,6 +289,11 @@ impl System {
         let mut loads = 0;
         for element in d.elements() {
             let parts = match element {
+                Element::Spring(Spring { arms, stiffness, damping, series: Some(series), .. }) => {
+                    let mut parts = self.add_spring(arms, 0.0, *damping, 0.0);
+                    parts.push(self.add_branch(arms, *stiffness, series.law));
+                    parts
+                }
                 Element::Spring(spring) if spring.points.is_empty() => {
                     self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
                 }
@@ -356,7 +370,7 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs except `left_out`, and inertia forces of prescribed bodies through
+    /// Weight, loads, springs except `left_out` and those in series, and inertia forces of prescribed bodies through
     /// links.
     fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
         let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
@@ -372,6 +386,9 @@ impl System {
         for (_, spring) in self.springs.iter().enumerate().filter(|(i, _)| left_out.binary_search(i).is_err())
         {
             forces.ger(-1.0, &spring.elongation.w, &spring.force, 1.0);
+        }
+        for branch in &self.branches {
+            forces.ger(-1.0, &branch.elongation.w, &branch.force, 1.0);
         }
         forces
     }

@@ -47,6 +47,10 @@ pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
         EventKind::Level { friction: i, acts } => {
             event("level", friction(i), Some(f64::from(u8::from(acts))), None)
         }
+        EventKind::Yield { slider: i, force, .. } => {
+            event("slip", assembly.name_of_branch(i), Some(force), None)
+        }
+        EventKind::Hold { slider: i, force } => event("stick", assembly.name_of_branch(i), Some(force), None),
         EventKind::Knot => event("knot", String::new(), None, None),
     }
 }

@@ -269,14 +269,16 @@ struct Window {
     watcher: Watcher,
     returns: f64,
     duration: f64,
-    /// Work of loads; losses in dashpots, compliant stops, friction, J.
-    energies: [Vec<f64>; 4],
+    /// Work of loads; losses in dashpots, compliant stops, friction, partners of
+    /// springs in series, J.
+    energies: [Vec<f64>; 5],
 }
 
 /// The engine's accounts now.
-fn energies(motion: &Motion) -> [Vec<f64>; 4] {
+fn energies(motion: &Motion) -> [Vec<f64>; 5] {
     let e = motion.energy();
-    [&e.loads, &e.dashpots, &e.stops, &e.frictions].map(|all| all.iter().map(|x| x.value()).collect())
+    let all = [&e.loads, &e.dashpots, &e.stops, &e.frictions, &e.branches];
+    all.map(|all| all.iter().map(|x| x.value()).collect())
 }
 
 impl Observation for Window {
@@ -299,7 +301,7 @@ impl Observation for Window {
 impl Window {
     fn number(&self, measure: &Measure, assembly: &Assembly, quantities: &[&QuantityName]) -> f64 {
         let (d, system) = (&assembly.description, assembly.system());
-        let [loads, dashpots, stops, frictions] = &self.energies;
+        let [loads, dashpots, stops, frictions, branches] = &self.energies;
         let number = match measure {
             Measure::Power(name) => {
                 let parts = d.elements().position(|element| element.name() == name).map(|i| &system.parts[i]);
@@ -307,12 +309,13 @@ impl Window {
                     Part::Spring(i) => dashpots[i],
                     Part::Stop(i) => stops[i] + self.watcher.contacts[i].lost,
                     Part::Friction(i) => frictions[i],
+                    Part::Branch(i) => branches[i],
                     Part::Load(i) => loads[i],
                 };
                 parts.into_iter().flatten().map(energy).sum::<f64>() / self.duration
             }
             Measure::PowerLost => {
-                let smooth: f64 = [dashpots, stops, frictions].into_iter().flatten().sum();
+                let smooth: f64 = [dashpots, stops, frictions, branches].into_iter().flatten().sum();
                 let impacts: f64 = self.watcher.contacts.iter().map(|c| c.lost).sum();
                 (smooth + impacts) / self.duration
             }

@@ -185,7 +185,7 @@ pub fn now(motion: &Motion) -> Start {
         (body.name.clone(), BodyStart { s: Some(s), v: Some(v) })
     };
     let bodies = motion.assembly().description.bodies.iter().enumerate();
-    Start { time: motion.time(), bodies: bodies.map(body).collect() }
+    Start { bodies: bodies.map(body).collect(), ..Start::of(motion) }
 }
 
 #[cfg(test)]

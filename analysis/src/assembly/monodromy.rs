@@ -45,7 +45,11 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
         Some(sizes[first + rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
     };
     let of = |first: usize| system.bodies_of.iter().map(move |body| unit(*body, first));
-    Metric(of(0).chain(of(2)).collect())
+    let inner = d.elements().filter(|element| element.series().is_some()).map(|element| {
+        let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
+        Some(sizes[rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
+    });
+    Metric(of(0).chain(of(2)).chain(inner).collect())
 }
 
 /// Change of the state (q, q') that is a shift in time: z' minus the uniform motion of the bodies
@@ -58,12 +62,12 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     }
     let along = carried(system, z.as_slice(), true)?;
     let later = motion.time_derivative(1);
-    let mut shift: Vec<f64> = later.state().iter().take(2 * system.coordinates).copied().collect();
+    let mut shift: Vec<f64> = later.state().iter().take(system.states()).copied().collect();
     shift.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
     Some(shift)
 }
 
-/// Change of the coordinates that keeps all elongations constant while the signals change as in
+/// Change of the coordinates, and of the states of first order, that keeps all elongations constant while the signals change as in
 /// `change`, a change of the augmented state. With `rates`, `change` is the state itself, and the
 /// result is the velocities with which the elongations' rates are zero. A uniformly moving
 /// prescribed body carries other bodies along in this way. `None` if there is no such change.
@@ -71,15 +75,24 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
     let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();
-    let by_time = |row: &StateRow| row.iter().zip(change).skip(2 * n).map(|(r, x)| r * x).sum::<f64>();
+    let own = system.states();
+    let by_time = |row: &StateRow| row.iter().zip(change).skip(own).map(|(r, x)| r * x).sum::<f64>();
     let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };
+    // Inner places go with the elongations, so that forces stay.
+    let with_inner = |along: DVector<f64>| match system.branches.is_empty() {
+        true => along,
+        false => {
+            let inner = system.branches.iter().map(|b| b.elongation.w.dot(&along) - row(&b.elongation));
+            DVector::from_iterator(own, along.iter().copied().chain(vec![0.0; n]).chain(inner))
+        }
+    };
     let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));
     if changes.iter().all(|change| *change == 0.0) {
-        return Some(DVector::zeros(n));
+        return Some(with_inner(DVector::zeros(n)));
     }
     let rows = DMatrix::from_fn(held.len(), n, |i, j| held[i].w[j]);
     let along = rows.clone().svd(true, true).solve(&changes, EXACT).ok()?;
-    ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then_some(along)
+    ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then(|| with_inner(along))
 }
 
 /// Distance and growth from the derivative over a period.
@@ -116,7 +129,7 @@ impl Period {
         for _ in 0..returns {
             section.follow(motion, &mut flows, &mut [&mut frame])?;
         }
-        let size = 2 * system.coordinates;
+        let size = system.states();
         let mut change = motion.state() - &start;
         // Periodic signals return to their values up to rounding. This rounding is not a uniform
         // motion.

@@ -16,8 +16,8 @@ pub(super) fn oscillations(system: &System) -> Vec<f64> {
     };
     let stops = system.stops.iter().map(open).collect();
     let frictions = vec![FrictionState::Off; system.frictions.len()];
-    let linear = system.linear(&Mode { stops, frictions, basis: Vec::new() });
-    let size = 2 * system.coordinates;
+    let linear = system.linear(&Mode { stops, frictions, sliders: system.held_sliders(), basis: Vec::new() });
+    let size = system.states();
     if size == 0 {
         return Vec::new();
     }

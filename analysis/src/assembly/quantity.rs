@@ -18,7 +18,8 @@ use vibro_assembly::{Owner, Quantity, What};
 pub struct QuantityName {
     /// The body or element.
     pub of: String,
-    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `f` of a load.
+    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series; `f` of a
+    /// load.
     pub what: What,
 }
 
@@ -28,7 +29,7 @@ impl FromStr for QuantityName {
     fn from_str(text: &str) -> Result<Self> {
         let form = || Error::Described {
             problem: format!(
-                "`{text}`: expected BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f or LOAD.f, e.g. box.s"
+                "`{text}`: expected BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f, SPRING.slider or LOAD.f, e.g. box.s"
             ),
         };
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
@@ -94,6 +95,12 @@ impl Flow {
             What::F => parts
                 .iter()
                 .for_each(|part| add(system.force_row(*part, &self.mode, &self.lambda).as_slice())),
+            What::Slider | What::SliderRate => {
+                let Some(place) = system.slider_of(i) else { return sum };
+                let mut unit = vec![0.0; system.signals.size];
+                unit[place] = 1.0;
+                return if quantity.what == What::Slider { unit } else { self.rate_of(&unit) };
+            }
             What::E => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
             _ => elongation().into_iter().for_each(|own| add(own.rate.as_slice())),
         }

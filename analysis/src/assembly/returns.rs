@@ -1,6 +1,7 @@
 //! Returns of a described machine's motion: what must repeat for the motion to be periodic.
 //!
-//! Forces depend on elongations of springs with stiffness and of stops, on rates of all elements,
+//! Forces depend on elongations of springs with stiffness and of stops, on the forces of springs in
+//! series, on rates of all elements,
 //! and on the phases of harmonics, unless the section fixes these. The angle of a shaft that
 //! nothing holds and the elongation of a dashpot have no effect.
 
@@ -65,6 +66,13 @@ impl Functionals {
                     // Of a spring with corners one line or another has stiffness.
                     Part::Stop(i) if system.is_corner(i) && acts => continue,
                     Part::Stop(i) => Some(system.stops[i].stiffness()),
+                    Part::Branch(i) => {
+                        // The force is to return, whatever its elongation and inner place do.
+                        let own = &system.branches[i];
+                        push(&(&*own.force / own.stiffness), rotates, None);
+                        push(&e.rate, 2 + rotates, Some((e, own.stiffness)));
+                        continue;
+                    }
                     Part::Friction(_) | Part::Load(_) => None,
                 };
                 let damps = !matches!(part, Part::Spring(i) if system.springs[i].damping == 0.0);

@@ -229,7 +229,11 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     let motion = &mut *follower.motion;
     let assembly = motion.assembly().clone();
     let system = assembly.system();
-    let metric = Metric::by_frequency(system.coordinates, TAU / follower.record.interval());
+    let metric = Metric::by_frequency(
+        system.coordinates,
+        system.places_of_first_order().len(),
+        TAU / follower.record.interval(),
+    );
     let neutral = Neutral::of(system);
     let mut variation = Variation::new(system, motion.mode(), metric, &neutral);
     let mut flows = Flows::default();

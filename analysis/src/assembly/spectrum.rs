@@ -1,7 +1,7 @@
 //! All Lyapunov exponents of a described machine's motion: every variation of its state, carried
 //! exactly through flights and events (docs/assembly-law.md (A21)) and made orthogonal on the way.
 //!
-//! A machine with n coordinates has 2n exponents; the drive's phase, whose exponent is zero, is not
+//! A machine with n coordinates has 2n exponents, and one for each state of first order; the drive's phase, whose exponent is zero, is not
 //! counted. Their sum is the mean rate at which volumes of states grow: that of the dampers, and at
 //! each impact the logarithm of the squared restitution. Directions that contacts hold are lost for
 //! ever, and their exponents are -∞.
@@ -41,7 +41,7 @@ struct Orthogonal {
 
 impl Orthogonal {
     fn new(system: &System, mode: &Mode, metric: Metric) -> Self {
-        let size = 2 * system.coordinates;
+        let size = system.states();
         // In general position, so that the first variation turns into the fastest direction.
         let column = |j: usize| {
             let mut v = vec![0.0; system.signals.size];
@@ -49,7 +49,7 @@ impl Orthogonal {
                 let own = if i == j { 1.0 } else { 0.0 };
                 *x = (own + 0.3 * (1.0 + 0.7 * (i * size + j) as f64).sin()) * unit;
             }
-            hold(system, &mode.basis, &mut v, &metric);
+            hold(system, mode, &mut v, &metric);
             v
         };
         let mut new = Self { columns: (0..size).map(column).collect(), growth: vec![0.0; size], metric };
@@ -104,7 +104,7 @@ impl Observer for Orthogonal {
         for _ in 0..parts as u64 {
             for v in &mut self.columns {
                 *v = Flow::stretches(flow, v, span / parts, &mut |_, _| ());
-                hold(system, &flow.mode.basis, v, &self.metric);
+                hold(system, &flow.mode, v, &self.metric);
             }
             self.orthogonalize();
         }
@@ -135,10 +135,14 @@ pub fn spectrum(
     let (system, begin) = (assembly.system(), motion.time());
     let mut ahead = motion.clone();
     section.advance(&mut ahead, &mut |_| ())?;
-    let metric = Metric::by_frequency(system.coordinates, TAU / (ahead.time() - begin));
+    let metric = Metric::by_frequency(
+        system.coordinates,
+        system.places_of_first_order().len(),
+        TAU / (ahead.time() - begin),
+    );
     let mut variations = Orthogonal::new(system, motion.mode(), metric);
     let (mut flows, mut running) = (Flows::default(), Vec::new());
-    let mut growths = vec![Growth::default(); 2 * system.coordinates];
+    let mut growths = vec![Growth::default(); system.states()];
     let (mut sums, mut counted) = (vec![0.0; growths.len()], 0.0);
     for k in 0..keep as usize + ALIGN {
         if !go_on() {

@@ -7,7 +7,7 @@
 
 use super::flight::{Flow, ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
-use vibro_assembly::mode::{Contact, Mode};
+use vibro_assembly::mode::Mode;
 use vibro_assembly::motion::{Crossing, keep};
 use vibro_assembly::neutral::Neutral;
 use vibro_assembly::system::System;
@@ -26,9 +26,11 @@ const HELD: f64 = 1e-12;
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// Metric that divides coordinates' units by ω (1/s) and leaves rates as they are.
-    pub fn by_frequency(coordinates: usize, omega: f64) -> Self {
-        Self((0..2 * coordinates).map(|k| if k < coordinates { 1.0 / omega } else { 1.0 }).collect())
+    /// Metric of n coordinates, their rates and inner places that divides the units of places by ω
+    /// (1/s) and leaves rates as they are.
+    pub fn by_frequency(n: usize, inner: usize, omega: f64) -> Self {
+        let is_rate = |k: usize| (n..2 * n).contains(&k);
+        Self((0..2 * n + inner).map(|k| if is_rate(k) { 1.0 } else { 1.0 / omega }).collect())
     }
 
     /// The length of a variation.
@@ -69,12 +71,12 @@ impl Metric {
 
 /// Removes the components of a variation that contacts constrain. A variation without other
 /// components becomes zero.
-pub(super) fn hold(system: &System, basis: &[Contact], v: &mut [f64], metric: &Metric) {
-    if basis.is_empty() {
+pub(super) fn hold(system: &System, mode: &Mode, v: &mut [f64], metric: &Metric) {
+    if mode.basis.is_empty() && mode.sliders.is_empty() {
         return;
     }
     let before = metric.length(v);
-    keep(system, basis, v);
+    keep(system, mode, v);
     if metric.length(v) <= HELD * before {
         v.fill(0.0);
     }
@@ -114,10 +116,10 @@ impl Frame {
         let unit = |place: usize| {
             let mut v = vec![0.0; system.signals.size];
             v[place] = 1.0;
-            hold(system, &mode.basis, &mut v, metric);
+            hold(system, mode, &mut v, metric);
             v
         };
-        Self { columns: (0..2 * system.coordinates).map(unit).collect(), metric: metric.clone() }
+        Self { columns: (0..system.states()).map(unit).collect(), metric: metric.clone() }
     }
 }
 
@@ -125,7 +127,7 @@ impl Observer for Frame {
     fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         flight.flow.carry(&mut self.columns, flight.span);
         for v in &mut self.columns {
-            hold(system, &flight.flow.mode.basis, v, &self.metric);
+            hold(system, &flight.flow.mode, v, &self.metric);
         }
     }
 
@@ -152,7 +154,7 @@ impl Variation {
             // The components are all different, and none is zero.
             *x = (1.0 + 0.7 * k as f64).sin() * unit;
         }
-        hold(system, &mode.basis, &mut v, &metric);
+        hold(system, mode, &mut v, &metric);
         Self { v: [v], metric, neutral: neutral.states(), growth: 0.0 }
     }
 
@@ -184,7 +186,7 @@ impl Observer for Variation {
         let parts = (flow.stretches_of(span) / STRETCHES).ceil();
         for _ in 0..parts as u64 {
             self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());
-            hold(system, &flow.mode.basis, &mut self.v[0], &self.metric);
+            hold(system, &flow.mode, &mut self.v[0], &self.metric);
             // With a slow drive, dampers can shrink the variation to nothing within one return.
             if !SCALED.contains(&self.metric.length(&self.v[0])) {
                 self.scale();

@@ -39,6 +39,11 @@ fn in_words(machine: &Assembly, event: &Event) -> String {
         EventKind::Level { friction: i, acts } => {
             format!("{} {}", friction(i), if acts { "acts" } else { "no longer acts" })
         }
+        EventKind::Yield { slider: i, direction, .. } => {
+            let direction = if direction > 0.0 { "upwards" } else { "downwards" };
+            format!("{} slips {direction}", machine.name_of_branch(i))
+        }
+        EventKind::Hold { slider: i, .. } => format!("{} sticks", machine.name_of_branch(i)),
         EventKind::Knot => "a signal's knot".into(),
     };
     format!("{text} at t = {} s", event.time)

@@ -11,10 +11,8 @@ impl Machine {
         let none = || Problem::Sequence { what: "the instance is not initialized".into() };
         let moving = self.moving.as_mut().filter(|moving| moving.is_on_course()).ok_or_else(none)?;
         if let Some((place, value)) = states.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-            let bodies = self.plan.assembly.states();
-            let body = &self.plan.assembly.description.bodies[bodies[place % bodies.len()]].name;
-            let what = if place < bodies.len() { "s" } else { "v" };
-            return Err(Problem::value(format!("{body}.{what}"), *value, "a finite number").into());
+            let name = vibro_assembly::Start::names(&self.plan.assembly).swap_remove(place);
+            return Err(Problem::value(name, *value, "a finite number").into());
         }
         moving.motion.set_states(states);
         Ok(())

@@ -4,7 +4,7 @@ use crate::plan::Plan;
 use crate::problem::MachineProblem;
 use crate::problem::refused;
 use crate::table::{Energy, Quantity};
-use crate::units::{friction_state, stop_state};
+use crate::units::{friction_state, slider_state, stop_state};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_assembly::energy::Accounts;
@@ -188,6 +188,7 @@ impl Moving {
             stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
             frictions: mode.frictions.iter().copied().map(friction_state).collect(),
             lines: (0..self.motion.assembly().description.springs.len()).map(|i| self.line(i)).collect(),
+            sliders: mode.sliders.iter().copied().map(slider_state).collect(),
         }
     }
 
@@ -208,6 +209,7 @@ impl Moving {
             Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
             Quantity::Line(i) => self.line(i),
+            Quantity::SliderState(i) => slider_state(motion.mode().sliders[i]),
             Quantity::Indicator(i) => motion.indicators()[i],
             Quantity::Column(column) => motion.value(column),
             Quantity::Time
@@ -244,12 +246,14 @@ pub struct Shown {
     pub(super) frictions: Vec<f64>,
     /// By spring: the number of corners that it has passed.
     pub(super) lines: Vec<f64>,
+    /// By spring in series.
+    pub(super) sliders: Vec<f64>,
 }
 
 impl Shown {
     /// Whether it is of as many stops and frictions.
     pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
-        let counts = |shown: &Self| [&shown.frictions, &shown.lines].map(Vec::len);
+        let counts = |shown: &Self| [&shown.frictions, &shown.lines, &shown.sliders].map(Vec::len);
         self.stops.len() == other.stops.len() && counts(self) == counts(other)
     }
 }

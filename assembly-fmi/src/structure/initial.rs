@@ -3,23 +3,55 @@
 
 use super::Structure;
 use super::knowns::{Knowns, put};
-use crate::table::Quantity;
+use crate::table::{Quantity, slides};
 use fmi_doors::DependencyKind::Dependent;
-use vibro_assembly::Element;
+use vibro_assembly::Quantity as Column;
 use vibro_assembly::elements::Action;
+use vibro_assembly::{Element, Owner, What};
 
 impl Structure<'_> {
     /// The knowns of a variable in initialization: those of [`of`](Self::of), with each state
     /// replaced by the knowns of its start.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
+        if let Quantity::Column(Column { owner: Owner::Element(i), what: What::SliderRate }) = quantity {
+            // Where it begins decides whether it slips.
+            self.start_of_slider(i, &mut knowns);
+        }
         for (known, _) in self.of(quantity) {
-            match self.plan.table.rows[known as usize - 1].quantity.as_body() {
-                Some((body, order)) => self.start(body, order, &mut knowns),
-                None => put(&mut knowns, known, Dependent),
+            let quantity = self.plan.table.rows[known as usize - 1].quantity;
+            match (quantity.as_body(), quantity) {
+                (Some((body, order)), _) => self.start(body, order, &mut knowns),
+                (None, Quantity::Column(Column { owner: Owner::Element(i), .. })) => {
+                    self.start_of_slider(i, &mut knowns);
+                }
+                _ => put(&mut knowns, known, Dependent),
             }
         }
         knowns
+    }
+
+    /// Adds the knowns of an inner place's initial value: its start value, or the elongation in
+    /// equilibrium.
+    fn start_of_slider(&self, i: usize, knowns: &mut Knowns) {
+        if self.machine.starts_at_rest {
+            return self.parameters.keys().for_each(|section| self.of_section(section, knowns));
+        }
+        let section = self.elements[i].dotted();
+        let all = self.parameters.get(section.as_str()).into_iter().flatten();
+        all.filter(|(_, rest)| *rest == ".slider").for_each(|(known, _)| put(knowns, *known, Dependent));
+        if slides(&self.elements[i].series().copied()) {
+            // It is moved to where the force is not above its level.
+            self.of_section(&section, knowns);
+            let mut of_elongation = Knowns::new();
+            self.elongation(self.elements[i], 0, &mut of_elongation);
+            for known in of_elongation.into_keys() {
+                match self.plan.table.rows[known as usize - 1].quantity.as_body() {
+                    Some((body, order)) => self.start_alone(body, order, knowns),
+                    None => put(knowns, known, Dependent),
+                }
+            }
+        }
     }
 
     /// Adds the knowns of a state's initial value: its start value, or equilibrium under all loads;

@@ -27,17 +27,14 @@ fn told(lists: &[&[Unknown]]) -> HashMap<u32, HashMap<u32, DependencyKind>> {
 
 /// States, inputs and time, each with the size of its variation.
 fn knowns(plan: &Plan, solver: &mut Solver) -> Vec<(u32, f64)> {
-    let states = plan.assembly.states();
-    let nominals = plan.assembly.nominals();
+    let (states, nominals) = (plan.assembly.state_quantities(), plan.assembly.nominals());
     let mut all = Vec::new();
     for (reference, row) in (1..).zip(&plan.table.rows) {
         let size = match row.quantity {
-            quantity if let Some((body, order @ 0..2)) = quantity.as_body() => {
-                states.iter().position(|&state| state == body).map(|k| {
-                    let now = get(&mut solver.machine, reference).unwrap().abs();
-                    1e-3 * nominals[order * states.len() + k].max(now)
-                })
-            }
+            Quantity::Column(column) => states.iter().position(|[state, _]| *state == column).map(|k| {
+                let now = get(&mut solver.machine, reference).unwrap().abs();
+                1e-3 * nominals[k].max(now)
+            }),
             Quantity::Input(_) => Some(1e-3),
             Quantity::Time => Some(1e-4 * plan.description().experiment.stop_time),
             _ => None,
@@ -159,7 +156,8 @@ fn compare(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>
 
 /// The states of all stops and frictions.
 fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
-    let is_state = |q| matches!(q, Quantity::StopState(_) | Quantity::FrictionState(_));
+    let is_state =
+        |q| matches!(q, Quantity::StopState(_) | Quantity::FrictionState(_) | Quantity::SliderState(_));
     let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| is_state(row.quantity));
     let references: Vec<u32> = rows.map(|(reference, _)| reference).collect();
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()

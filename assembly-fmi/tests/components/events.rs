@@ -29,6 +29,7 @@ fn states(machine: &mut Machine, plan: &Plan) -> Vec<(String, f64)> {
     let own = |quantity| match quantity {
         Quantity::StopState(_) => Some("stop"),
         Quantity::FrictionState(_) => Some("friction"),
+        Quantity::SliderState(_) => Some("spring"),
         _ => None,
     };
     let rows =

@@ -19,7 +19,10 @@ fn plans() -> Vec<Arc<Plan>> {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
     let examples = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap());
-    let texts =
-        [include_str!("../common/everything.toml"), include_str!("../../../assembly/tests/data/laws.toml")];
+    let texts = [
+        include_str!("../common/everything.toml"),
+        include_str!("../common/joint.toml"),
+        include_str!("../../../assembly/tests/data/laws.toml"),
+    ];
     examples.chain(texts.map(|text| Plan::new(text.into(), FILE).unwrap())).map(Arc::new).collect()
 }

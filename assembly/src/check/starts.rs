@@ -43,6 +43,11 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
 }
 
 fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
+    for spring in &machine.springs {
+        let Some(series) = spring.series.filter(|own| own.slider != 0.0) else { continue };
+        let text = "the machine starts at rest; allowed is no inner place beside start = \"rest\"";
+        problems.push(refused(format!("spring.{}.slider", spring.name), series.slider, text));
+    }
     for body in &machine.bodies {
         let BodyKind::Free(free) = body.kind else { continue };
         for (key, value) in [("s", free.s), ("v", free.v)] {

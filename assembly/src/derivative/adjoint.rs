@@ -176,6 +176,17 @@ impl<'a> Adjoint<'a> {
             Owner::Element(i) if quantity.what == What::F => {
                 machine.system.parts[i].iter().for_each(|&part| self.add_force(mode, z, part, factor));
             }
+            Owner::Element(i) if matches!(quantity.what, What::Slider | What::SliderRate) => {
+                let Some(place) = machine.system.slider_of(i) else { return };
+                if quantity.what == What::Slider {
+                    self.state[place] += factor;
+                    return;
+                }
+                mode.a.row(place).iter().for_each(|&(j, x)| self.state[j] += factor * x);
+                let own = &mut self.in_mode(mode).a;
+                let mut row = own.row_mut(place - machine.system.coordinates);
+                row.iter_mut().zip(z.iter()).for_each(|(sum, x)| *sum += factor * x);
+            }
             Owner::Element(i) => {
                 let Some(&part) = machine.system.parts[i].first() else { return };
                 let Some(rows) = machine.system.elongation_of_part(part) else { return };
@@ -183,6 +194,7 @@ impl<'a> Adjoint<'a> {
                     Part::Spring(i) => &mut self.weights.springs[i].0,
                     Part::Stop(i) => &mut self.weights.stops[i].elongation,
                     Part::Friction(i) => &mut self.weights.frictions[i].elongation,
+                    Part::Branch(i) => &mut self.weights.branches[i].elongation,
                     Part::Load(_) => return,
                 };
                 let is_place = quantity.what == What::E;
@@ -229,6 +241,10 @@ impl<'a> Adjoint<'a> {
             Part::Spring(i) => {
                 self.state.axpy(factor, &system.springs[i].force, 1.0);
                 return self.weights.springs[i].1.axpy(factor, z, 1.0);
+            }
+            Part::Branch(i) => {
+                self.state.axpy(factor, &system.branches[i].force, 1.0);
+                return self.weights.branches[i].force.axpy(factor, z, 1.0);
             }
             Part::Load(i) => {
                 self.state.axpy(factor, &system.loads[i], 1.0);

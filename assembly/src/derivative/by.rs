@@ -12,8 +12,8 @@ pub enum By {
     /// A number of the machine, by its name in
     /// [`Description::parameters`](crate::Description::parameters).
     Parameter(String),
-    /// A number of the state at the start, by its place: the machine's coordinates, then their
-    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies).
+    /// A number of the state at the start, by its place: the machine's coordinates, their rates,
+    /// states of first order ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies).
     Start(usize),
     /// The time of the start, with the state there kept.
     Time,
@@ -44,7 +44,7 @@ impl fmt::Display for By {
 impl By {
     /// Refuses what a machine does not have.
     pub(super) fn check(&self, assembly: &Assembly) -> Result<(), Error> {
-        let count = 2 * assembly.system.coordinates;
+        let count = assembly.system.states();
         match self {
             Self::Parameter(name) => Ok(assembly.description.parameter(name).map(drop)?),
             Self::Start(place) if *place >= count => Err(Error::OutOfRange {

@@ -7,7 +7,7 @@ use super::columns::Columns;
 use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
-use crate::mode::{Contact, StopState, Watch};
+use crate::mode::{Contact, SliderState, StopState, Watch};
 use crate::motion::{Event, EventKind};
 use crate::system::Functional;
 use nalgebra::DVector;
@@ -70,7 +70,10 @@ impl Crossing<'_> {
     fn jumps(&self) -> bool {
         let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
         let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
-            was.iter().zip(is.iter()).any(|(a, b)| (a - b).abs() > STILL * (a.abs() + b.abs()))
+            // An inner place that begins to move exerts no force at once.
+            let inner = self.machine.system.places_of_first_order();
+            let all = was.iter().zip(is.iter()).enumerate().filter(|(i, _)| !inner.contains(i));
+            all.into_iter().any(|(_, (a, b))| (a - b).abs() > STILL * (a.abs() + b.abs()))
         };
         !self.impulses.is_empty() || all.into_iter().any(differ)
     }
@@ -166,13 +169,16 @@ impl Crossing<'_> {
         let (machine, after) = (self.machine, &self.after);
         let fills = machine.tangents[p].signals.varies();
         let holds = after.mode.mode.contacts().next().is_some();
-        if !fills && !holds && self.still.is_empty() {
+        let slides = !machine.system.branches.is_empty();
+        if !fills && !holds && !slides && self.still.is_empty() {
             return Ok(());
         }
         let (mut delta, scale) = (deltas.column(p), scales.column(p));
         machine.fill(p, after.time, after.z, &mut delta);
         machine.returns(Varied { p, delta: &delta, scale: &scale.sup(&delta.abs()) }, after)?;
         machine.keep(p, &mut delta, &scale, after)?;
+        let moved = |i: usize| machine.system.was_moved(i, self.before.z.as_slice(), after.z.as_slice());
+        machine.keep_levels(p, &mut delta, after, moved);
         deltas.put(p, &delta);
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }
@@ -222,6 +228,8 @@ impl Crossing<'_> {
                 is_kept || self.together.iter().any(|own| own.0.contact() == contact)
             }
             Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) => is_kept,
+            // The force was at its level while the slider slipped.
+            Watch::Yields(i, _) => self.before.mode.mode.sliders[i] != SliderState::Held,
             _ => false,
         }
     }
@@ -321,6 +329,7 @@ impl Crossing<'_> {
         let changes = |contact| match contact {
             Contact::Stop(i) => self.after.mode.mode.stops[i] != mode.mode.stops[i],
             Contact::Friction(i) => self.after.mode.mode.frictions[i] != mode.mode.frictions[i],
+            Contact::Slider(i) => self.after.mode.mode.sliders[i] != mode.mode.sliders[i],
         };
         let mut times = Vec::new();
         for (watch, row) in self.together.iter().copied() {

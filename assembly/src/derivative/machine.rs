@@ -137,10 +137,7 @@ impl Machine {
     }
 
     pub fn name_of(&self, contact: Contact) -> String {
-        match contact {
-            Contact::Stop(i) => self.assembly.name_of_stop(i),
-            Contact::Friction(i) => self.assembly.name_of_friction(i),
-        }
+        self.assembly.name_of_contact(contact)
     }
 
     /// What a unit impulse of an element changes in the velocities, with the reaction of the
@@ -239,6 +236,7 @@ impl Machine {
         let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
         self.project(p, &basis[..stops], false, delta, at);
         self.project(p, basis, true, delta, at);
+        self.keep_levels(p, delta, at, |_| None);
         for contact in at.mode.mode.contacts().filter(|contact| !basis.contains(contact)) {
             if self.turns_away(p, at.mode, contact) {
                 return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
@@ -352,10 +350,10 @@ impl Machine {
     }
 
     /// Whether the force is continuous where this functional passes zero: that of a stop without
-    /// damping, or without it there.
+    /// damping, or without it there, or of a branch with a slider.
     pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
-            Watch::Turns(_) => true,
+            Watch::Turns(_) | Watch::Yields(..) | Watch::Reverses(_) => true,
             Watch::Leaves(i) if self.system.stops[i].may_rebound() => true,
             Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => !self.system.stops[i].is_damped(),
             _ => false,

@@ -143,7 +143,7 @@ impl VariedMode {
         system.parts[i].iter().any(|part| match *part {
             Part::Stop(i) => self.shared.contains(&Contact::Stop(i)),
             Part::Friction(i) => self.shared.contains(&Contact::Friction(i)),
-            Part::Spring(_) | Part::Load(_) => false,
+            Part::Spring(_) | Part::Branch(_) | Part::Load(_) => false,
         })
     }
 
@@ -224,6 +224,11 @@ impl VariedMode {
                     None => force,
                 }
             }
+            Watch::Yields(i, up) => {
+                let by = &tangent.branches[i];
+                if up { &by.force - &by.level } else { -&by.force - &by.level }
+            }
+            Watch::Reverses(i) => -self.mode.sliders[i].direction() * &tangent.branches[i].elongation.rate,
             Watch::Level(i) => {
                 let off = self.mode.frictions[i] == crate::mode::FrictionState::Off;
                 let place = system.frictions[i].place(&self.mode.stops).unwrap_or_default();
@@ -271,7 +276,8 @@ impl VariedMode {
         let rows = change.row_iter().enumerate();
         let rows = rows.map(|(k, row)| (n + k, Sparse::of(row.transpose().as_slice())));
         let signals = tangent.signals.rates().map(|(i, term)| (i, Sparse::from_terms(std::iter::once(term))));
-        let a = rows.filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
+        let inner = tangent.first_order(system, &self.mode).map(|(i, row)| (i, Sparse::of(row.as_slice())));
+        let a = rows.chain(inner).filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
         InMode { a, lambda }
     }
 }

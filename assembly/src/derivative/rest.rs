@@ -3,7 +3,9 @@
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
+use crate::description::SeriesLaw;
 use crate::mode::Contact;
+use crate::system::BranchRows;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative singular value under which nothing acts in a direction.
@@ -37,8 +39,11 @@ pub(super) fn equilibrium(
             forces.ger(-1.0, &system.frictions[i].elongation.w, &force, 1.0);
         }
     }
-    let mut right = tangent.forces_in(system, mode) * at.z + &forces * &*delta;
+    let mut right = tangent.forces_in(system, mode) * at.z;
+    take_relaxed(machine, p, at, (&mut forces, &mut right));
+    right += &forces * &*delta;
     if right.amax() == 0.0 && mode.contacts().all(|contact| is_unmoved(machine, p, contact, (delta, at))) {
+        follow(machine, p, delta, at);
         return Ok(());
     }
     let held = held(machine, p, at)?;
@@ -67,7 +72,7 @@ pub(super) fn equilibrium(
                 let column = Varied { p, delta, scale: delta };
                 machine.point(column, at).of(&system.stops[i].excess, &tangent.stops[i].excess)
             }
-            Contact::Friction(_) => by.w.dot(&at.z.rows(0, n)),
+            Contact::Friction(_) | Contact::Slider(_) => by.w.dot(&at.z.rows(0, n)),
         };
         known[n + place] = -off * scale / norm;
     }
@@ -75,7 +80,56 @@ pub(super) fn equilibrium(
     let solved = matrix.svd(true, true).solve(&known, limit).unwrap_or_else(|_| DVector::zeros(size));
     let found = root.tr_solve_lower_triangular(&solved.rows(0, n)).unwrap_or_else(|| DVector::zeros(n));
     delta.rows_mut(0, n).copy_from(&found);
+    follow(machine, p, delta, at);
     Ok(())
+}
+
+/// Takes springs in series that have relaxed, or whose slider is at its level, out of the forces, and
+/// out of what the column changes in them: they bear nothing at rest, or their level.
+fn take_relaxed(
+    machine: &Machine,
+    p: usize,
+    at: &Instant,
+    (forces, right): (&mut DMatrix<f64>, &mut DVector<f64>),
+) {
+    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
+        let level = match level_at_rest(branch, at) {
+            Rest::Elastic => continue,
+            Rest::Relaxed => 0.0,
+            Rest::AtLevel(direction) => direction * by.level.dot(at.z),
+        };
+        forces.ger(1.0, &branch.elongation.w, &branch.force, 1.0);
+        right.axpy(by.force.dot(at.z) - level, &branch.elongation.w, 1.0);
+    }
+}
+
+/// What a branch is at rest: one with a dashpot has relaxed, a slider has not moved from zero or is
+/// at its level.
+enum Rest {
+    Relaxed,
+    Elastic,
+    AtLevel(f64),
+}
+
+fn level_at_rest(branch: &BranchRows, at: &Instant) -> Rest {
+    match branch.law {
+        SeriesLaw::Dashpot { .. } => Rest::Relaxed,
+        SeriesLaw::Slider { .. } if at.z[branch.place] == 0.0 => Rest::Elastic,
+        SeriesLaw::Slider { .. } => Rest::AtLevel(branch.force.dot(at.z).signum()),
+    }
+}
+
+/// The inner places of these springs follow their elongations.
+fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
+    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
+        let direction = match level_at_rest(branch, at) {
+            Rest::Elastic => continue,
+            Rest::Relaxed => 0.0,
+            Rest::AtLevel(direction) => direction,
+        };
+        let off = branch.force.dot(delta) + by.force.dot(at.z) - direction * by.level.dot(at.z);
+        delta[branch.place] += off / branch.stiffness;
+    }
 }
 
 /// Whether a column changes nothing in a contact at rest: its direction, its place, its level.
@@ -88,6 +142,7 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
             let Some(place) = friction.place(&at.mode.mode.stops) else { return true };
             (&*friction.levels[place].static_level, &tangent.frictions[i].levels[place].static_level)
         }
+        Contact::Slider(i) => (&*system.branches[i].force, &tangent.branches[i].force),
     };
     by.w.amax() == 0.0 && row.dot(delta) + own.dot(at.z) == 0.0
 }
@@ -114,6 +169,7 @@ fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact
             let level = machine.system.frictions[i].at(&mode.stops).map_or(0.0, |own| own.level.dot(at.z));
             way.abs() <= STILL * size && force(k).0.abs() < (1.0 - STILL) * level
         }
+        Contact::Slider(_) => true,
     };
     let contacts = mode.contacts().filter(|c| keeps(&(0, *c)));
     let limit = |contact| Lost { time: at.time, element: machine.name_of(contact), cause: Cause::Limit };

@@ -50,6 +50,7 @@ impl Machine {
         });
         match contact {
             Contact::Stop(i) => force > size && self.system.stops[i].restitution() < Some(1.0),
+            Contact::Slider(_) => true,
             Contact::Friction(i) => {
                 let level = self.system.frictions[i].at(&mode.stops).map_or(0.0, |own| own.level.dot(at.z));
                 mode.frictions[i] == FrictionState::Stuck && force.abs() + size < (1.0 - STILL) * level

@@ -8,6 +8,7 @@ use super::rest::equilibrium;
 use crate::law::ZERO;
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
+use crate::system::Functional;
 use nalgebra::DVector;
 
 /// What determines the state at the start.
@@ -54,7 +55,9 @@ impl Start<'_> {
         let scale = scale.sup(&delta.abs());
         machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
         machine.keep(p, &mut delta, &scale, at)?;
+        machine.keep_levels(p, &mut delta, at, |i| self.is_moved(i));
         let mut still = machine.still(at, true);
+        still.extend(at.mode.watched.iter().filter(|own| self.is_at_level(own)));
         still.retain(|(watch, _)| !matches!(*watch, Watch::Meets(i) if self.separates(i)));
         machine.check(Varied { p, delta: &delta, scale: &scale }, at, &still)?;
         if machine.columns[p] == By::Time {
@@ -83,9 +86,33 @@ impl Start<'_> {
                     delta[k] += s;
                     delta[n + k] += v;
                 }
+                for (k, slider) in tangent.inner.iter().enumerate() {
+                    delta[2 * n + k] += slider;
+                }
             }
         }
         Ok(delta)
+    }
+
+    /// The direction of the force of a branch whose slider the start has moved to its level.
+    fn is_moved(&self, i: usize) -> Option<f64> {
+        let (machine, z) = (self.machine, self.begun);
+        let branch = &machine.system.branches[i];
+        let given = machine.assembly.inner[branch.place - 2 * machine.system.coordinates];
+        let is_moved = self.given == Given::Machine && given != z[branch.place];
+        is_moved.then(|| branch.force.dot(z).signum())
+    }
+
+    /// Whether a slider is held at its level: on one side of a start that varies its force it has been
+    /// moved. At rest it has come there from zero.
+    fn is_at_level(&self, (watch, row): &(Watch, Functional)) -> bool {
+        let rests = self.given == Given::Machine && self.machine.assembly.description.starts_at_rest;
+        match *watch {
+            Watch::Yields(i, _) => {
+                !rests && self.is_moved(i).is_none() && self.machine.is_zero(row, &self.at)
+            }
+            _ => false,
+        }
     }
 
     fn limit(&self, element: String) -> Lost {

@@ -1,6 +1,7 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
 use super::bodies::{BodyTangent, bodies};
+use super::branches::BranchTangent;
 use crate::description::{Arms, BodyKind, Description, Follows, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
@@ -61,10 +62,13 @@ pub(super) struct Tangent {
     pub springs: Vec<(ElongationTangent, StateRow)>,
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
+    pub branches: Vec<BranchTangent>,
     /// By load: its force.
     pub loads: Vec<StateRow>,
     /// By coordinate: start values of place and rate.
     pub starts: Vec<(f64, f64)>,
+    /// By state of first order: its start value.
+    pub inner: Vec<f64>,
 }
 
 /// The description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
@@ -121,14 +125,17 @@ impl Tangent {
             springs: Vec::new(),
             stops: Vec::new(),
             frictions: Vec::new(),
+            branches: Vec::new(),
             loads: Vec::new(),
             starts: system.bodies_of.iter().map(start).collect(),
+            inner: Vec::new(),
             signals,
         };
         tangent.put_inertia(system, d, &along);
         tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.put_loads(system, d);
         tangent.put_springs(system, d, &along);
+        tangent.put_branches(system, d, &along);
         tangent.put_stops(system, d, &along);
         tangent.put_frictions(system, d, &along);
         tangent
@@ -170,9 +177,11 @@ impl Tangent {
     fn put_springs(&mut self, system: &System, d: &Description, along: &Description) {
         let springs = d.springs.iter().zip(&along.springs);
         let springs = springs.map(|(s, by)| {
-            let (dk, preload) = match s.points.is_empty() {
-                true => (by.stiffness, by.preload),
-                false => {
+            let (dk, preload) = match (&s.series, s.points.is_empty()) {
+                // The stiffness of a spring in series is that of its branch.
+                (Some(_), _) => (0.0, by.preload),
+                (None, true) => (by.stiffness, by.preload),
+                (None, false) => {
                     let line = Polyline::derivative(&s.points, &by.points);
                     (line.stiffness, line.preload)
                 }
@@ -256,7 +265,7 @@ impl Tangent {
         states.into_iter().filter_map(of_state).collect()
     }
 
-    fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
+    pub(super) fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {
         let size = system.signals.size;
         let (mut e, mut rate, mut drift) =
             (StateRow::zeros(size), StateRow::zeros(size), StateRow::zeros(size));
@@ -276,6 +285,7 @@ impl Tangent {
         match contact {
             Contact::Stop(i) => &self.stops[i].elongation,
             Contact::Friction(i) => &self.frictions[i].elongation,
+            Contact::Slider(i) => &self.branches[i].elongation,
         }
     }
 

@@ -41,6 +41,11 @@ impl Point<'_> {
         let parts = &self.system.parts[i];
         match quantity.what {
             What::F => parts.iter().map(|&part| self.force(part)).sum(),
+            What::Slider => self.system.slider_of(i).map_or(0.0, |place| self.delta[place]),
+            What::SliderRate => self
+                .system
+                .slider_of(i)
+                .map_or(0.0, |place| self.mode.rates_by(self.p, self.z, self.delta)[place]),
             what => parts.first().map_or(0.0, |&part| self.elongation(part, what)),
         }
     }
@@ -65,6 +70,7 @@ impl Point<'_> {
             Part::Spring(i) => &self.tangent.springs[i].0,
             Part::Stop(i) => &self.tangent.stops[i].elongation,
             Part::Friction(i) => &self.tangent.frictions[i].elongation,
+            Part::Branch(i) => &self.tangent.branches[i].elongation,
             Part::Load(_) => return 0.0,
         };
         let Some(own) = self.system.elongation_of_part(part) else { return 0.0 };
@@ -84,6 +90,7 @@ impl Point<'_> {
         let (system, tangent, mode) = (self.system, self.tangent, &self.mode.mode);
         match part {
             Part::Spring(i) => self.of(&system.springs[i].force, &tangent.springs[i].1),
+            Part::Branch(i) => self.of(&system.branches[i].force, &tangent.branches[i].force),
             Part::Load(i) => self.of(&system.loads[i], &tangent.loads[i]),
             Part::Stop(i) => match mode.stops[i] {
                 StopState::Closed => self.held(Contact::Stop(i)),

@@ -2,6 +2,7 @@
 //! follows (docs/assembly-law.md (A35)).
 
 use super::bodies::BodyTangent;
+use super::branches::BranchTangent;
 use super::columns::padded;
 use super::mode::VariedMode;
 use super::tangent::{ElongationTangent, FrictionTangent, LevelTangent, StopTangent, Tangent};
@@ -17,6 +18,7 @@ pub(super) struct Weights {
     pub springs: Vec<(ElongationTangent, StateRow)>,
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
+    pub branches: Vec<BranchTangent>,
     pub loads: Vec<StateRow>,
     /// Of the signals' rows of A, from the first one on.
     signals: DMatrix<f64>,
@@ -76,6 +78,12 @@ impl Weights {
             levels: vec![level.clone(); own.levels.len()],
         };
         let frictions = system.frictions.iter().map(friction).collect();
+        let branch = BranchTangent {
+            elongation: e.clone(),
+            force: row.clone(),
+            rate: row.clone(),
+            level: row.clone(),
+        };
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {
             mass: DMatrix::zeros(n, n),
@@ -84,6 +92,7 @@ impl Weights {
             springs: vec![(e, row.clone()); system.springs.len()],
             stops: vec![stop; system.stops.len()],
             frictions,
+            branches: vec![branch; system.branches.len()],
             loads: vec![row; system.loads.len()],
             signals: DMatrix::zeros(size - system.signals.one, size),
         }
@@ -93,6 +102,7 @@ impl Weights {
         match contact {
             Contact::Stop(i) => &mut self.stops[i].elongation,
             Contact::Friction(i) => &mut self.frictions[i].elongation,
+            Contact::Slider(i) => &mut self.branches[i].elongation,
         }
     }
 
@@ -178,6 +188,15 @@ impl Weights {
                     self.frictions[i].levels[levels].static_level.axpy(-factor, z, 1.0);
                 }
             }
+            Watch::Yields(i, up) => {
+                let own = &mut self.branches[i];
+                own.force.axpy(if up { factor } else { -factor }, z, 1.0);
+                own.level.axpy(-factor, z, 1.0);
+            }
+            Watch::Reverses(i) => {
+                let factor = -mode.mode.sliders[i].direction() * factor;
+                self.branches[i].elongation.rate.axpy(factor, z, 1.0);
+            }
             Watch::Level(i) => {
                 let off = mode.mode.frictions[i] == FrictionState::Off;
                 let levels = system.frictions[i].place(&mode.mode.stops).unwrap_or_default();
@@ -211,7 +230,9 @@ impl Weights {
     pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
         let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
         let by_a = own.by_a();
-        self.signals += by_a.rows(n, size - 2 * n);
+        let one = system.signals.one;
+        self.signals += by_a.rows(one - n, size - one);
+        self.add_first_order(system, &mode.mode, &by_a);
         let own_a = by_a.rows(0, n);
         let mut acceleration = DMatrix::zeros(n, size);
         for k in 0..n {
@@ -280,10 +301,17 @@ impl Weights {
                 levels.map(|(own, by)| own.level.dot(&by.level) + own.static_level.dot(&by.static_level));
             e(&own.elongation, &by.elongation) + levels.sum::<f64>()
         });
+        let branches = self.branches.iter().zip(&tangent.branches).map(|(own, by)| {
+            e(&own.elongation, &by.elongation)
+                + own.force.dot(&by.force)
+                + own.rate.dot(&by.rate)
+                + own.level.dot(&by.level)
+        });
         let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
         let one = system.signals.one;
         let signals = tangent.signals.rates().map(|(i, (j, x))| self.signals[(i - one, j)] * x);
-        let elements = bodies.chain(springs).chain(stops).chain(frictions).chain(loads).chain(signals);
+        let elements =
+            bodies.chain(springs).chain(stops).chain(frictions).chain(branches).chain(loads).chain(signals);
         self.mass.dot(&tangent.mass) + self.forces.dot(&tangent.forces) + elements.sum::<f64>()
     }
 }

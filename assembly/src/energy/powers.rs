@@ -4,10 +4,10 @@
 use super::long::WorkIntegral;
 use super::nodes::NodeStates;
 use super::{AtNodes, EIGHT, NODES, SHORT};
-use crate::description::StopLaw;
+use crate::description::{SeriesLaw, StopLaw};
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
 use crate::kernel::{Sparse, SparseColumns};
-use crate::mode::{FrictionState, Mode, StopState};
+use crate::mode::{FrictionState, Mode, SliderState, StopState};
 use crate::system::{StateRow, System};
 use std::sync::Arc;
 
@@ -80,6 +80,8 @@ pub enum Account {
     Stop(usize),
     /// Loss in a friction.
     Friction(usize),
+    /// Loss in the partner of a spring in series.
+    Branch(usize),
 }
 
 /// The states within an interval of time, from which powers are computed.
@@ -110,6 +112,7 @@ enum When {
     Friction(usize, FrictionState),
     /// A friction in a state while the stop that it follows is in another.
     Following((usize, FrictionState), (usize, StopState)),
+    Slider(usize, SliderState),
 }
 
 /// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
@@ -167,6 +170,17 @@ impl Losses {
                 }
             }
         }
+        for (i, branch) in system.branches.iter().enumerate() {
+            let (account, force) = (Account::Branch(i), &branch.force);
+            match branch.law {
+                SeriesLaw::Dashpot { damping } => put(When::Always, account, 1.0 / damping, force, force),
+                SeriesLaw::Slider { .. } => {
+                    for state in [SliderState::Up, SliderState::Down] {
+                        put(When::Slider(i, state), account, 1.0, force, &branch.elongation.rate);
+                    }
+                }
+            }
+        }
         Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
     }
 
@@ -179,6 +193,7 @@ impl Losses {
             When::Following((i, state), (stop, pressed)) => {
                 mode.frictions[i] == state && mode.stops[stop] == pressed
             }
+            When::Slider(i, state) => mode.sliders[i] == state,
         };
         self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
     }
@@ -315,6 +330,9 @@ impl Powers {
         for spring in &system.springs {
             add(1.0, &spring.force, &spring.elongation.rate);
         }
+        for branch in &system.branches {
+            add(1.0, &branch.force, &branch.elongation.rate);
+        }
         for (i, stop) in system.stops.iter().enumerate() {
             if let Some(force) = system.stop_force(i, mode.stops[i]) {
                 add(1.0, &force, &stop.elongation.rate);
@@ -421,8 +439,8 @@ impl Powers {
     }
 
     /// The first coordinate that any power depends on: the velocities', where none does on places.
-    pub fn first(&self, one: usize) -> usize {
-        if self.needs_places { 0 } else { one / 2 }
+    pub fn first(&self, coordinates: usize) -> usize {
+        if self.needs_places { 0 } else { coordinates }
     }
 }
 

@@ -4,6 +4,7 @@ use super::bodies::Names;
 use super::follows;
 use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
+use super::series;
 use super::signals::{self, Values};
 use crate::description::{
     Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
@@ -62,19 +63,26 @@ fn with_arms<T>(
 }
 
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
-    reading.known(table, &["between", "arms", "stiffness", "damping", "preload", "points"]);
-    let (arms, (stiffness, damping, preload, points)) =
+    let own = ["between", "arms", "stiffness", "damping", "preload", "points"];
+    reading.known(table, &[&own, &series::KEYS[..]].concat());
+    let (arms, (stiffness, damping, preload, points, series)) =
         with_arms(reading, table, names, |reading, dimension| {
             let points = points::read(reading, table, dimension);
+            let series = series::read(reading, table, dimension);
             let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
             if table.has("points") {
-                return Some((0.0, damping?, 0.0, points?));
+                return Some((0.0, damping?, 0.0, points?, series?));
             }
-            let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
-            let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-            Some((stiffness?, damping?, preload?, points?))
+            let is_in_series = series::is_given(table);
+            let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+            let stiffness = reading.required_number(table, "stiffness", kind, dimension);
+            let preload = match is_in_series {
+                true => Some(0.0),
+                false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
+            };
+            Some((stiffness?, damping?, preload?, points?, series?))
         })?;
-    Some(Spring { name, arms, stiffness, damping, preload, points })
+    Some(Spring { name, arms, stiffness, damping, preload, points, series })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {

@@ -1,4 +1,4 @@
-//! Reading of a start: its time, and coordinates and rates of bodies.
+//! Reading of a start: its time, coordinates and rates of bodies, inner places of springs in series.
 
 use super::no_records;
 use super::reading::{self, FileTable, Reading};
@@ -6,6 +6,7 @@ use crate::description::{BodyKind, Description, Dimension};
 use crate::kinds;
 use crate::refusal::Refusal;
 use crate::start::{BodyStart, Start};
+use crate::system::in_series;
 
 impl Start {
     /// Reads the text of a start's file, in which messages call it `file`:
@@ -48,11 +49,12 @@ fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
 }
 
 fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
-    reading.known(root, &["time", "body"]);
+    reading.known(root, &["time", "body", "spring"]);
     let mut start = Start::default();
     if let Some(time) = reading.required_number(root, "time", kinds::TIME, Dimension::Translation) {
         start.time = time;
     }
+    sliders(reading, root, d, &mut start);
     let Some(whole) = reading.optional(root, "body") else { return start };
     const TABLES: &str = "allowed are tables with names, such as [body.NAME]";
     let Some(whole) = reading.table(&whole, TABLES) else { return start };
@@ -78,4 +80,25 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
         start.bodies.insert(body.name.clone(), given);
     }
     start
+}
+
+/// Reads the inner places of springs in series.
+fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
+    let Some(whole) = reading.optional(root, "spring") else { return };
+    let Some(whole) = reading.table(&whole, "allowed are tables with names, such as [spring.NAME]") else {
+        return;
+    };
+    for entry in reading.all(&whole) {
+        let Some((spring, _)) = in_series(d).find(|(spring, _)| spring.name == entry.key) else {
+            let names = in_series(d).map(|(spring, _)| spring.name.as_str());
+            reading.refuse_name(&entry, &entry.key, "no spring in series has this name", names);
+            continue;
+        };
+        let Some(table) = reading.table(&entry, "allowed is a table such as { slider = 0.0 }") else {
+            continue;
+        };
+        reading.known(&table, &["slider"]);
+        let slider = reading.required_number(&table, "slider", kinds::SLIDER, spring.arms.dimension);
+        start.sliders.extend(slider.map(|slider| (spring.name.clone(), slider)));
+    }
 }

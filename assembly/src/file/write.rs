@@ -1,7 +1,8 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Signal, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, SeriesLaw, Signal,
+    Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -36,17 +37,7 @@ pub(super) fn machine(machine: &Description) -> String {
             own.arms(&mut text, &of, arms);
         }
         match element {
-            Element::Spring(spring) => {
-                let is_line = spring.points.is_empty();
-                if is_line {
-                    own.line(&mut text, &of, "stiffness", spring.stiffness);
-                }
-                own.line(&mut text, &of, "damping", spring.damping);
-                match is_line {
-                    true => own.line(&mut text, &of, "preload", spring.preload),
-                    false => own.points(&mut text, &of, &spring.points),
-                }
-            }
+            Element::Spring(spring) => own.spring(&mut text, &of, spring),
             Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
@@ -155,6 +146,23 @@ impl Writing<'_> {
         };
         let all: Vec<_> = points.iter().enumerate().map(point).collect();
         line!(text, "points = [{}]", all.join(", "));
+    }
+
+    fn spring(&self, text: &mut String, of: &str, spring: &Spring) {
+        if !spring.points.is_empty() {
+            self.line(text, of, "damping", spring.damping);
+            return self.points(text, of, &spring.points);
+        }
+        self.line(text, of, "stiffness", spring.stiffness);
+        self.line(text, of, "damping", spring.damping);
+        let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
+        match series.law {
+            SeriesLaw::Dashpot { damping } => self.line(text, of, "series_damping", damping),
+            SeriesLaw::Slider { slip } => self.line(text, of, "slip", slip),
+        }
+        if !self.machine.starts_at_rest {
+            self.line(text, of, "slider", series.slider);
+        }
     }
 
     fn stop(&self, text: &mut String, of: &str, stop: &Stop) {

@@ -60,14 +60,13 @@ impl Series {
     /// The term of order `k`, A times the one before and `factor`.
     #[inline(always)]
     fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
-        let (size, own) = (self.size, table.one);
+        let (size, own) = (self.size, table.coordinates);
         let (before, after) = self.terms.split_at_mut(k * size);
         let before = &before[(k - 1) * size..];
-        // The rates of the coordinates, which are the first half of the machine's own, are the
-        // velocities.
-        let (lengths, others) = after[..size].split_at_mut(own / 2);
-        lengths.iter_mut().zip(&before[own / 2..]).for_each(|(q, v)| *q = factor * v);
-        table.rows_times_to(own / 2, before, factor, others);
+        // The rates of the coordinates are the velocities, which follow them.
+        let (lengths, others) = after[..size].split_at_mut(own);
+        lengths.iter_mut().zip(&before[own..]).for_each(|(q, v)| *q = factor * v);
+        table.rows_times_to(own, before, factor, others);
     }
 
     #[inline(always)]

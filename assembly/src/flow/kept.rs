@@ -39,9 +39,11 @@ impl pulp::WithSimd for Making<'_> {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// For each velocity: its Taylor coefficients from order 1 on, for time in units of an
+    /// For each velocity and each state of first order: its Taylor coefficients from order 1 on, for time in units of an
     /// interval. Each column belongs to one number of the state.
     velocities: Vec<SparseColumns<WITHIN>>,
+    /// Number of coordinates.
+    coordinates: usize,
     /// ∫ (h - s) exp(A s) ds over a sub-step h, if elastic forces are computed separately. Then
     /// z(h) = z + h z' + (this matrix) z''.
     integral: Option<Blocks>,
@@ -63,7 +65,8 @@ impl Kept {
         let (size, transpose) = (a.len(), a.transpose());
         let watched: Vec<_> = table.watched.iter().map(|w| w.row.dense(size)).collect();
         let watched = watch_columns(&watched, &transpose, (step, table.apart.is_some()));
-        let rates: Vec<_> = (one / 2..one).map(|j| (a.row_of(j) * step).as_slice().to_vec()).collect();
+        let rates: Vec<_> =
+            (table.coordinates..one).map(|j| (a.row_of(j) * step).as_slice().to_vec()).collect();
         let mut velocities = taylor::<WITHIN>(&transpose, &rates, step);
         for c in velocities.iter_mut().flatten() {
             (0..WITHIN).for_each(|k| c[k] /= (k + 1) as f64);
@@ -71,6 +74,7 @@ impl Kept {
         Self {
             transitions: exponentials(a, table.rate, table.length, &ENDS).iter().map(Blocks::of).collect(),
             velocities: velocities.iter().map(|columns| SparseColumns::of(columns)).collect(),
+            coordinates: table.coordinates,
             heads: Heads::of(&table.watched, &watched, size),
             watched,
             integral: table.apart.as_ref().map(|_| Blocks::of(&second_integral(a, table.rate, table.length))),
@@ -120,7 +124,7 @@ impl Kept {
         self.transitions[i].times(z, to);
     }
 
-    /// Writes coordinates and velocities at a time `dt` within an interval of length `step` from
+    /// Writes coordinates, velocities and states of first order at a time `dt` within an interval of length `step` from
     /// the state at its start.
     #[inline(always)]
     pub(super) fn within(&self, z: &[f64], dt: f64, step: f64, to: &mut [f64]) {
@@ -130,12 +134,14 @@ impl Kept {
             powers[k] = powers[(k - 1) / 2] * powers[k / 2];
         }
         let integrals: [f64; WITHIN] = std::array::from_fn(|k| powers[k] * INTEGRAL[k]);
-        let (q, v) = z.split_at(self.velocities.len());
-        let (to_q, to_v) = to.split_at_mut(self.velocities.len());
+        let (q, v) = z.split_at(self.coordinates);
+        let (to_q, to_v) = to.split_at_mut(self.coordinates);
         for (j, columns) in self.velocities.iter().enumerate() {
             let c = columns.times(z);
             // The larger terms are added last.
-            to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
+            if j < self.coordinates {
+                to_q[j] = q[j] + (v[j] + product(&c, &integrals)) * dt;
+            }
             to_v[j] = v[j] + product(&c, &powers);
         }
     }

@@ -26,7 +26,7 @@ mod order;
 
 use super::Sizes;
 use super::box_qp::Jam;
-use crate::mode::{Contact, FrictionState, Mode, StopState};
+use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::{StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
@@ -61,6 +61,25 @@ enum Friction {
     AtLevel(f64),
 }
 
+/// Verdict on a slider so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Slider {
+    /// Decided.
+    Is(SliderState),
+    /// Its force is at its level in this direction, and e' and its derivatives are zero up to the
+    /// present order.
+    AtLevel(f64),
+}
+
+/// What is known of a slider where values alone would be rounding.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SliderFlag {
+    /// The direction in which its force is at its level; 0 where values decide.
+    pub level: f64,
+    /// Whether e' = 0.
+    pub turns: bool,
+}
+
 /// State of a selection.
 pub struct Selection<'a> {
     system: &'a System,
@@ -70,6 +89,7 @@ pub struct Selection<'a> {
     sizes: Vec<Sizes>,
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
+    sliders: Vec<Slider>,
     /// Contacts in the order in which their forces came to lie strictly inside their bounds. They
     /// are preferred for the basis: contacts that depend on them then keep a share that is a bound
     /// or zero.
@@ -97,6 +117,8 @@ pub struct EventVerdict<'a> {
     pub edges: &'a [bool],
     /// By stop: whether the force of a compliant stop is at a limit.
     pub limits: &'a [bool],
+    /// By branch.
+    pub sliders: &'a [SliderFlag],
     /// Places of rigid stops that count as open at any speed, since their impact is still to come.
     pub open: &'a [usize],
 }
@@ -136,6 +158,7 @@ impl<'a> Selection<'a> {
             sizes: vec![sizes.clone()],
             stops: Vec::new(),
             frictions: Vec::new(),
+            sliders: Vec::new(),
             preferred: Vec::new(),
             at_level: vec![0.0; system.frictions.len()],
             released: released.to_vec(),
@@ -150,6 +173,10 @@ impl<'a> Selection<'a> {
         for i in 0..system.frictions.len() {
             let state = selection.classify_friction(i, verdict.resting[i]);
             selection.frictions.push(state);
+        }
+        for (i, flag) in verdict.sliders.iter().enumerate() {
+            let state = selection.classify_slider(i, *flag);
+            selection.sliders.push(state);
         }
         selection.pressing = selection.states().0;
         selection
@@ -187,6 +214,7 @@ impl<'a> Selection<'a> {
     fn is_decided(&self) -> bool {
         self.stops.iter().all(|s| matches!(s, Stop::Is(_)))
             && self.frictions.iter().all(|f| matches!(f, Friction::Is(_)))
+            && self.sliders.iter().all(|s| matches!(s, Slider::Is(_)))
             && (0..self.frictions.len()).all(|i| self.is_level_decided(i))
     }
 
@@ -203,9 +231,17 @@ impl<'a> Selection<'a> {
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Decides compliant stops by the next derivative where it is not zero. At order k the
+    /// Decides compliant stops and sliders by the next derivative where it is not zero. At order k the
     /// derivatives of e up to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
+        for i in 0..self.sliders.len() {
+            if let Slider::AtLevel(direction) = self.sliders[i] {
+                let sign = self.sign(&self.system.branches[i].elongation.rate, order);
+                if sign != 0.0 {
+                    self.sliders[i] = slid(direction, sign);
+                }
+            }
+        }
         for i in 0..self.stops.len() {
             let stop = &self.system.stops[i];
             match self.stops[i] {
@@ -333,6 +369,13 @@ impl<'a> Selection<'a> {
             next[n + k] = acceleration[k];
             size[n + k] = terms[k] + shares[k];
         }
+        let states = self.slider_states();
+        for (i, j) in self.system.places_of_first_order().enumerate() {
+            if let Some(row) = self.system.rate_of_first_order(i, &states) {
+                next[j] = row.dot(z);
+                size[j] = sizes.of(row);
+            }
+        }
         for j in signals.one..signals.size {
             let mut unit = StateRow::zeros(signals.size);
             unit[j] = 1.0;
@@ -372,8 +415,23 @@ impl<'a> Selection<'a> {
                 *state = if direction > 0.0 { FrictionState::HeldUp } else { FrictionState::HeldDown };
             }
         }
-        Mode { stops, frictions, basis }
+        Mode { stops, frictions, sliders: self.slider_states(), basis }
     }
+
+    /// The states of all branches, held where they are undecided: there e' is zero.
+    fn slider_states(&self) -> Vec<SliderState> {
+        let state = |slider: &Slider| match *slider {
+            Slider::Is(state) => state,
+            Slider::AtLevel(_) => SliderState::Held,
+        };
+        self.sliders.iter().map(state).collect()
+    }
+}
+
+/// A slider at its level in a direction, where the first nonzero derivative of e has a sign.
+fn slid(direction: f64, sign: f64) -> Slider {
+    let slips = direction * sign > 0.0;
+    Slider::Is(if slips { SliderState::slipping(direction) } else { SliderState::Held })
 }
 
 /// The slipping state with this sign of e'.

@@ -157,7 +157,7 @@ impl<'a> Held<'a> {
         Reaction { a: with(|x| x, |own| &own.accelerations), terms: with(f64::abs, |own| &own.terms), lambda }
     }
 
-    /// Absolute values of the projection of velocities past the contacts.
+    /// Absolute values of the projection past the contacts of velocities and states of first order.
     pub(super) fn loose_sizes(&self) -> SparseMatrix {
         let mut sizes = SparseMatrix::default();
         for (k, holder) in self.holders.iter().enumerate() {
@@ -170,6 +170,9 @@ impl<'a> Held<'a> {
                 None => sizes.push_row(std::iter::once((k, 1.0))),
             }
         }
+        // No contact holds a state of first order.
+        let inner = self.system.places_of_first_order().len();
+        (0..inner).for_each(|i| sizes.push_row(std::iter::once((self.system.coordinates + i, 1.0))));
         sizes
     }
 

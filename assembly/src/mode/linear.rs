@@ -3,7 +3,7 @@
 
 use super::groups::Triangle;
 use super::held::{Held, Reaction};
-use super::{Contact, FrictionState, Mode, StopState, Watch};
+use super::{Contact, FrictionState, Mode, SliderState, StopState, Watch};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::system::{Elongation, Functional, Split, StateRow, System, Term};
 use nalgebra::DMatrix;
@@ -12,6 +12,8 @@ use std::sync::Arc;
 /// The linear system of a mode.
 #[derive(Clone, Debug)]
 pub struct Linear {
+    /// Number of coordinates.
+    pub coordinates: usize,
     /// z' = A z.
     pub a: SparseMatrix,
     /// By entry of A: the sum of the sizes of its terms; `None` without contacts. If a closed stop
@@ -56,16 +58,27 @@ impl System {
         let terms = self.split_terms(mode);
         let free = match &terms {
             Some((split, elastic, others)) => split.with(elastic.iter().chain(others)),
-            None => self.matrix(&self.free_acceleration(&mode.stops, &mode.frictions)),
+            None => self.matrix(&self.free_acceleration(&mode.stops, &mode.frictions), &mode.sliders),
         };
         let elastic = self.elastic(mode, &held, terms);
         if mode.basis.is_empty() {
             let watched = self.watched(mode, &[]);
             let (lambda, triangle) = (Vec::new(), Triangle::default());
-            return Linear { a: free, terms: None, lambda, triangle, watched, elastic, loose: None };
+            let coordinates = self.coordinates;
+            return Linear {
+                coordinates,
+                a: free,
+                terms: None,
+                lambda,
+                triangle,
+                watched,
+                elastic,
+                loose: None,
+            };
         }
         let Reaction { a, terms, lambda } = held.react(&free);
         Linear {
+            coordinates: self.coordinates,
             a,
             terms: Some(terms),
             watched: self.watched(mode, &lambda),
@@ -83,12 +96,13 @@ impl System {
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
 
-    /// The matrix A with these rows of accelerations.
-    fn matrix(&self, acceleration: &DMatrix<f64>) -> SparseMatrix {
+    /// The matrix A with these rows of accelerations, in states of the branches.
+    fn matrix(&self, acceleration: &DMatrix<f64>, sliders: &[SliderState]) -> SparseMatrix {
         let (n, size) = (self.coordinates, self.signals.size);
         let mut a = SparseMatrix::default();
         (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
         (0..n).for_each(|k| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))));
+        self.push_first_order(&mut a, sliders);
         self.signals.rates().iter().for_each(|row| a.push_row(row.terms().iter().copied()));
         a
     }
@@ -121,7 +135,7 @@ impl System {
                 let springs = self.stiff_springs.iter().map(|&i| self.springs[i].force.clone());
                 let stops = pressed.iter().filter_map(|&i| self.stop_force(i, mode.stops[i]));
                 let forces = springs.chain(stops).map(|force| Arc::new(Functional::of(force)));
-                (self.matrix(&rest), forces.zip(elongations.into_iter().map(moved)).collect())
+                (self.matrix(&rest, &mode.sliders), forces.zip(elongations.into_iter().map(moved)).collect())
             }
         };
         let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
@@ -143,8 +157,12 @@ impl System {
             let frictions = frictions.flat_map(|(i, &state)| {
                 self.watched_of_friction(i, self.frictions[i].place(&mode.stops), state)
             });
-            let rows =
-                stops.chain(frictions).map(|(watch, row)| (watch, Arc::new(Sparse::of(row.as_slice()))));
+            let sliders = mode.sliders.iter().enumerate();
+            let sliders = sliders.flat_map(|(i, &state)| self.watched_of_slider(i, state));
+            let rows = stops
+                .chain(frictions)
+                .chain(sliders)
+                .map(|(watch, row)| (watch, Arc::new(Sparse::of(row.as_slice()))));
             rows.filter(|(_, row)| !self.is_constant_and_negative(row)).collect()
         };
         for (&contact, force) in mode.basis.iter().zip(lambda) {
@@ -162,6 +180,7 @@ impl System {
                     put(Watch::Slips(i, true), force.less(level));
                     put(Watch::Slips(i, false), force.times(-1.0).less(level));
                 }
+                Contact::Slider(_) => {}
             }
         }
         watched
@@ -214,7 +233,7 @@ impl System {
     /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
     /// the forces of stiff springs.
     pub(crate) fn base(&self) -> SparseMatrix {
-        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])))
+        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])), &[])
     }
 
     /// Whether a row is a negative constant, such as that of a constant friction level.

@@ -49,6 +49,7 @@ impl Motion {
         let mut z = DVector::zeros(size);
         z.rows_mut(0, own).copy_from(&old.hybrid.z.rows(0, own));
         system.signals.fill(*time, inputs, z.as_mut_slice());
+        system.clamp_sliders(z.as_mut_slice());
         let mut sizes = Sizes(DVector::zeros(size));
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
@@ -69,7 +70,9 @@ impl Motion {
         let (overshoot, is_general, most_work) = (old.overshoot, old.is_general, old.most_work);
         let mut motion = Self { overshoot, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
-        let parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
+        let mut parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
+        parted.sliders = true;
+        motion.assembly.system.clamp_sliders(motion.hybrid.z.as_mut_slice());
         motion.open_grown_gaps()?;
         motion.settle(&[], &parted, &mut None)?;
         Ok(motion)

@@ -5,12 +5,13 @@ use super::jump::{BeforeJump, Parted};
 use super::projection::project;
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
+use crate::description::SeriesLaw;
 use crate::error::Error;
 use crate::flow::ORDERS;
 use crate::law::Sizes;
 use crate::law::box_qp::Jam;
 use crate::law::impact::{Impacts, Instant};
-use crate::law::selection::{EventVerdict, Selection};
+use crate::law::selection::{EventVerdict, Selection, SliderFlag};
 use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
@@ -32,13 +33,14 @@ pub(super) struct Flags {
     resting: Vec<bool>,
     edges: Vec<bool>,
     limits: Vec<bool>,
+    sliders: Vec<SliderFlag>,
 }
 
 impl Flags {
     /// The verdict for the law, with places of stops that count as open at any speed.
     fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
-        let Self { stops, resting, edges, limits } = self;
-        EventVerdict { stops, resting, edges, limits, open }
+        let Self { stops, resting, edges, limits, sliders } = self;
+        EventVerdict { stops, resting, edges, limits, sliders, open }
     }
 
     /// The verdict after impacts that changed the velocities by `kick`: a friction whose rate has
@@ -51,6 +53,8 @@ impl Flags {
         frictions.for_each(|(rests, friction)| *rests &= !moved(&friction.elongation));
         let stops = flags.limits.iter_mut().zip(&system.stops);
         stops.for_each(|(limit, stop)| *limit &= !moved(&stop.elongation));
+        let sliders = flags.sliders.iter_mut().zip(&system.branches);
+        sliders.for_each(|(flag, branch)| flag.turns &= !moved(&branch.elongation));
         flags
     }
 }
@@ -92,7 +96,8 @@ impl Motion {
     /// Updates the largest sizes of velocities and coordinates by the terms since the mode began
     /// (docs/assembly-law.md (A14)).
     pub(super) fn include_flight(&mut self) {
-        let (time, one) = (self.time(), self.assembly.system.signals.one);
+        let time = self.time();
+        let (n, one) = (self.assembly.system.coordinates, self.assembly.system.states());
         let hybrid = &mut self.hybrid;
         if time <= hybrid.since {
             return;
@@ -104,12 +109,14 @@ impl Motion {
             *size = x.abs();
         }
         rates.resize(start.len(), 0.0);
-        let flight_sizes = &mut rates[..one - one / 2];
+        let flight_sizes = &mut rates[..one - n];
         self.tables.at(self.place).table.flight_sizes(start, time - hybrid.since, second, flight_sizes);
         let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
-        let (places, rates) = sizes.split_at_mut(one / 2);
-        for ((place, rate), flight_sizes) in places.iter_mut().zip(rates).zip(flight_sizes) {
+        let (places, rates) = sizes.split_at_mut(n);
+        for (place, flight_sizes) in places.iter_mut().zip(&*flight_sizes) {
             *place = place.max(flight * *flight_sizes);
+        }
+        for (rate, flight_sizes) in rates.iter_mut().zip(flight_sizes) {
             *rate = rate.max(*flight_sizes);
         }
         hybrid.since = time;
@@ -142,10 +149,25 @@ impl Motion {
         if let Some(stood) = stood {
             parted = self.jump(&stood);
             self.check_jump(&stood)?;
-            let work = self.work_of_jump(&stood);
+            let lost = self.slide();
+            let work = self.work_of_jump(&stood) + lost;
             self.hybrid.energy.impact(0.0, work);
         }
         self.settle(&[], &parted, observer)
+    }
+
+    /// Moves sliders after a jump to where no force is above its level; returns what they lose, J.
+    fn slide(&mut self) -> f64 {
+        let Self { assembly, hybrid, .. } = self;
+        let ways = assembly.system.clamp_sliders(hybrid.z.as_mut_slice());
+        let mut all = 0.0;
+        for (i, (branch, way)) in assembly.system.branches.iter().zip(ways).enumerate() {
+            if let (SeriesLaw::Slider { slip }, true) = (branch.law, way != 0.0) {
+                hybrid.energy.slide(i, slip * way.abs());
+                all += slip * way.abs();
+            }
+        }
+        all
     }
 
     fn velocities(&self) -> DVector<f64> {
@@ -161,7 +183,11 @@ impl Motion {
             resting: vec![false; system.frictions.len()],
             edges: vec![false; system.stops.len()],
             limits: vec![false; system.stops.len()],
+            sliders: vec![SliderFlag::default(); system.branches.len()],
         };
+        for (flag, state) in flags.sliders.iter_mut().zip(&hybrid.mode.sliders).filter(|_| !parted.sliders) {
+            flag.level = state.direction();
+        }
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
                 let near = stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
@@ -193,6 +219,8 @@ impl Motion {
                     let edge = is_near && !cap && !enters;
                     if edge { flags.edges[i] = true } else { flags.limits[i] = true }
                 }
+                Watch::Yields(i, up) => flags.sliders[i].level = if up { 1.0 } else { -1.0 },
+                Watch::Reverses(i) => flags.sliders[i].turns = true,
                 Watch::Opens(_) | Watch::Slips(..) | Watch::Level(_) => {}
             }
         }

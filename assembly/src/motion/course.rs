@@ -11,13 +11,14 @@ use super::event::Event;
 use super::jump::Parted;
 use super::{Hybrid, Motion, Observer, saved};
 use crate::assembly::Assembly;
+use crate::description::SeriesLaw;
 use crate::energy::{Accounts, Samples};
 use crate::error::Error;
 use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{StateRow, StopRows, System};
+use crate::system::{BranchRows, StateRow, StopRows, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -52,12 +53,19 @@ impl Course {
     }
 }
 
-/// Places of the event indicators. A rigid stop has one, and so has a corner of a spring; a compliant
-/// stop has two, of its edge and of its force; a friction has three, of slipping upwards, of slipping downwards and of its level.
+/// Places of the event indicators. A rigid stop has one, and so has a corner of a spring; a
+/// compliant stop has two, of its edge and of its force; a friction has three, of slipping upwards,
+/// of slipping downwards and of its level; a slider has two, of slipping upwards and downwards.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
-        self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len()
+        self.first_indicator_of_slider(self.branches.len())
+    }
+
+    fn first_indicator_of_slider(&self, i: usize) -> usize {
+        let slides = |b: &&BranchRows| matches!(b.law, SeriesLaw::Slider { .. });
+        let before = self.branches[..i].iter().filter(slides).count();
+        self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len() + 2 * before
     }
 
     fn first_indicator_of_stop(&self, i: usize) -> usize {
@@ -82,13 +90,15 @@ impl System {
             Watch::Stops(i) | Watch::Slips(i, true) => friction(i),
             Watch::Slips(i, false) => friction(i) + 1,
             Watch::Level(i) => friction(i) + 2,
+            Watch::Yields(i, true) | Watch::Reverses(i) => self.first_indicator_of_slider(i),
+            Watch::Yields(i, false) => self.first_indicator_of_slider(i) + 1,
         }
     }
 }
 
 impl Assembly {
-    /// The bodies whose coordinates, followed by their rates, are the continuous states of a host's
-    /// solver.
+    /// The bodies whose coordinates, followed by their rates and by the states of first order, are the
+    /// continuous states of a host's solver.
     pub fn states(&self) -> &[usize] {
         &self.system.bodies_of
     }
@@ -98,7 +108,7 @@ impl Assembly {
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
         let mut z: StateRow = DVector::from_element(system.signals.size, 1.0);
-        z.rows_mut(0, system.signals.one).fill(0.0);
+        z.rows_mut(0, system.states()).fill(0.0);
         let given = |row: &StateRow| row.abs().dot(&z);
         let stiffness = |k: usize| -system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
@@ -123,7 +133,12 @@ impl Assembly {
         };
         let rates: Vec<f64> = (0..n).map(rate).collect();
         let positive = |x: f64| x.clamp(f64::MIN_POSITIVE, f64::MAX);
-        lengths.into_iter().chain(rates).map(positive).collect()
+        let inner = system.branches.iter().map(|own| {
+            let along = own.elongation.w.iter().zip(&lengths).map(|(w, length)| w.abs() * length);
+            own.elongation.e.abs().dot(&z).max(self.inner[own.place - 2 * n].abs()).max(along.sum())
+        });
+        let inner: Vec<f64> = inner.map(|x| if x > 0.0 { x } else { usual }).collect();
+        lengths.into_iter().chain(rates).chain(inner).map(positive).collect()
     }
 }
 
@@ -166,7 +181,7 @@ impl Motion {
         self.refill_on(course);
     }
 
-    /// The continuous states: coordinates, then rates.
+    /// The continuous states: coordinates, rates, states of first order.
     pub fn states(&self) -> &[f64] {
         &self.hybrid.z.as_slice()[..self.assembly.system.signals.one]
     }
@@ -217,7 +232,7 @@ impl Motion {
         self.is_at_knot(course) || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, then frictions. Each is 1e-11 minus the ratio of its functional
+    /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its functional
     /// to the functional's size. An event occurs where the indicator becomes negative. An indicator
     /// without a watched functional is 1.
     pub fn indicators(&self) -> Vec<f64> {
@@ -350,7 +365,8 @@ impl Motion {
     }
 
     /// The state at a fraction of the time since the last accepted point. Coordinates are the
-    /// quintic through values, rates and accelerations at both ends, rates its derivative.
+    /// quintic through values, rates and accelerations at both ends, rates its derivative, states of
+    /// first order the cubic through values and rates.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
@@ -365,6 +381,10 @@ impl Motion {
                 (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
             z[k] = q0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5))));
             z[n + k] = (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h;
+        }
+        for k in self.assembly.system.places_of_first_order() {
+            let (x0, r0, d, r1) = (from[k], h * a[k], to[k] - from[k], h * b[k]);
+            z[k] = x0 + u * (r0 + u * (3.0 * d - 2.0 * r0 - r1 + u * (r0 + r1 - 2.0 * d)));
         }
         z
     }

@@ -12,7 +12,7 @@ pub struct Event {
 }
 
 impl Event {
-    /// The stop or friction that has the event; `None` for a knot.
+    /// The stop, friction or slider that has the event; `None` for a knot.
     pub fn contact(&self) -> Option<Contact> {
         match self.kind {
             EventKind::Impact { stop, .. }
@@ -25,6 +25,7 @@ impl Event {
             EventKind::Stick { friction }
             | EventKind::Slip { friction, .. }
             | EventKind::Level { friction, .. } => Some(Contact::Friction(friction)),
+            EventKind::Yield { slider, .. } | EventKind::Hold { slider, .. } => Some(Contact::Slider(slider)),
             EventKind::Knot => None,
         }
     }
@@ -100,6 +101,22 @@ pub enum EventKind {
         friction: usize,
         /// Whether the friction acts from now on.
         acts: bool,
+    },
+    /// The slider of a branch begins to slip.
+    Yield {
+        /// Index of the branch.
+        slider: usize,
+        /// Sign of e'.
+        direction: f64,
+        /// The branch's force at that time, N or N m.
+        force: f64,
+    },
+    /// The slider of a branch is held from now on.
+    Hold {
+        /// Index of the branch.
+        slider: usize,
+        /// The branch's force at that time, N or N m.
+        force: f64,
     },
     /// A knot of a signal.
     Knot,

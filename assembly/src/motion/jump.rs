@@ -32,6 +32,8 @@ pub(super) struct Parted {
     pub(super) stops: Vec<usize>,
     /// Frictions whose rate has jumped.
     pub(super) frictions: Vec<usize>,
+    /// Whether sliders may no longer be at their levels.
+    pub(super) sliders: bool,
 }
 
 impl Motion {
@@ -187,6 +189,6 @@ impl Motion {
         };
         let stops = hybrid.mode.stops.iter().enumerate().filter(opened).map(|(i, _)| i);
         let frictions = (0..system.frictions.len()).filter(|&i| jumped(i, &system.frictions[i].elongation));
-        Parted { stops: stops.collect(), frictions: frictions.collect() }
+        Parted { stops: stops.collect(), frictions: frictions.collect(), sliders: true }
     }
 }

@@ -43,9 +43,8 @@ impl Motion {
         let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
         let beyond = z[..system.signals.one].iter().position(|x| x.abs() > MOST || x.is_nan());
         beyond.map_or(Ok(()), |k| {
-            let n = system.coordinates;
-            let body = &self.assembly.description.bodies[system.bodies_of[k % n]].name;
-            let name = format!("body.{body}: {}", if k < n { "s" } else { "v" });
+            let name = self.assembly.name_of_state(k);
+            let name = name.rsplit_once('.').map_or(name.clone(), |(of, what)| format!("{of}: {what}"));
             Err(Error::Beyond { time: self.time(), name, value: z[k] })
         })
     }

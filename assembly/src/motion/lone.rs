@@ -10,7 +10,7 @@ use super::event::EventKind;
 use super::report::report;
 use super::{Motion, Observer, contact};
 use crate::law::ZERO;
-use crate::mode::{Contact, ElementState, FrictionState, StopState, Watch};
+use crate::mode::{Contact, ElementState, FrictionState, SliderState, StopState, Watch};
 use crate::system::Elongation;
 
 impl Motion {
@@ -99,6 +99,11 @@ impl Motion {
                 let state = if up { FrictionState::Up } else { FrictionState::Down };
                 [Some(ElementState::Friction(i, state)), None]
             }
+            Watch::Yields(i, up) => {
+                let state = if up { SliderState::Up } else { SliderState::Down };
+                [Some(ElementState::Slider(i, state)), None]
+            }
+            Watch::Reverses(i) => [Some(ElementState::Slider(i, SliderState::Held)), None],
             Watch::Meets(_) | Watch::Level(_) | Watch::Stops(_) | Watch::Slips(..) => [None, None],
         }
     }

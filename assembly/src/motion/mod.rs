@@ -180,7 +180,8 @@ impl Motion {
     }
 
     /// The motion from a state: the coordinates of the machine's coordinates, m or rad, then their
-    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies). The law
+    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the states
+    /// of first order. The law
     /// finds which stops are closed and which friction sticks; signals have their values at
     /// `time`, s.
     ///
@@ -202,14 +203,13 @@ impl Motion {
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Self, Error> {
         let out = |name: String, value: f64, allowed: String| Err(Error::OutOfRange { name, value, allowed });
-        let size = 2 * assembly.system.coordinates;
+        let size = assembly.system.states();
         if state.len() != size {
             return out("length of the start".into(), state.len() as f64, format!("{size}"));
         }
         if let Some(i) = state.iter().position(|x| !x.is_finite()) {
-            let body = &assembly.description.bodies[assembly.system.bodies_of[i % (size / 2)]].name;
-            let what = if i < size / 2 { "s" } else { "v" };
-            return out(format!("start of body.{body}.{what}"), state[i], "a finite number".into());
+            let name = format!("start of {}", assembly.name_of_state(i));
+            return out(name, state[i], "a finite number".into());
         }
         let mut motion = Self::placed(assembly, time, state)?;
         let ways = motion.include_standing();
@@ -231,9 +231,10 @@ impl Motion {
         };
         let stops = system.stops.iter().map(state).collect();
         let frictions = vec![FrictionState::Up; system.frictions.len()];
-        let table = FlowTable::of_mode(system, &Mode { stops, frictions, basis: Vec::new() });
-        let (first, length) = (system.signals.one / 2, table.length);
-        let mut added = vec![0.0; system.signals.one - first];
+        let sliders = system.held_sliders();
+        let table = FlowTable::of_mode(system, &Mode { stops, frictions, sliders, basis: Vec::new() });
+        let (first, length) = (system.coordinates, table.length);
+        let mut added = vec![0.0; system.states() - first];
         table.flight_sizes(sizes.0.as_slice(), length, &mut Vec::new(), &mut added);
         let (places, rates) = sizes.0.as_mut_slice().split_at_mut(first);
         let mut ways = vec![0.0; first];
@@ -281,7 +282,12 @@ impl Motion {
         for j in system.signals.one..system.signals.constant_size_until() {
             sizes.0[j] = 1.0;
         }
-        let mode = Mode { stops: Vec::new(), frictions: Vec::new(), basis: Vec::new() };
+        let mode = Mode {
+            stops: Vec::new(),
+            frictions: Vec::new(),
+            sliders: system.held_sliders(),
+            basis: Vec::new(),
+        };
         let energy = crate::energy::Accounts::new(system);
         let impacts = vec![StopRecord::default(); system.stops.len()];
         let hybrid = Hybrid {
@@ -305,7 +311,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The augmented state with coordinates and rates `start`.
+    /// The augmented state with coordinates, rates and states of first order `start`; sliders are
+    /// moved to where no force is above its level.
     fn state_with_signals(
         assembly: &Assembly,
         time: DoubleDouble,
@@ -316,6 +323,7 @@ impl Motion {
         let mut z = DVector::zeros(system.signals.size);
         z.as_mut_slice()[..start.len()].copy_from_slice(start);
         system.signals.fill(time, inputs, z.as_mut_slice());
+        system.clamp_sliders(z.as_mut_slice());
         z
     }
 
@@ -348,7 +356,7 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, 1, signals), on which the rows of the [system](Assembly::system)
+    /// The augmented state (q, v, states of first order, 1, signals), on which the rows of the [system](Assembly::system)
     /// act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
@@ -449,8 +457,9 @@ impl Motion {
 /// Longest time of the ways that tell rounding of a place at a start, s.
 const LONGEST: f64 = 1.0;
 
-/// Coordinates and rates of the machine's start.
+/// The states of the machine's start.
 pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {
     let bodies = || assembly.system.bodies_of.iter();
-    bodies().map(|&b| assembly.starts[b].0).chain(bodies().map(|&b| assembly.starts[b].1)).collect()
+    let places = bodies().map(|&b| assembly.starts[b].0);
+    places.chain(bodies().map(|&b| assembly.starts[b].1)).chain(assembly.inner.iter().copied()).collect()
 }

@@ -129,7 +129,12 @@ impl PassageSearch<'_> {
     #[inline(always)]
     pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
-            Watch::Meets(_) | Watch::Presses(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_)
+            Watch::Meets(_)
+            | Watch::Presses(_)
+            | Watch::Leaves(_)
+            | Watch::Stops(_)
+            | Watch::Turns(_)
+            | Watch::Reverses(_)
                 if self.is_unwatched(place) =>
             {
                 f64::INFINITY
@@ -384,12 +389,16 @@ impl PassageSearch<'_> {
         let zero = self.hybrid.sizes.zero_of(&w.row);
         let turns = match w.watch {
             Watch::Meets(_) | Watch::Level(_) => true,
-            Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) => turns_round(begin, c, zero),
+            Watch::Opens(_) | Watch::Presses(_) | Watch::Slips(..) | Watch::Yields(..) => {
+                turns_round(begin, c, zero)
+            }
             // The force of a pressed stop that may pull jumps where it is left.
             Watch::Leaves(i) if self.hybrid.mode.stops[i] == StopState::Pressed => {
                 turns_round(begin, c, zero)
             }
-            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_) => false,
+            Watch::Changes(_) | Watch::Leaves(_) | Watch::Stops(_) | Watch::Turns(_) | Watch::Reverses(_) => {
+                false
+            }
         };
         let lower = begin - zero;
         // Most functionals are beyond at the end: they have passed.

@@ -3,7 +3,7 @@
 use super::event::{Event, EventKind};
 use super::{Motion, Observer};
 use crate::law::impact::Impacts;
-use crate::mode::{ElementState, FrictionState, Mode, StopState};
+use crate::mode::{ElementState, FrictionState, Mode, SliderState, StopState};
 
 impl Motion {
     /// Reports impacts and adds them to the records and the energy accounts.
@@ -29,6 +29,9 @@ impl Motion {
         for (i, &was) in before.frictions.iter().enumerate() {
             self.report_change(ElementState::Friction(i, was), 0.0, observer);
         }
+        for (i, &was) in before.sliders.iter().enumerate() {
+            self.report_change(ElementState::Slider(i, was), 0.0, observer);
+        }
     }
 
     /// Reports the change of an element from its state `was`; a stop that closes would have bounced
@@ -40,6 +43,14 @@ impl Motion {
             }
             (ElementState::Friction(i, was), ElementState::Friction(_, now)) => {
                 self.report_friction(i, was, now, observer);
+            }
+            (ElementState::Slider(slider, was), ElementState::Slider(_, now)) if was != now => {
+                let force = self.assembly.system.branches[slider].force.at(self.hybrid.z.as_slice());
+                let kind = match now {
+                    SliderState::Held => EventKind::Hold { slider, force },
+                    _ => EventKind::Yield { slider, direction: now.direction(), force },
+                };
+                report(observer, self.time(), kind);
             }
             _ => {}
         }

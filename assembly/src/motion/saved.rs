@@ -2,8 +2,8 @@
 
 use super::{Due, Hybrid};
 use crate::assembly::Assembly;
-use crate::description::StopLaw;
-use crate::mode::{Contact, StopState, Watch};
+use crate::description::{SeriesLaw, StopLaw};
+use crate::mode::{Contact, SliderState, StopState, Watch};
 
 /// Serialization of a vector as a sequence of numbers.
 pub(crate) mod vector {
@@ -27,6 +27,9 @@ impl Hybrid {
         let system = assembly.system();
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        let is_slider =
+            |i: usize| system.branches.get(i).is_some_and(|b| matches!(b.law, SeriesLaw::Slider { .. }));
+        let slides = |(i, state): (usize, &SliderState)| *state == SliderState::Held || is_slider(i);
         let known = |watch: &Watch| match *watch {
             Watch::Meets(i)
             | Watch::Opens(i)
@@ -35,10 +38,12 @@ impl Hybrid {
             | Watch::Leaves(i)
             | Watch::Turns(i) => i < stops,
             Watch::Stops(i) | Watch::Slips(i, _) | Watch::Level(i) => i < frictions,
+            Watch::Yields(i, _) | Watch::Reverses(i) => is_slider(i),
         };
         let there = |contact: &Contact| match *contact {
             Contact::Stop(i) => self.mode.stops.get(i) == Some(&StopState::Closed),
             Contact::Friction(i) => self.mode.frictions.get(i).is_some_and(|state| state.sticks()),
+            Contact::Slider(_) => false,
         };
         let of_its_law = self.mode.stops.iter().zip(&system.stops).all(|(state, stop)| {
             let rigid = matches!(state, StopState::Open | StopState::Closed);
@@ -57,6 +62,8 @@ impl Hybrid {
         [self.z.len(), self.sizes.0.len()] == [size; 2]
             && [self.mode.stops.len(), self.impacts.len(), energy.stops.len()] == [stops; 3]
             && [self.mode.frictions.len(), energy.frictions.len()] == [frictions; 2]
+            && [energy.branches.len(), self.mode.sliders.len()] == [system.branches.len(); 2]
+            && self.mode.sliders.iter().enumerate().all(slides)
             && self.inputs.len() == system.signals.inputs
             && [energy.loads.len(), energy.dashpots.len()] == [system.loads.len(), system.springs.len()]
             && self.time.value().is_finite()

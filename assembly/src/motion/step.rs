@@ -265,7 +265,7 @@ impl Motion {
         }
         if hybrid.energy.are_kept() {
             let (powers, rule) = (met.powers(&assembly.system), Rule::of(table.rate * dt));
-            let first = powers.first(assembly.system.signals.one);
+            let first = powers.first(assembly.system.coordinates);
             match rule {
                 Rule::Eight => ahead.series.at_nodes(&EIGHT, part, first, &mut scratch.nodes),
                 Rule::Twelve => ahead.series.at_nodes(&NODES, part, first, &mut scratch.nodes),

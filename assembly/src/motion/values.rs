@@ -97,9 +97,15 @@ impl Motion {
                     Part::Spring(i) => self.assembly.system.springs[i].force.dot(z),
                     Part::Stop(i) => stop_force(i),
                     Part::Friction(i) => self.friction(i)[2],
+                    Part::Branch(i) => self.assembly.system.branches[i].force.at(z.as_slice()),
                     Part::Load(i) => self.load(i),
                 };
                 parts.iter().map(force).sum()
+            }
+            What::Slider => self.assembly.system.slider_of(i).map_or(0.0, |place| z[place]),
+            What::SliderRate => {
+                let place = self.assembly.system.slider_of(i);
+                place.map_or(0.0, |place| self.table().a.row_times(place, z.as_slice()))
             }
             What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
             _ => elongation().map_or(0.0, |own| own.rate.dot(z)),

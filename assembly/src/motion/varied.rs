@@ -26,17 +26,19 @@ fn dot(row: &[f64], z: &[f64]) -> f64 {
     row.iter().zip(z).map(|(a, b)| a * b).sum()
 }
 
-/// Projects a variation onto the constraints of the contacts: e = 0 of closed stops, e' = 0 of
-/// these and of sticking friction.
-pub fn keep(system: &System, basis: &[Contact], variation: &mut [f64]) {
+/// Projects a variation onto the constraints of a mode: e = 0 of closed stops, e' = 0 of these and
+/// of sticking friction, the force of a slipping slider at its level.
+pub fn keep(system: &System, mode: &Mode, variation: &mut [f64]) {
+    let basis = &mode.basis[..];
     if basis.is_empty() {
-        return;
+        return system.keep_levels(&mode.sliders, variation);
     }
     let r = system.triangle(basis);
     // A basis lists stops first; R of the stops is the leading block of the triangle.
     let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
     project(system, &basis[..stops], &r, false, variation, &mut Vec::new());
     project(system, basis, &r, true, variation, &mut Vec::new());
+    system.keep_levels(&mode.sliders, variation);
 }
 
 /// An event that a motion has passed, for carrying variations over it.
@@ -60,7 +62,7 @@ impl Crossing<'_> {
     /// that of the impacts in the order in which they happened.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let before = DVector::from_column_slice(self.states[0]);
-        let (impacts, own) = (Impulse::all(system, self.events, &before), 2 * system.coordinates);
+        let (impacts, own) = (Impulse::all(system, self.events, &before), system.states());
         let [incoming, outgoing] = self.rates;
         let passage = self.row.map(|row| {
             let terms: f64 = row.iter().zip(incoming).map(|(a, b)| (a * b).abs()).sum();
@@ -76,7 +78,8 @@ impl Crossing<'_> {
             // Signals are functions of time, and no event changes them.
             let (changed, _) = variation.split_at_mut(own);
             changed.iter_mut().zip(met.iter().zip(outgoing)).for_each(|(v, (m, f))| *v = m - f * later);
-            keep(system, &self.modes[1].basis, variation);
+            keep(system, self.modes[1], variation);
+            system.keep_moved(self.states, variation);
         }
     }
 }
@@ -88,17 +91,17 @@ impl Motion {
     }
 
     /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
-    /// state (coordinates, then rates), then by value and derivatives 1 to 3 of each input, each
+    /// state (coordinates, rates, states of first order), then by value and derivatives 1 to 3 of each input, each
     /// projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
         let inputs = (0..signals.inputs).filter_map(|i| signals.place_of_input(i));
-        let places = (0..2 * system.coordinates).chain(inputs.flat_map(|first| first..first + 4));
+        let places = (0..system.states()).chain(inputs.flat_map(|first| first..first + 4));
         let unit = |place: usize| {
             let mut variation = vec![0.0; signals.size];
             variation[place] = 1.0;
-            keep(system, &self.hybrid.mode.basis, &mut variation);
+            keep(system, &self.hybrid.mode, &mut variation);
             variation
         };
         places.map(unit).collect()
@@ -116,7 +119,7 @@ impl Motion {
         let span = self.time() - from;
         for variation in variations.iter_mut().filter(|_| span > 0.0) {
             table.carry(variation, span);
-            keep(&self.assembly.system, &self.hybrid.mode.basis, variation);
+            keep(&self.assembly.system, &self.hybrid.mode, variation);
         }
         Ok(outcome)
     }

@@ -1,4 +1,4 @@
-//! Parts of elements: the springs, stops, frictions and loads of the law.
+//! Parts of elements: the springs, stops, frictions, branches and loads of the law.
 //!
 //! The user sees an element, with one name, one force and one energy; the law sees its parts.
 
@@ -15,6 +15,8 @@ pub enum Part {
     Stop(usize),
     /// Index in [`System::frictions`].
     Friction(usize),
+    /// Index in [`System::branches`].
+    Branch(usize),
     /// Index in [`System::loads`].
     Load(usize),
 }
@@ -31,6 +33,7 @@ impl System {
             Part::Spring(i) => Some(&self.springs[i].elongation),
             Part::Stop(i) => Some(&self.stops[i].elongation),
             Part::Friction(i) => Some(&self.frictions[i].elongation),
+            Part::Branch(i) => Some(&self.branches[i].elongation),
             Part::Load(_) => None,
         }
     }
@@ -51,6 +54,7 @@ impl System {
             Part::Friction(i) => {
                 self.friction_force(i, mode.frictions[i], &mode.stops).or_else(|| held(Contact::Friction(i)))
             }
+            Part::Branch(i) => Some((*self.branches[i].force).clone()),
             Part::Load(i) => Some(self.loads[i].clone()),
         };
         row.unwrap_or_else(|| StateRow::zeros(self.signals.size))

@@ -4,7 +4,7 @@
 use super::{Functional, StateRow, System};
 use crate::flow::WatchTable;
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::{FrictionState, Mode, StopState, Watch};
+use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch};
 use std::sync::Arc;
 
 /// The part of the rate that signals may add to it in the norm of (A6).
@@ -37,10 +37,15 @@ pub struct Split {
     /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
     /// sticks.
     watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
+    /// By branch what is added to A where its slider slips.
+    sliders: Vec<Term>,
+    /// By branch what is watched where its slider is held, slips upwards and downwards.
+    watched_sliders: Vec<[Vec<Known>; 3]>,
     norm: Norm,
 }
 
-/// A watched functional; with entries on velocities its slope depends on the mode.
+/// A watched functional; with entries on velocities or on states of first order its slope depends
+/// on the mode.
 pub type Known = (Arc<WatchTable>, bool);
 
 /// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d²
@@ -48,6 +53,8 @@ pub type Known = (Arc<WatchTable>, bool);
 #[derive(Clone, Debug)]
 struct Norm {
     scales: Vec<f64>,
+    /// Weights of the states of first order.
+    inner: Vec<f64>,
     /// By signal the largest weight beside which no velocity's rate feels it by more than one.
     signals: Vec<f64>,
     /// The rate of the signals among themselves.
@@ -57,6 +64,9 @@ struct Norm {
 /// The states in which a friction's force is its level, in the order of [`Split::frictions`].
 const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
+
+/// The places of the states in [`Split::watched_sliders`].
+const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
 
 /// The places of the states in [`Split::watched_stops`].
 const STATES: [StopState; 7] = [
@@ -116,7 +126,7 @@ impl Split {
             let rows = rows.into_iter().map(|(watch, row)| (watch, Sparse::of(row.as_slice())));
             let rows = rows.filter(|(_, row)| !system.is_constant_and_negative(row));
             rows.map(|(watch, row)| {
-                let depends = row.terms().iter().any(|(j, _)| (n..2 * n).contains(j));
+                let depends = row.terms().iter().any(|(j, _)| (n..system.states()).contains(j));
                 (Arc::new(WatchTable::new(watch, Arc::new(row), &base)), depends)
             })
             .collect()
@@ -134,8 +144,27 @@ impl Split {
             .collect();
         let follows = system.frictions.iter().map(|own| own.follows.clone()).collect();
         let levels: Vec<Term> = frictions.iter().flatten().flatten().cloned().collect();
+        let sliding = |branch: &super::BranchRows| {
+            let by = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
+            Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(by) }
+        };
+        let sliders = system.branches.iter().map(sliding).collect();
+        let watched_sliders = (0..system.branches.len())
+            .map(|i| SLIDERS.map(|state| known(system.watched_of_slider(i, state))))
+            .collect();
         let norm = Norm::new(system, &base, scales, [&stiff, stops.as_flattened(), &levels]);
-        Self { base, stiff, stops, frictions, follows, watched_stops, watched_frictions, norm }
+        Self {
+            base,
+            stiff,
+            stops,
+            frictions,
+            follows,
+            watched_stops,
+            watched_frictions,
+            sliders,
+            watched_sliders,
+            norm,
+        }
     }
 
     /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
@@ -148,14 +177,16 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them.
+    /// The forces of frictions whose state determines them, and the rates of sliders that slip.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
         let acting = |(i, (own, state)): (usize, (&Vec<[Term; 4]>, &FrictionState))| {
             Some(own[self.levels_of(i, mode)?][place(state)?].clone())
         };
-        frictions.filter_map(acting).collect()
+        let sliders = self.sliders.iter().zip(&mode.sliders);
+        let slipping = sliders.filter(|(_, state)| **state != SliderState::Held);
+        frictions.filter_map(acting).chain(slipping.map(|(own, _)| own.clone())).collect()
     }
 
     /// Which levels a friction has in a mode.
@@ -184,13 +215,15 @@ impl Split {
                 FrictionState::Stuck | FrictionState::HeldUp | FrictionState::HeldDown => &own[3],
             })
         });
-        stops.chain(frictions).flatten()
+        let sliders = self.watched_sliders.iter().zip(&mode.sliders);
+        let sliders = sliders.map(|(own, state)| &own[SLIDERS.iter().position(|s| s == state).unwrap_or(0)]);
+        stops.chain(frictions).chain(sliders).flatten()
     }
 
     /// A bound of the norm of a mode's A, and by coordinate 1/w (A6).
     pub fn norm(&self, a: &SparseMatrix) -> (f64, Vec<f64>) {
-        let Norm { scales, signals, rate } = &self.norm;
-        let (n, one) = (scales.len(), 2 * scales.len());
+        let Norm { scales, inner, signals, rate } = &self.norm;
+        let (n, first, one) = (scales.len(), 2 * scales.len(), 2 * scales.len() + inner.len());
         // Ω = κ/Ω + γ + SHARE Ω of each row, and the largest Ω of all.
         let of_row = |k: f64, c: f64| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
         let (mut rate, mut excess) = (rate.max(crate::flow::LEAST_RATE), 1.0f64);
@@ -199,19 +232,24 @@ impl Split {
             for &(j, x) in a.row(n + k) {
                 match j {
                     _ if j < n => stiffness += x.abs() * scales[j] / scale,
-                    _ if j < one => damping += x.abs() * scales[j - n] / scale,
+                    _ if j < first => damping += x.abs() * scales[j - n] / scale,
+                    _ if j < one => stiffness += x.abs() * inner[j - first] / scale,
                     // Held contacts may hand a body more of a signal than it has by itself.
                     _ => excess = excess.max(x.abs() * signals[j - one] / scale),
                 }
             }
             rate = rate.max(of_row(stiffness, damping));
         }
+        let (mut rate, bound) = (rate, |rate: f64| self.norm.of_inner(a, rate));
+        rate = rate.max(bound(0.0).0 / (1.0 - SHARE));
+        excess = excess.max(bound(rate).1);
         let mut weights = Vec::with_capacity(one + signals.len());
         weights.extend(scales.iter().map(|d| 1.0 / d));
         weights.extend(scales.iter().map(|d| 1.0 / (rate * d)));
+        weights.extend(inner.iter().map(|s| 1.0 / s));
         let unit = SHARE * rate * rate / (signals.len() as f64 * excess);
         weights.extend(signals.iter().map(|g| 1.0 / (unit * g)));
-        (rate, weights)
+        (rate.max(bound(rate).0), weights)
     }
 }
 
@@ -223,7 +261,8 @@ impl Norm {
         let mut added = vec![0.0; size - one];
         let mut by_row: Vec<Vec<(&Term, f64)>> = vec![Vec::new(); n];
         for term in terms.into_iter().flatten() {
-            term.by.terms().iter().for_each(|&(place, x)| by_row[place - n].push((term, x)));
+            let on_rates = term.by.terms().iter().filter(|(place, _)| *place < 2 * n);
+            on_rates.for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
         let mut lowest = crate::flow::LEAST_RATE;
         for k in 0..n {
@@ -262,6 +301,44 @@ impl Norm {
             terms.map(|&(j, x)| x.abs() * signals[j - one] / signals[i - one]).sum::<f64>()
         };
         let rate = (one..size).map(of_row).fold(0.0, f64::max);
-        Self { scales, signals, rate }
+        let inner = (2 * n..).zip(&system.first_order).map(|(i, own)| Self::inner(&scales, i, &own.rate));
+        Self { inner: inner.collect(), scales, signals, rate }
+    }
+
+    /// The weight of the state of first order at a place, by the row of its rate: with it the terms
+    /// of the coordinates are as large as its own, or those of the velocities leave the share of the
+    /// signals.
+    fn inner(scales: &[f64], i: usize, rate: &Functional) -> f64 {
+        let n = scales.len();
+        let sum = |first: usize| {
+            let terms = rate.terms().iter().filter(|(j, _)| (first..first + n).contains(j));
+            terms.map(|&(j, x)| x.abs() * scales[j - first]).sum::<f64>()
+        };
+        let weight = (sum(0) / rate[i].abs()).max(sum(n) / (1.0 - SHARE));
+        if weight.is_finite() && weight > 0.0 { weight } else { 1.0 }
+    }
+
+    /// The largest sum of a state's row of first order where velocities have Ω = `rate`, with the
+    /// share of the signals, and the largest part by which a signal exceeds its share.
+    fn of_inner(&self, a: &SparseMatrix, rate: f64) -> (f64, f64) {
+        let (n, first) = (self.scales.len(), 2 * self.scales.len());
+        let one = first + self.inner.len();
+        let (mut most, mut excess) = (0.0f64, 0.0f64);
+        for (i, own) in (first..).zip(&self.inner) {
+            let (mut sum, mut is_driven) = (0.0, false);
+            for &(j, x) in a.row(i) {
+                match j {
+                    _ if j < n => sum += x.abs() * self.scales[j] / own,
+                    _ if j < first => sum += x.abs() * rate * self.scales[j - n] / own,
+                    _ if j < one => sum += x.abs() * self.inner[j - first] / own,
+                    _ => {
+                        is_driven = true;
+                        excess = excess.max(x.abs() * self.signals[j - one] * rate / own);
+                    }
+                }
+            }
+            most = most.max(sum + if is_driven { SHARE * rate } else { 0.0 });
+        }
+        (most, excess)
     }
 }

@@ -61,6 +61,10 @@ impl System {
         let ties: Vec<Tie> = springs.chain(stops).collect();
         let mut outside = vec![(0.0, 0.0); self.coordinates];
         ties.iter().for_each(|tie| tie.add(1.0, &mut outside));
+        let branches = self.branches.iter();
+        let branches =
+            branches.map(|b| Tie { elongation: &b.elongation, stiffness: b.stiffness, damping: 0.0 });
+        branches.for_each(|tie| tie.add(1.0, &mut outside));
         let between = (0..ties.len()).filter(|&i| ties[i].arms().count() > 1);
         let mut between: Vec<(f64, usize)> = between.map(|i| (ties[i].rate(), i)).collect();
         between.sort_by(|a, b| b.0.total_cmp(&a.0));

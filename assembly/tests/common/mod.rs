@@ -39,7 +39,7 @@ pub fn arms(terms: &[(usize, f64)]) -> Arms {
 /// A spring.
 pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
     let name = format!("spring{}", terms[0].0);
-    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0, points: Vec::new() }
+    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0, points: Vec::new(), series: None }
 }
 
 /// A rigid stop.

@@ -125,7 +125,8 @@ prop_compose! {
         }
         let spring = |(i, (mut raw, stiffness, damping, preload)): (usize, (Raw, f64, f64, f64))| {
             raw.2 = i;
-            Spring { name: format!("spring_{i}"), arms: arms_of(&bodies, raw), stiffness, damping, preload, points: Vec::new() }
+            let (name, arms) = (format!("spring_{i}"), arms_of(&bodies, raw));
+            Spring { name, arms, stiffness, damping, preload, points: Vec::new(), series: None }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {

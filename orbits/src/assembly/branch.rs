@@ -51,7 +51,7 @@ impl Special {
         let of = |watch: Watch| {
             let kind = match watch.contact() {
                 Contact::Stop(_) => Kind::As(Label::Grazing),
-                Contact::Friction(_) => Kind::Stick,
+                Contact::Friction(_) | Contact::Slider(_) => Kind::Stick,
             };
             Self { kind, element: element_of(place, watch) }
         };

@@ -191,7 +191,7 @@ impl Cycle {
     /// events move with the state. Requires that each event's functional rises.
     pub(super) fn monodromy(&self, place: &Place, word: &Word) -> DMatrix<f64> {
         let system = place.assembly.system();
-        let (own, size) = (2 * system.coordinates, system.signals.size);
+        let (own, size) = (system.states(), system.signals.size);
         let (mut c, mut next_c) = (DMatrix::identity(size, own), DMatrix::zeros(size, own));
         let stay = Letter::staying(word);
         // The start follows the first event.
@@ -237,7 +237,7 @@ pub(super) fn close(
     columns: &mut DMatrix<f64>,
 ) -> Result<f64, Obstacle> {
     let system = place.assembly.system();
-    let own = 2 * system.coordinates;
+    let own = system.states();
     let failed = |_| Obstacle::Order;
     // The first impact of an orbit is at its stop. On the way to an orbit it is near it: the run is
     // that from the stop, with its derivative for the way between.

@@ -21,7 +21,7 @@ impl Orbit {
     /// # Errors
     /// [`Error::Described`] where the machine has another event or goes on in another mode.
     pub fn check_by_motion(&self) -> Result<f64> {
-        let own = 2 * self.place.assembly.system().coordinates;
+        let own = self.place.assembly.system().states();
         let mut largest: f64 = 0.0;
         for (k, leg) in self.legs().iter().enumerate() {
             let (time, z) = middle(&self.place, leg);
@@ -37,7 +37,11 @@ impl Orbit {
                 return Err(self.differs(time, "is in another mode"));
             }
             let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
-            if reached != Reached::Event || motion.due() != Some(letter.watch) {
+            // Of functionals that are one, rounding chooses.
+            let row = |watch| leg.flow.watched.iter().find(|own| Some(own.0) == watch).map(|own| &own.1);
+            let is_due = motion.due() == Some(letter.watch)
+                || row(motion.due()).is_some_and(|due| row(Some(letter.watch)) == Some(due));
+            if reached != Reached::Event || !is_due {
                 return Err(self.differs(end, "has another event"));
             }
             largest = largest.max((motion.time() - end).abs());
@@ -60,7 +64,7 @@ impl Orbit {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         for (k, leg) in self.legs().iter().enumerate() {
             if let Some((time, z)) = &leg.run {
-                let own = 2 * system.coordinates;
+                let own = system.states();
                 let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
                 // The run was followed before, from this state.
                 if let Ok(motion) = motion {
@@ -147,6 +151,7 @@ impl Orbit {
                     Part::Spring(i) => accounts.dashpots[i].value(),
                     Part::Stop(i) => accounts.stops[i].value(),
                     Part::Friction(i) => accounts.frictions[i].value(),
+                    Part::Branch(i) => accounts.branches[i].value(),
                     Part::Load(i) => accounts.loads[i].value(),
                 })
                 .sum();
@@ -202,6 +207,13 @@ fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<E
                 EventKind::Impact { stop, speed, impulse, stops }
             }
             EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
+            EventKind::Yield { slider, direction, .. } => {
+                let force = system.branches[slider].force.at(&z);
+                EventKind::Yield { slider, direction, force }
+            }
+            EventKind::Hold { slider, .. } => {
+                EventKind::Hold { slider, force: system.branches[slider].force.at(&z) }
+            }
             kind => kind,
         };
         events.push(Event { time, kind });

@@ -13,7 +13,6 @@ use std::sync::Arc;
 use vibro_analysis::Error;
 use vibro_assembly::Start;
 use vibro_assembly::motion::keep;
-use vibro_assembly::start::BodyStart;
 
 /// Largest number of Newton steps.
 const STEPS: usize = 60;
@@ -294,11 +293,12 @@ impl Orbit {
     /// A start on the orbit: in the middle of its longest flight.
     pub fn start(&self) -> Start {
         let (time, z) = self.middle_state();
-        let (assembly, count) = (&self.place.assembly, z.len());
-        let names = assembly.system().bodies_of.iter().map(|body| &assembly.description.bodies[*body].name);
-        let body = |k: usize| BodyStart { s: Some(z[k]), v: Some(z[count / 2 + k]) };
-        let bodies = names.enumerate().map(|(k, name)| (name.clone(), body(k)));
-        Start { time, bodies: bodies.collect() }
+        let mut start = Start { time, ..Start::default() };
+        let names = Start::names(&self.place.assembly);
+        let d = &self.place.assembly.description;
+        // The machine has these numbers.
+        names.iter().zip(&z).for_each(|(name, x)| _ = start.set(d, name, *x));
+        start
     }
 
     /// Time and state (q, q') in the middle of its longest flight.
@@ -358,7 +358,7 @@ pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
     let (time, mut z) = (leg.time + span, there.as_slice().to_vec());
     let system = place.assembly.system();
     with_signals(system, time, &mut z);
-    keep(system, &leg.flow.mode.basis, &mut z);
+    keep(system, &leg.flow.mode, &mut z);
     (time, z)
 }
 
@@ -405,5 +405,6 @@ pub(super) fn element_of(place: &Place, watch: vibro_assembly::mode::Watch) -> S
     match watch.contact() {
         Contact::Stop(i) => place.assembly.name_of_stop(i),
         Contact::Friction(i) => place.assembly.name_of_friction(i),
+        Contact::Slider(i) => place.assembly.name_of_branch(i),
     }
 }

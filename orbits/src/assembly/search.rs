@@ -192,19 +192,24 @@ impl<'a> Seeker<'a> {
         }
         let d = &machine.description;
         let of = &self.place.assembly.system().bodies_of;
+        let in_series = d.springs.iter().filter(|spring| spring.series.is_some());
+        let sliders: Vec<String> = in_series.map(|spring| spring.name.clone()).collect();
         for _ in 0..ATTEMPTS {
             let mut number = |i: usize| {
                 let (least, largest) = bounds.get(i).copied()?;
                 let (middle, half) = (0.5 * (least + largest), 0.5 * (largest - least));
                 Some(middle + WIDER * half * (2.0 * uniform() - 1.0))
             };
-            let body = |(k, body): (usize, &usize)| {
+            let mut body = |(k, body): (usize, &usize)| {
                 let own = BodyStart { s: number(k), v: number(of.len() + k) };
                 (d.bodies[*body].name.clone(), own)
             };
-            let bodies = of.iter().enumerate().map(body).collect();
+            let bodies = of.iter().enumerate().map(&mut body).collect();
+            let sliders = sliders.iter().enumerate();
+            let sliders = sliders.filter_map(|(k, name)| Some((name.clone(), number(2 * of.len() + k)?)));
+            let sliders = sliders.collect();
             let time = self.place.period.map_or(0.0, |period| period * uniform());
-            if let Ok((motion, _)) = machine.motion(&Start { time, bodies }) {
+            if let Ok((motion, _)) = machine.motion(&Start { time, bodies, sliders }) {
                 return Some(motion);
             }
         }

@@ -47,7 +47,8 @@ impl Record {
     }
 
     /// Units in which the state's numbers are of size one.
-    fn units(&self, coordinates: usize, radian: f64) -> Units {
+    fn units(&self, system: &System, radian: f64) -> Units {
+        let coordinates = system.coordinates;
         let extent = |i: usize| self.extents.get(i).copied().unwrap_or((0.0, 0.0));
         let way = |k: usize| 0.5 * (extent(k).1 - extent(k).0);
         let speed = |k: usize| {
@@ -55,9 +56,14 @@ impl Record {
             largest.max(-least).max(way(k) / radian)
         };
         let most = (0..coordinates).map(speed).fold(0.0, f64::max);
+        let unit_of = |most: f64| if most > 0.0 { most } else { 1.0 };
         let unit = |k: usize| if most > 0.0 { speed(k).max(LEAST * most) } else { 1.0 };
         let places = (0..coordinates).map(|k| unit(k) * radian);
-        let state = places.chain((0..coordinates).map(unit)).collect();
+        // An inner place is of the size of its way, or of the largest of a coordinate.
+        let inner = system.places_of_first_order();
+        let inner = inner
+            .map(|k| if way(k) > 0.0 { way(k).max(LEAST * most * radian) } else { unit_of(most) * radian });
+        let state = places.chain((0..coordinates).map(unit)).chain(inner).collect();
         Units { state, time: radian }
     }
 }
@@ -190,7 +196,7 @@ pub(super) fn seed(
     };
     let period = place.period.map_or(span, |period| period * f64::from(periods.unwrap_or(1)));
     let system = assembly.system();
-    let own = 2 * system.coordinates;
+    let own = system.states();
     let is_empty = record.letters.is_empty();
     if is_empty && periods.is_none() {
         let problem = "the motion has no events and nothing drives it: it rests, or swings freely; allowed are motions with events or a drive";
@@ -198,7 +204,7 @@ pub(super) fn seed(
     }
     record.with_runs(period);
     let radian = place.period.unwrap_or(span) / TAU;
-    let units = record.units(system.coordinates, radian);
+    let units = record.units(system, radian);
     let mut times = if is_empty { vec![from] } else { std::mem::take(&mut record.times) };
     let own_states = if is_empty { vec![begin] } else { std::mem::take(&mut record.states) };
     // Times count from within the first period of the drive.
@@ -236,7 +242,7 @@ pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> V
 fn move_back(system: &System, state: &mut [f64], time: f64, by: f64) -> Result<()> {
     let mut earlier = state.to_vec();
     with_signals(system, time - by, &mut earlier);
-    let own = 2 * system.coordinates;
+    let own = system.states();
     let change: Vec<f64> =
         (0..state.len()).map(|i| if i < own { 0.0 } else { earlier[i] - state[i] }).collect();
     let is_rounding = |(i, x): (usize, &f64)| x.abs() <= WHOLE * (state[i].abs() + earlier[i].abs()).max(1.0);

@@ -94,7 +94,7 @@ impl Letter {
 
     /// Removes from variations what the contacts after the event constrain.
     pub(super) fn keep<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
-        variations.into_iter().for_each(|v| keep(system, &self.modes[1].basis, v));
+        variations.into_iter().for_each(|v| keep(system, &self.modes[1], v));
     }
 
     /// The event in words: `impact steel`, `slip guide`; several reports are joined by ` + `.

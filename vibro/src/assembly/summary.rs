@@ -158,7 +158,7 @@ fn equilibrium(assembly: &Assembly) -> String {
 
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
-    let size = 2 * system.coordinates;
+    let size = system.states();
     if size == 0 {
         return Vec::new();
     }

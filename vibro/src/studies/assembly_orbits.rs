@@ -372,7 +372,7 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
 /// has no time to grow.
 fn samples(orbit: &Orbit) -> Result<Vec<(f64, Vec<f64>)>> {
     let mut rows = Vec::new();
-    let own = 2 * orbit.place().assembly.system().coordinates;
+    let own = orbit.place().assembly.system().states();
     for leg in orbit.legs() {
         let count = (f64::from(SAMPLES) * leg.span / orbit.period()).ceil().max(2.0);
         let assembly = orbit.place().assembly.clone();

@@ -195,7 +195,8 @@ fn a_motion_goes_on_where_another_ended_or_else_begins_at_the_machines_own_start
         gap = 1e-3\nrestitution = 0.5\n";
     let at = |time: f64| {
         let given = BodyStart { s: Some(5e-4), v: Some(0.1) };
-        let end = Start { time, bodies: [("a".to_owned(), given)].into() };
+        let bodies = [("a".to_owned(), given)].into();
+        let end = Start { time, bodies, ..Start::default() };
         let (motion, _) = text(file).motion_on(&end).unwrap();
         (motion.time(), motion.body(1)[0], motion.body(1)[1])
     };

@@ -8,7 +8,8 @@ const ROUNDING: f64 = 1e-12;
 
 #[test]
 fn closed_form_lengths_and_units_of_a_metric() {
-    let metric = Metric::by_frequency(2, 10.0);
+    assert_eq!(Metric::by_frequency(1, 2, 10.0).0, [0.1, 1.0, 0.1, 0.1]);
+    let metric = Metric::by_frequency(2, 0, 10.0);
     assert_eq!(metric.0, [0.1, 0.1, 1.0, 1.0]);
     let v = [0.2, -0.1, 2.0, 4.0];
     assert!((metric.length(&v) - 5.0).abs() < ROUNDING);
@@ -52,7 +53,7 @@ const LYING: &str = "name = \"L\"\ngravity = 10.0\n[body.ball]\nmass = 0.5\ngrav
 fn closed_form_what_a_contact_holds_is_no_variation_from_the_start_on() {
     let (motion, _) = Machine::new(text(LYING).description).motion(&Start::default()).unwrap();
     let system = motion.assembly().system();
-    let metric = Metric::by_frequency(system.coordinates, 3.0);
+    let metric = Metric::by_frequency(system.coordinates, 0, 3.0);
     let frame = Frame::new(system, motion.mode(), &metric);
     assert_eq!(frame.columns.len(), 2);
     assert!(frame.columns.iter().flatten().all(|x| *x == 0.0), "{frame:?}");
@@ -69,7 +70,7 @@ fn closed_form_what_is_neutral_is_taken_away_whole() {
     );
     let (motion, _) = machine.motion(&Start::default()).unwrap();
     let system = motion.assembly().system();
-    let metric = Metric::by_frequency(1, 3.0);
+    let metric = Metric::by_frequency(1, 0, 3.0);
     let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
     assert_eq!(variation.grown(None), f64::NEG_INFINITY);
     // Of an oscillator nothing is; along a shift, what is left has the length one, and is
@@ -115,7 +116,7 @@ fn second_method_a_variation_grows_as_the_columns_of_a_frame() {
         let assembly = motion.assembly().clone();
         let system = assembly.system();
         let size = 2 * system.coordinates;
-        let metric = Metric::by_frequency(system.coordinates, 30.0);
+        let metric = Metric::by_frequency(system.coordinates, 0, 30.0);
         let mut frame = Frame::new(system, motion.mode(), &metric);
         let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
         let began = variation.v[0].clone();
@@ -151,7 +152,7 @@ fn second_method_columns_are_differences_of_motions() {
         let system = motion.assembly().system();
         let n = system.coordinates;
         assert_eq!(n, free.len());
-        let metric = Metric::by_frequency(n, 30.0);
+        let metric = Metric::by_frequency(n, 0, 30.0);
         let start = now(&motion);
         let after = |start: &Start| {
             let (mut motion, section) = machine.motion_on(start).unwrap();
@@ -186,7 +187,7 @@ fn closed_form_what_an_event_takes_whole_is_no_variation_after_it() {
     let (mut motion, _) = text(&file).motion(&Start::default()).unwrap();
     let assembly = motion.assembly().clone();
     let system = assembly.system();
-    let metric = Metric::by_frequency(1, 3.0);
+    let metric = Metric::by_frequency(1, 0, 3.0);
     let mut frame = Frame::new(system, motion.mode(), &metric);
     let mut variation = Variation::new(system, motion.mode(), metric, &Neutral::of(system));
     let mut flows = Flows::default();

@@ -89,7 +89,7 @@ impl Crossing<'_> {
 
     /// A step at a time with several knots: δt delays the height of this step only.
     fn some_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
-        let (machine, n) = (self.machine, self.machine.system.coordinates);
+        let (machine, own) = (self.machine, self.machine.system.states());
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {
             let element = format!("the step at {} s", self.before.time);
             return Err(Lost { time: self.before.time, element, cause: Cause::Together });
@@ -97,7 +97,7 @@ impl Crossing<'_> {
         let mut step = DVector::zeros(delta.len());
         step[knot.place] = knot.height;
         let rates = self.after.mode.rates(&step);
-        delta.rows_mut(0, 2 * n).axpy(-knot.later, &rates.rows(0, 2 * n), 1.0);
+        delta.rows_mut(0, own).axpy(-knot.later, &rates.rows(0, own), 1.0);
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! Classification of each element from its values, before any order is solved.
 
-use super::{EventVerdict, Friction, Selection, Stop, slipping};
+use super::{EventVerdict, Friction, Selection, Slider, SliderFlag, Stop, slid, slipping};
 use crate::description::StopLaw;
-use crate::mode::{FrictionState, StopState};
+use crate::mode::{FrictionState, SliderState, StopState};
 use crate::system::StateRow;
 
 impl Selection<'_> {
@@ -70,6 +70,20 @@ impl Selection<'_> {
             return Stop::AtLimit(StopState::Pressed, StopState::Free);
         }
         Stop::Is(StopState::Pressed)
+    }
+
+    /// Verdict on a branch by its force, e' and the event. One with a dashpot has no slider.
+    pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag) -> Slider {
+        let branch = &self.system.branches[i];
+        let Some(level) = self.system.slip_level(i) else { return Slider::Is(SliderState::Held) };
+        let is_at = |direction: f64| self.sign(&(direction * &*branch.force - &level), 0) >= 0.0;
+        let by_value = [1.0, -1.0].into_iter().find(|direction| is_at(*direction));
+        let direction = if flag.level == 0.0 { by_value.unwrap_or(0.0) } else { flag.level };
+        if direction == 0.0 {
+            return Slider::Is(SliderState::Held);
+        }
+        let rate = if flag.turns { 0.0 } else { self.sign(&branch.elongation.rate, 0) };
+        if rate == 0.0 { Slider::AtLevel(direction) } else { slid(direction, rate) }
     }
 
     /// Verdict on a friction by its level, e' and the event.

@@ -49,6 +49,7 @@ impl Selection<'_> {
                         _ => {}
                     }
                 }
+                Contact::Slider(_) => {}
             }
         }
         BoxProblem { columns: self.system.columns(contacts), b, lo, hi, zero }
@@ -133,7 +134,7 @@ impl Selection<'_> {
                         self.stops[i] = Stop::Is(StopState::Closed);
                     }
                 }
-                Contact::Stop(_) => {}
+                Contact::Stop(_) | Contact::Slider(_) => {}
                 Contact::Friction(i) => {
                     let level = self.level(i).dot(&self.derivatives[order]);
                     match self.frictions[i] {

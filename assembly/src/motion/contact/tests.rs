@@ -31,7 +31,8 @@ fn closed_form_an_impact_clears_the_flags_of_the_elements_that_it_moves() {
     let machine = parse(text, "a.toml", &no_records).unwrap();
     let motion = Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap();
     let all = || vec![true; 2];
-    let flags = super::Flags { stops: all(), resting: all(), edges: all(), limits: all() };
+    let flags =
+        super::Flags { stops: all(), resting: all(), edges: all(), limits: all(), sliders: Vec::new() };
     // Only the second body is hit; beside its speed of 1 m/s a kick of 1e-14 m/s is rounding.
     for (kick, stays) in [(-0.5, false), (1e-14, true), (0.0, true)] {
         let kick = nalgebra::DVector::from_vec(vec![0.0, kick]);

@@ -5,6 +5,7 @@ mod closed_forms;
 mod curves;
 mod motions;
 mod paper;
+mod series;
 
 use super::*;
 use std::path::Path;

@@ -1,0 +1,98 @@
+//! Springs in series and their states of first order: derivatives by one parameter
+//! (docs/assembly-law.md, section 15).
+
+use super::machine::{Instant, Machine};
+use super::tangent::{ElongationTangent, Tangent};
+use super::weights::Weights;
+use crate::description::{Description, SeriesLaw};
+use crate::mode::{Mode, SliderState};
+use crate::system::{StateRow, System, in_series};
+use nalgebra::{DMatrix, DVector};
+
+/// Derivatives of the rows of a spring in series.
+#[derive(Clone, Debug)]
+pub(super) struct BranchTangent {
+    pub elongation: ElongationTangent,
+    pub force: StateRow,
+    /// Of the row of the inner place's rate, where it moves.
+    pub rate: StateRow,
+    /// Of the level of a slider.
+    pub level: StateRow,
+}
+
+impl Tangent {
+    pub(super) fn put_branches(&mut self, system: &System, d: &Description, along: &Description) {
+        let springs = in_series(d).zip(in_series(along));
+        for (rows, ((spring, series), (by, change))) in system.branches.iter().zip(springs) {
+            let own = self.elongation(system, &spring.arms, &by.arms);
+            let e = &rows.elongation;
+            let force = by.stiffness * rows.stretch() + rows.stiffness * &own.e;
+            let mut level = StateRow::zeros(system.signals.size);
+            let rate = match (series.law, change.law) {
+                (SeriesLaw::Dashpot { damping }, SeriesLaw::Dashpot { damping: dc }) => {
+                    (1.0 / damping) * &force - (dc / (damping * damping)) * &*rows.force
+                }
+                (_, SeriesLaw::Slider { slip }) => {
+                    level[system.signals.one] = slip;
+                    own.rate.clone()
+                }
+                // Both are of one machine.
+                (SeriesLaw::Slider { .. }, SeriesLaw::Dashpot { .. }) => level.clone(),
+            };
+            self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
+            self.forces.ger(-1.0, &e.w, &force, 1.0);
+            self.branches.push(BranchTangent { elongation: own, force, rate, level });
+            self.inner.push(change.slider);
+        }
+    }
+
+    /// The derivatives of the rows of states of first order that move in a mode, with their places.
+    pub(super) fn first_order<'a>(
+        &'a self,
+        system: &'a System,
+        mode: &'a Mode,
+    ) -> impl Iterator<Item = (usize, &'a StateRow)> + 'a {
+        let moves = move |i: &usize| is_moving(system, mode, *i);
+        let all = (0..system.branches.len()).filter(moves);
+        all.map(|i| (system.branches[i].place, &self.branches[i].rate))
+    }
+}
+
+/// Whether the inner place of a branch moves in a mode.
+fn is_moving(system: &System, mode: &Mode, i: usize) -> bool {
+    let is_slider = matches!(system.branches[i].law, SeriesLaw::Slider { .. });
+    !is_slider || mode.sliders[i] != SliderState::Held
+}
+
+impl Machine {
+    /// Puts the derivative of the force of each slider at its level that slips in a mode, or that a
+    /// jump has `moved`, by its inner place.
+    pub(super) fn keep_levels(
+        &self,
+        p: usize,
+        delta: &mut DVector<f64>,
+        at: &Instant,
+        moved: impl Fn(usize) -> Option<f64>,
+    ) {
+        let slips = |i: usize| Some(at.mode.mode.sliders[i].direction()).filter(|d| *d != 0.0);
+        for (i, branch) in self.system.branches.iter().enumerate() {
+            if let (Some(direction), SeriesLaw::Slider { .. }) = (slips(i).or_else(|| moved(i)), branch.law) {
+                let by = &self.tangents[p].branches[i];
+                let level = direction * by.level.dot(at.z);
+                let off = branch.force.dot(delta) + by.force.dot(at.z) - level;
+                delta[branch.place] += off / branch.stiffness;
+            }
+        }
+    }
+}
+
+impl Weights {
+    /// Adds what the rows of states of first order depend on: `by_a` is by the rows of A from the
+    /// accelerations on.
+    pub(super) fn add_first_order(&mut self, system: &System, mode: &Mode, by_a: &DMatrix<f64>) {
+        let all = system.branches.iter().zip(&mut self.branches).enumerate();
+        for (_, (rows, own)) in all.filter(|(i, _)| is_moving(system, mode, *i)) {
+            own.rate += by_a.row(rows.place - system.coordinates).transpose();
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Reading of a spring's partner in series.
+
+use super::reading::{FileTable, Reading};
+use crate::description::{Dimension, Series, SeriesLaw};
+use crate::kinds;
+
+/// The keys of a spring that has a partner.
+pub(super) const KEYS: [&str; 3] = ["slip", "series_damping", "slider"];
+
+/// Whether a table has a partner.
+pub(super) fn is_given(table: &FileTable) -> bool {
+    table.has("series_damping") || table.has("slip")
+}
+
+/// Reads the partner; `Some(None)` without one, `None` for one that is refused.
+pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Option<Series>> {
+    if !is_given(table) {
+        let slider = reading.optional(table, "slider");
+        if let Some(slider) = &slider {
+            let text =
+                "is the inner place of a spring in series; allowed is it beside series_damping or slip";
+            reading.refuse(slider, text);
+        }
+        return slider.is_none().then_some(None);
+    }
+    let mut is_sound = true;
+    if let Some(preload) = reading.optional(table, "preload") {
+        let text = "stands beside series_damping or slip; allowed is slider, the inner place at time 0, which gives the spring a force";
+        reading.refuse(&preload, text);
+        is_sound = false;
+    }
+    if let (Some(slip), true) = (reading.optional(table, "slip"), table.has("series_damping")) {
+        reading.refuse(&slip, "stands beside series_damping; allowed is one of them");
+        is_sound = false;
+    }
+    let law = match table.has("slip") {
+        true => {
+            let slip = reading.required_number(table, "slip", kinds::SLIP, dimension);
+            slip.map(|slip| SeriesLaw::Slider { slip })
+        }
+        false => {
+            let damping = reading.required_number(table, "series_damping", kinds::DASHPOT, dimension);
+            damping.map(|damping| SeriesLaw::Dashpot { damping })
+        }
+    };
+    let slider = reading.number_or(table, "slider", kinds::SLIDER, dimension, 0.0);
+    Some(Some(Series { law: law?, slider: slider? })).filter(|_| is_sound)
+}

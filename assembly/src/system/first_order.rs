@@ -1,0 +1,151 @@
+//! States of first order, which stand in the augmented state between the rates and the signals:
+//! each has a row that gives its rate, x' = row · z. Inner places of springs in series are such
+//! states (docs/assembly-law.md, section 15).
+
+use super::{Elongation, Functional, Part, StateRow, System};
+use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
+use crate::kernel::SparseMatrix;
+use crate::mode::SliderState;
+use std::ops::Range;
+
+/// A state of first order.
+#[derive(Clone, Debug)]
+pub struct FirstOrder {
+    /// x' while it moves.
+    pub rate: Functional,
+    /// The branch whose slider it is: it moves only while that slips.
+    pub slider: Option<usize>,
+}
+
+/// Rows of a spring in series with a partner.
+#[derive(Clone, Debug)]
+pub struct BranchRows {
+    /// Elongation e of both together.
+    pub elongation: Elongation,
+    /// N/m or N m/rad, positive.
+    pub stiffness: f64,
+    /// The partner.
+    pub law: SeriesLaw,
+    /// Index of the inner place x in the augmented state.
+    pub place: usize,
+    /// b = stiffness · (e - x).
+    pub force: Functional,
+}
+
+impl BranchRows {
+    /// e - x.
+    pub(crate) fn stretch(&self) -> StateRow {
+        let mut row = self.elongation.e.clone();
+        row[self.place] -= 1.0;
+        row
+    }
+}
+
+/// The springs with a partner, in the order of their states.
+pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = (&Spring, Series)> + Clone {
+    d.springs.iter().filter_map(|spring| Some((spring, spring.series?)))
+}
+
+/// The number of states of first order of a machine.
+pub(super) fn count(d: &Description) -> usize {
+    in_series(d).count()
+}
+
+impl System {
+    /// Number of states: coordinates, their rates, states of first order. They come first in the
+    /// augmented state, before the signals.
+    pub fn states(&self) -> usize {
+        self.signals.one
+    }
+
+    /// The places of the states of first order in the augmented state.
+    pub fn places_of_first_order(&self) -> Range<usize> {
+        2 * self.coordinates..self.signals.one
+    }
+
+    /// The place of the inner place of an element, by the index of the element.
+    pub fn slider_of(&self, element: usize) -> Option<usize> {
+        self.parts[element].iter().find_map(|part| match *part {
+            Part::Branch(i) => Some(self.branches[i].place),
+            _ => None,
+        })
+    }
+
+    /// Adds a spring with its partner.
+    pub(super) fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: SeriesLaw) -> Part {
+        let (elongation, place) = (self.elongation(arms), 2 * self.coordinates + self.first_order.len());
+        let mut branch =
+            BranchRows { elongation, stiffness, law, place, force: Functional::of(StateRow::zeros(0)) };
+        branch.force = Functional::of(stiffness * branch.stretch());
+        let (rate, slider) = match law {
+            SeriesLaw::Dashpot { damping } => ((1.0 / damping) * &*branch.force, None),
+            SeriesLaw::Slider { .. } => ((*branch.elongation.rate).clone(), Some(self.branches.len())),
+        };
+        self.first_order.push(FirstOrder { rate: Functional::of(rate), slider });
+        self.branches.push(branch);
+        Part::Branch(self.branches.len() - 1)
+    }
+
+    /// The row of the rate of a state of first order where the branches are in given states, by its
+    /// place among these; `None` where it stands.
+    pub(crate) fn rate_of_first_order(&self, k: usize, sliders: &[SliderState]) -> Option<&Functional> {
+        let own = &self.first_order[k];
+        let moves =
+            own.slider.is_none_or(|i| sliders.get(i).is_some_and(|state| *state != SliderState::Held));
+        moves.then_some(&own.rate)
+    }
+
+    /// Adds the rows of the states of first order to A.
+    pub(crate) fn push_first_order(&self, a: &mut SparseMatrix, sliders: &[SliderState]) {
+        for k in 0..self.first_order.len() {
+            let terms = self.rate_of_first_order(k, sliders).map_or(&[][..], Functional::terms);
+            a.push_row(terms.iter().copied());
+        }
+    }
+
+    /// Puts the force of each branch whose slider slips at its level, by its inner place.
+    pub(crate) fn keep_levels(&self, sliders: &[SliderState], z: &mut [f64]) {
+        for (i, state) in sliders.iter().enumerate().filter(|(_, state)| **state != SliderState::Held) {
+            self.keep_level(i, state.direction(), z);
+        }
+    }
+
+    /// Puts the force of each branch at its level whose slider an event has moved.
+    pub(crate) fn keep_moved(&self, [before, after]: [&[f64]; 2], variation: &mut [f64]) {
+        for i in 0..self.branches.len() {
+            if let Some(direction) = self.was_moved(i, before, after) {
+                self.keep_level(i, direction, variation);
+            }
+        }
+    }
+
+    /// The direction of the force of a branch whose inner place an event has moved: no event moves it
+    /// but a jump, after which the force is at its level.
+    pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
+        let branch = &self.branches[i];
+        let place = branch.place;
+        (before[place] != after[place]).then(|| branch.force.at(after).signum())
+    }
+
+    fn keep_level(&self, i: usize, direction: f64, z: &mut [f64]) {
+        let branch = &self.branches[i];
+        if let SeriesLaw::Slider { slip } = branch.law {
+            let off = branch.force.at(z) - direction * slip * z[self.signals.one];
+            z[branch.place] += off / branch.stiffness;
+        }
+    }
+
+    /// Moves inner places so that no force is above its level: to the nearest place where it is at
+    /// it. Returns by branch the way.
+    pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
+        let way = |branch: &BranchRows, z: &mut [f64]| {
+            let SeriesLaw::Slider { slip } = branch.law else { return 0.0 };
+            let force = branch.force.at(z);
+            let way =
+                if force.abs() > slip { (force - slip.copysign(force)) / branch.stiffness } else { 0.0 };
+            z[branch.place] += way;
+            way
+        };
+        self.branches.iter().map(|branch| way(branch, z)).collect()
+    }
+}
