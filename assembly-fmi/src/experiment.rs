@@ -22,7 +22,10 @@ const NONE: f64 = 1e-12;
 pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
     let machine = &assembly.description;
     let own = own_periods(assembly);
-    let driven = machine.signals().flat_map(|of| &of.signal.harmonics).map(|h| 1.0 / h.frequency);
+    let driven = machine.signals().flat_map(|of| {
+        let harmonics = of.signal.harmonics.iter().map(|h| 1.0 / h.frequency);
+        harmonics.chain(of.signal.repeat).collect::<Vec<_>>()
+    });
     let periods: Vec<f64> = own.into_iter().chain(driven).filter(|period| is_time(*period)).collect();
     let contacts: Vec<f64> = contact_times(assembly).filter(|time| is_time(*time)).collect();
     let longest = |times: &[f64]| times.iter().copied().reduce(f64::max);
@@ -55,8 +58,11 @@ fn rounded(time: f64) -> f64 {
     format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
 }
 
-/// The time of a signal's last step or knot, s.
+/// The time of a signal's last step or knot, s; `None` where they repeat.
 fn last_knot(signal: &Signal) -> Option<f64> {
+    if signal.repeat.is_some() {
+        return None;
+    }
     let steps = signal.steps.last().map(|step| step.time);
     let knots = signal.table.as_ref().and_then(|table| Some(table.knots.last()?.0));
     [steps, knots].into_iter().flatten().reduce(f64::max)

@@ -45,11 +45,7 @@ impl Assembly {
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
         let mut z = DVector::zeros(system.signals.size);
-        system.signals.fill(
-            DoubleDouble::default(),
-            &vec![(0.0, [0.0; 4]); system.signals.inputs],
-            z.as_mut_slice(),
-        );
+        system.signals.fill(DoubleDouble::default(), &system.signals.no_inputs(), z.as_mut_slice());
         z.rows_mut(0, system.coordinates).copy_from(&q);
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
     }

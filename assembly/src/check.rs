@@ -121,7 +121,10 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
             problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
         }
     }
-    let Some(record) = &signal.table else { return };
+    let Some(record) = &signal.table else {
+        check_repeat(name, signal, problems);
+        return;
+    };
     let table = format!("{name}.table");
     if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
         let text = format!("has {} knots; allowed are 2 to {MOST_KNOTS}", record.knots.len());
@@ -133,6 +136,31 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
         let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    } else if record.knots.len() > 1 {
+        check_repeat(name, signal, problems);
+    }
+}
+
+/// Problems of a period: steps and knots lie in it, and a record's ends have one value.
+fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    let Some(period) = signal.repeat else { return };
+    for (i, step) in signal.steps.iter().enumerate() {
+        if !(0.0..period).contains(&step.time) {
+            let text = format!("allowed is a time from 0 s to before repeat = {period:?} s");
+            problems.push(refused(format!("{name}.steps[{i}].time"), step.time, text));
+        }
+    }
+    let Some(record) = &signal.table else { return };
+    let outside = |knot: &(f64, f64)| !(0.0..=period).contains(&knot.0);
+    if let Some(i) = record.knots.iter().position(outside) {
+        let text = format!("allowed is a time from 0 s to repeat = {period:?} s");
+        problems.push(refused(format!("{name}.table[{i}]"), record.knots[i].0, text));
+        return;
+    }
+    let (first, last) = (record.knots[0], record.knots[record.knots.len() - 1]);
+    if first.0 == 0.0 && last.0 == period && first.1 != last.1 {
+        let text = format!("at repeat = {period:?} s allowed is the value at 0 s, {:?}", first.1);
+        problems.push(refused(format!("{name}.table[{}]", record.knots.len() - 1), last.1, text));
     }
 }
 
@@ -146,7 +174,7 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
                 None,
                 format!("there is no body {}, counted from 0", load.body),
             )),
-            Some(Body { name: body, kind: BodyKind::Prescribed { .. }, .. }) => {
+            Some(Body { name: body, kind, .. }) if kind.is_prescribed() => {
                 let text = "the motion of this body is prescribed; allowed is a body with mass or inertia";
                 problems.push(Problem::new(name, Some(format!("{body:?}")), text));
             }

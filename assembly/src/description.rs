@@ -67,6 +67,55 @@ pub enum BodyKind {
         /// Rate of the uniform motion that is added, m/s or rad/s.
         rate: f64,
     },
+    /// By a signal of time that is its rate or its acceleration.
+    Integrated(Integrated),
+}
+
+impl BodyKind {
+    /// Whether its motion is given, whatever the forces.
+    pub fn is_prescribed(&self) -> bool {
+        !matches!(self, Self::Free(_))
+    }
+}
+
+/// The motion of a body whose rate or acceleration is prescribed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrated {
+    /// What the signal is.
+    pub level: Level,
+    /// Rate or acceleration.
+    pub signal: Signal,
+    /// Coordinate at time 0, m or rad.
+    pub s: f64,
+    /// Rate at time 0, m/s or rad/s; 0 where the signal is the rate.
+    pub v: f64,
+}
+
+/// The time derivative of a coordinate that a signal prescribes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The rate, m/s or rad/s.
+    Rate,
+    /// The acceleration, m/s² or rad/s².
+    Acceleration,
+}
+
+impl Level {
+    /// Its key in a file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Rate => "rate",
+            Self::Acceleration => "acceleration",
+        }
+    }
+
+    /// The order of the derivative.
+    pub fn order(self) -> usize {
+        match self {
+            Self::Rate => 1,
+            Self::Acceleration => 2,
+        }
+    }
 }
 
 /// Inertia and start of a free body.
@@ -219,6 +268,8 @@ pub struct Signal {
     pub steps: Vec<Step>,
     /// A tabulated function.
     pub table: Option<Record>,
+    /// The period of steps and table, s.
+    pub repeat: Option<f64>,
     /// Whether an input is added, which is 0 until it is set.
     pub input: bool,
 }
@@ -260,6 +311,42 @@ pub struct Step {
 pub struct Record {
     /// Time (s) and value of each knot: two or more, at rising times.
     pub knots: Vec<(f64, f64)>,
-    /// Whether it is a monotone cubic between knots, else linear.
-    pub cubic: bool,
+    /// What the values are multiplied by, in the signal's unit; the values are then plain numbers.
+    pub scale: Option<f64>,
+    /// The values between knots.
+    pub interpolation: Interpolation,
+}
+
+impl Record {
+    /// A record whose values are in the signal's unit.
+    pub fn new(knots: Vec<(f64, f64)>, interpolation: Interpolation) -> Self {
+        Self { knots, scale: None, interpolation }
+    }
+
+    /// What the values are multiplied by.
+    pub fn factor(&self) -> f64 {
+        self.scale.unwrap_or(1.0)
+    }
+}
+
+/// The values of a record between its knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// A straight line.
+    Straight,
+    /// A monotone cubic.
+    Cubic,
+    /// The value of the knot before, until the next one's time.
+    Hold,
+}
+
+impl Interpolation {
+    /// All, each with its word in a file.
+    pub const ALL: [(Self, &str); 3] =
+        [(Self::Straight, "straight"), (Self::Cubic, "cubic"), (Self::Hold, "hold")];
+
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
+    }
 }

@@ -89,7 +89,7 @@ struct Weighted {
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
     let mut z = StateRow::zeros(system.signals.size);
-    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+    let inputs = system.signals.no_inputs();
     system.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
     let n = system.coordinates;
     let mut worst = None;

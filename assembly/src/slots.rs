@@ -1,6 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Free, Signal, StopLaw};
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Signal, StopLaw,
+};
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
 
@@ -42,6 +44,15 @@ impl<'a> Slots<'a> {
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
                 self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
+            }
+            BodyKind::Integrated(Integrated { level, signal, s, v }) => {
+                let (of, is_rate) = (format!("{of}.motion"), *level == Level::Rate);
+                let kind = if is_rate { kinds::DRIVEN_RATE } else { kinds::ACCELERATION };
+                self.signal(&format!("{of}.{}", level.key()), signal, kind);
+                self.push(format!("{of}.s"), kinds::START, s);
+                if !is_rate {
+                    self.push(format!("{of}.v"), kinds::START_RATE, v);
+                }
             }
         }
     }
@@ -89,6 +100,12 @@ impl<'a> Slots<'a> {
         for (i, step) in signal.steps.iter_mut().enumerate() {
             self.push(format!("{of}.steps[{i}].time"), kinds::TIME, &mut step.time);
             self.push(format!("{of}.steps[{i}].height"), kind, &mut step.height);
+        }
+        if let Some(scale) = signal.table.as_mut().and_then(|record| record.scale.as_mut()) {
+            self.push(format!("{of}.table.scale"), kinds::scale_of(kind), scale);
+        }
+        if let Some(repeat) = &mut signal.repeat {
+            self.push(format!("{of}.repeat"), kinds::PERIOD, repeat);
         }
     }
 

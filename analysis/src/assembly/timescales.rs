@@ -99,10 +99,13 @@ impl Passed {
     }
 }
 
-/// The last step or end of a record of all signals: its time, s, and its description; `None` if all
-/// signals are periodic or constant.
+/// The last step or end of a record of all signals that do not repeat: its time, s, and its
+/// description; `None` if all signals are periodic or constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
+        if signal.repeat.is_some() {
+            return [None, None];
+        }
         let step =
             signal.steps.last().map(|s| (s.time, format!("{name} has a step at {} s", significant(s.time))));
         let end = signal.table.as_ref().and_then(|table| table.knots.last()).map(|k| k.0);

@@ -3,12 +3,23 @@
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records;
-use crate::description::{Dimension, Harmonic, Record, Signal, Step};
+use crate::description::{Dimension, Harmonic, Interpolation, Record, Signal, Step};
 use crate::kinds::{self, NumberKind};
 
 /// The keys of a signal.
-pub(super) const KEYS: [&str; 9] =
-    ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
+pub(super) const KEYS: [&str; 11] = [
+    "constant",
+    "harmonics",
+    "amplitude",
+    "frequency",
+    "phase",
+    "steps",
+    "table",
+    "interpolation",
+    "scale",
+    "repeat",
+    "input",
+];
 
 /// The kind of number of a signal's values.
 #[derive(Clone, Copy)]
@@ -50,8 +61,16 @@ pub(super) fn flat(
     let harmonics = harmonics(reading, table, values);
     let steps = steps(reading, table, values);
     let record = record(reading, table, values);
+    let repeat = repeat(reading, table, values);
     let input = input(reading, table);
-    Some(Signal { constant: constant?, harmonics: harmonics?, steps: steps?, table: record?, input: input? })
+    Some(Signal {
+        constant: constant?,
+        harmonics: harmonics?,
+        steps: steps?,
+        table: record?,
+        repeat: repeat?,
+        input: input?,
+    })
 }
 
 fn constant(reading: &mut Reading, table: &FileTable, values: Values, offset: bool) -> Option<f64> {
@@ -129,22 +148,20 @@ fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec
 
 /// The record of a signal, if it has one; the outer `None` stands for a problem.
 fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<Record>> {
-    let interpolation = reading.optional(table, "interpolation");
-    let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {
-        None | Some(Some("straight")) => Some(false),
-        Some(Some("cubic")) => Some(true),
-        Some(_) => None,
-    };
-    if let (Some(entry), None) = (&interpolation, cubic) {
-        reading.refuse(entry, "allowed is \"straight\" or \"cubic\"");
-    }
+    let interpolation = interpolation(reading, table);
+    let scale = scale(reading, table, values);
     let Some(found) = reading.optional(table, "table") else {
-        if let Some(entry) = interpolation {
-            reading.refuse(&entry, "there is no table to interpolate; allowed beside table");
-            return None;
+        for key in ["interpolation", "scale"] {
+            if let Some(entry) = reading.optional(table, key) {
+                let what = if key == "scale" { "multiply" } else { "interpolate" };
+                reading.refuse(&entry, format!("there is no table to {what}; allowed beside table"));
+            }
         }
-        return Some(None);
+        let is_sound = !table.has("interpolation") && !table.has("scale");
+        return is_sound.then_some(None);
     };
+    // Beside a scale the values are plain numbers.
+    let values = if table.has("scale") { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {
         Some(path) => {
             let knots = records::read(path, reading.records);
@@ -155,7 +172,35 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
             pairs(reading, &found, values, allowed)
         }
     };
-    Some(Some(Record { knots: knots?, cubic: cubic? }))
+    Some(Some(Record { knots: knots?, scale: scale?, interpolation: interpolation? }))
+}
+
+fn interpolation(reading: &mut Reading, table: &FileTable) -> Option<Interpolation> {
+    let Some(entry) = reading.optional(table, "interpolation") else { return Some(Interpolation::Straight) };
+    let said = entry.value.as_str();
+    let found = Interpolation::ALL.iter().find(|(_, word)| said == Some(*word)).map(|own| own.0);
+    if found.is_none() {
+        reading.refuse(&entry, "allowed is \"straight\", \"cubic\" or \"hold\"");
+    }
+    found
+}
+
+/// The factor of a record's values, if it has one; the outer `None` stands for a problem.
+fn scale(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
+    match reading.optional(table, "scale") {
+        Some(entry) => reading.number(&entry, kinds::scale_of(values.kind), values.dimension).map(Some),
+        None => Some(None),
+    }
+}
+
+/// The period of steps and record, if there is one; the outer `None` stands for a problem.
+fn repeat(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
+    let Some(entry) = reading.optional(table, "repeat") else { return Some(None) };
+    if !table.has("steps") && !table.has("table") {
+        reading.refuse(&entry, "there is nothing to repeat; allowed beside steps or table");
+        return None;
+    }
+    reading.number(&entry, kinds::PERIOD, values.dimension).map(Some)
 }
 
 fn input(reading: &mut Reading, table: &FileTable) -> Option<bool> {

@@ -1,7 +1,7 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Signal, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, Friction, Level, Signal, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -69,6 +69,14 @@ fn parameters(text: &mut String, machine: &Description) {
     }
 }
 
+/// The word for a dimension.
+fn word(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Translation => "translation",
+        Dimension::Rotation => "rotation",
+    }
+}
+
 /// The machine whose numbers are written, each as a number or as its expression.
 struct Writing<'a> {
     machine: &'a Description,
@@ -106,14 +114,22 @@ impl Writing<'_> {
                 }
             }
             BodyKind::Prescribed { motion, rate } => {
-                let dimension = match body.dimension {
-                    Dimension::Translation => "translation",
-                    Dimension::Rotation => "rotation",
-                };
-                line!(text, "dimension = {dimension:?}");
+                line!(text, "dimension = {:?}", word(body.dimension));
                 let of = format!("{of}.motion");
                 let mut parts = self.parts(&of, motion);
                 parts.push(format!("rate = {}", self.number(&format!("{of}.rate"), *rate)));
+                line!(text, "motion = {{ {} }}", parts.join(", "));
+            }
+            BodyKind::Integrated(motion) => {
+                line!(text, "dimension = {:?}", word(body.dimension));
+                let (of, key) = (format!("{of}.motion"), motion.level.key());
+                let signal = self.parts(&format!("{of}.{key}"), &motion.signal).join(", ");
+                let number = |key: &str, value| self.number(&format!("{of}.{key}"), value);
+                let mut parts =
+                    vec![format!("{key} = {{ {signal} }}"), format!("s = {}", number("s", motion.s))];
+                if motion.level == Level::Acceleration {
+                    parts.push(format!("v = {}", number("v", motion.v)));
+                }
                 line!(text, "motion = {{ {} }}", parts.join(", "));
             }
         }
@@ -199,7 +215,13 @@ impl Writing<'_> {
         if let Some(record) = &signal.table {
             let knots = record.knots.iter().map(|(time, value)| format!("[{time:?}, {value:?}]"));
             parts.push(format!("table = [{}]", knots.collect::<Vec<_>>().join(", ")));
-            parts.push(format!("interpolation = {:?}", if record.cubic { "cubic" } else { "straight" }));
+            parts.push(format!("interpolation = {:?}", record.interpolation.word()));
+            if let Some(scale) = record.scale {
+                parts.push(format!("scale = {}", number(&format!("{of}.table"), "scale", scale)));
+            }
+        }
+        if let Some(repeat) = signal.repeat {
+            parts.push(format!("repeat = {}", number(of, "repeat", repeat)));
         }
         if signal.input {
             parts.push("input = true".into());

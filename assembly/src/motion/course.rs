@@ -179,7 +179,10 @@ impl Motion {
 
     /// Sets an input without derivatives in continuous-time mode, from the last accepted point on.
     pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
-        self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
+        // An integral keeps what an input has added up to the accepted point.
+        let signals = &self.assembly.system.signals;
+        let from = if signals.is_integrated(i) { course.time } else { course.event };
+        signals.set_input(&mut self.hybrid.inputs, i, (from, [value, 0.0, 0.0, 0.0]));
         self.refill_on(course);
         if self.time() == course.time {
             // The interpolation from the accepted point uses the solver's accelerations.

@@ -274,7 +274,7 @@ impl Motion {
         }
         let time = DoubleDouble::new(time);
         let system = &assembly.system;
-        let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+        let inputs = system.signals.no_inputs();
         let z = Self::state_with_signals(&assembly, time, start, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(z.as_slice());

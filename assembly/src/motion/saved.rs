@@ -49,7 +49,7 @@ impl Hybrid {
         [self.z.len(), self.sizes.0.len()] == [size; 2]
             && [self.mode.stops.len(), self.impacts.len(), energy.stops.len()] == [stops; 3]
             && [self.mode.frictions.len(), energy.frictions.len()] == [frictions; 2]
-            && self.inputs.len() == system.signals.inputs
+            && self.inputs.len() == system.signals.no_inputs().len()
             && [energy.loads.len(), energy.dashpots.len()] == [system.loads.len(), system.springs.len()]
             && self.time.value().is_finite()
             && self.since.is_finite()

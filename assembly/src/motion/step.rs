@@ -121,8 +121,9 @@ impl Motion {
                 self.check_sizes()?;
                 return Ok(Reached::End);
             }
-            let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
-            let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
+            let knot = self.assembly.system.signals.next_knot_exactly(self.time());
+            let knot = knot.filter(|knot| knot.value() <= end);
+            let (goal, at_knot) = knot.map_or((target, false), |knot| (knot, true));
             if self.hybrid.carried == RENEW && self.long_step(goal) {
                 self.hybrid.due = None;
             } else {

@@ -168,7 +168,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("table = \"record.csv\"", "table = [[0, 1], [0, 2]]", "m.toml:38: load.shaker.table[1] = [0, 2]: allowed is a time after 0.0 s, that of the knot before"),
     ("table = \"record.csv\"", "table = [[0, 1]]", "m.toml:38: load.shaker.table: has 1 knots; allowed are 2 to 1000000"),
     ("table = \"record.csv\"", "table = 3", "m.toml:38: load.shaker.table = 3: allowed is a file such as \"record.csv\", or a list of [time, value]"),
-    ("table = \"record.csv\"", "table = \"record.csv\"\ninterpolation = \"spline\"", "m.toml:39: load.shaker.interpolation = \"spline\": allowed is \"straight\" or \"cubic\""),
+    ("table = \"record.csv\"", "table = \"record.csv\"\ninterpolation = \"spline\"", "m.toml:39: load.shaker.interpolation = \"spline\": allowed is \"straight\", \"cubic\" or \"hold\""),
     ("table = \"record.csv\"", "interpolation = \"cubic\"", "m.toml:38: load.shaker.interpolation = \"cubic\": there is no table to interpolate; allowed beside table"),
     ("table = \"record.csv\"", "input = \"yes\"", "m.toml:38: load.shaker.input = \"yes\": allowed is true or false"),
     // Links and starts.
