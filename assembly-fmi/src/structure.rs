@@ -118,6 +118,7 @@ impl<'a> Structure<'a> {
             0 => !signal.harmonics.is_empty() || !signal.steps.is_empty() || rate != 0.0,
             _ => !signal.harmonics.is_empty(),
         };
+        let moves = moves || !signal.sweeps.is_empty();
         if moves || signal.table.is_some() && (cubic || order == 0) {
             put(into, self.references[&Quantity::Time], Dependent);
         }

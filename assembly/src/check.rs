@@ -6,14 +6,17 @@ mod starts;
 
 pub(crate) use names::problem_of as problem_of_name;
 
-use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal};
+use crate::description::{Arms, Body, BodyKind, Description, Dimension, Signal, Sweep, SweepLaw};
 use crate::elements::Element;
 use crate::refusal::{Problem, Refusal};
-use crate::slots::slots;
+use crate::slots::{of_sweep, slots};
 
 /// Most bodies, most elements, and most harmonics and steps of a machine, checked before memory is
 /// taken for them.
 pub(crate) const MOST: usize = 10_000;
+
+/// Most turns of a sweep that is integrated.
+const MOST_TURNS: f64 = 100_000.0;
 
 /// Most knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
@@ -64,6 +67,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
         }
     }
     machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
+    check_integrated(machine, &mut problems);
     loads(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
@@ -121,6 +125,9 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
             problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
         }
     }
+    for (i, sweep) in signal.sweeps.iter().enumerate() {
+        check_sweep(&of_sweep(name, i, signal.sweeps.len()), sweep, problems);
+    }
     let Some(record) = &signal.table else {
         check_repeat(name, signal, problems);
         return;
@@ -138,6 +145,36 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
     } else if record.knots.len() > 1 {
         check_repeat(name, signal, problems);
+    }
+}
+
+/// Problems of a sweep: logarithms are of frequencies above 0, and there is a frequency.
+fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
+    for (key, frequency) in [("from", sweep.from), ("to", sweep.to)] {
+        if frequency == 0.0 && sweep.law == SweepLaw::Logarithmic {
+            let text = "allowed in a logarithmic sweep is a frequency above 0 Hz";
+            problems.push(refused(format!("{name}.{key}"), frequency, text));
+        }
+    }
+    if sweep.from.max(sweep.to) == 0.0 && sweep.law == SweepLaw::Linear {
+        let text = "from and to are 0 Hz; allowed is a frequency above 0 Hz at one end";
+        problems.push(refused(format!("{name}.to"), sweep.to, text));
+    }
+}
+
+/// Problems of a sweep that is integrated, whose cells are summed up before the motion begins.
+fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
+    for named in machine.signals().filter(|named| named.motion.is_some_and(|order| order > 0)) {
+        for (i, sweep) in named.signal.sweeps.iter().enumerate() {
+            let name = of_sweep(&named.name, i, named.signal.sweeps.len());
+            if sweep.turns() > MOST_TURNS {
+                let text = format!(
+                    "it makes {:.0} turns; allowed below a rate or an acceleration are {MOST_TURNS:.0}",
+                    sweep.turns()
+                );
+                problems.push(refused(format!("{name}.duration"), sweep.duration, text));
+            }
+        }
     }
 }
 

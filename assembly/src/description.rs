@@ -264,6 +264,8 @@ pub struct Signal {
     pub constant: f64,
     /// Harmonics.
     pub harmonics: Vec<Harmonic>,
+    /// Sine sweeps.
+    pub sweeps: Vec<Sweep>,
     /// Jumps at rising times.
     pub steps: Vec<Step>,
     /// A tabulated function.
@@ -282,7 +284,8 @@ impl Signal {
 
     /// Whether it has no part besides the constant.
     pub fn is_constant(&self) -> bool {
-        self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
+        let waves = self.harmonics.len() + self.sweeps.len();
+        waves == 0 && self.steps.is_empty() && self.table.is_none() && !self.input
     }
 }
 
@@ -295,6 +298,54 @@ pub struct Harmonic {
     pub frequency: f64,
     /// rad.
     pub phase: f64,
+}
+
+/// A sine whose frequency changes from time 0 on and then stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// In the signal's unit.
+    pub amplitude: f64,
+    /// The frequency up to time 0, Hz, not negative.
+    pub from: f64,
+    /// The frequency from the sweep's end on, Hz, not negative.
+    pub to: f64,
+    /// s, positive.
+    pub duration: f64,
+    /// At time 0, rad.
+    pub phase: f64,
+    /// The frequency in between.
+    pub law: SweepLaw,
+}
+
+/// The frequency of a sweep over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SweepLaw {
+    /// It changes evenly.
+    Linear,
+    /// Its logarithm changes evenly; both frequencies are above 0.
+    Logarithmic,
+}
+
+impl SweepLaw {
+    /// Both, each with its word in a file.
+    pub const ALL: [(Self, &str); 2] = [(Self::Linear, "linear"), (Self::Logarithmic, "logarithmic")];
+
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
+    }
+}
+
+impl Sweep {
+    /// Turns from time 0 to its end.
+    pub fn turns(&self) -> f64 {
+        match self.law {
+            SweepLaw::Logarithmic if self.from != self.to => {
+                self.duration * (self.to - self.from) / (self.to / self.from).ln()
+            }
+            _ => 0.5 * self.duration * (self.from + self.to),
+        }
+    }
 }
 
 /// A jump of a signal.

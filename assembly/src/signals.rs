@@ -3,7 +3,9 @@
 //! value and derivatives of each piecewise polynomial.
 
 mod integral;
+mod phase;
 mod pieces;
+mod sweep;
 mod tangent;
 
 pub use tangent::{SignalTangent, StepTime};
@@ -14,6 +16,7 @@ use integral::{Integral, Integrand};
 use nalgebra::DVector;
 use pieces::{Knots, Pieces};
 use std::f64::consts::TAU;
+use sweep::SweepPiece;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Value and derivatives of an input, which is a cubic from the time it was set.
@@ -145,6 +148,7 @@ pub struct Signals {
     /// Frequencies, Hz; the cosine and sine of each follow the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
+    sweeps: Vec<SweepPiece>,
     /// Times at which signals change, sorted: steps and knots of records.
     knots: Knots,
     /// Those of repeated signals.
@@ -176,6 +180,8 @@ struct Parts {
     /// Index of the frequency, amplitudes of cosine and sine.
     harmonics: Vec<(usize, f64, f64)>,
     piece: Option<usize>,
+    /// Indices of sweeps.
+    sweeps: Vec<usize>,
 }
 
 impl Builder {
@@ -185,6 +191,7 @@ impl Builder {
             one,
             frequencies: Vec::new(),
             pieces: Vec::new(),
+            sweeps: Vec::new(),
             knots: Knots::default(),
             repeated: Vec::new(),
             size: 0,
@@ -232,9 +239,16 @@ impl Builder {
             _ => 0,
         };
         let degree = (degree + order).max(usize::from(grows));
+        let sweeps = signal.sweeps.iter().map(|sweep| {
+            let own = SweepPiece::new(sweep, order);
+            self.signals.knots.times.push(own.end());
+            self.signals.sweeps.push(own);
+            self.signals.sweeps.len() - 1
+        });
+        let sweeps = sweeps.collect();
         let needs_piece = degree > 0 || !signal.steps.is_empty() || signal.table.is_some();
         let piece = needs_piece.then(|| self.add_piece(course, degree + 1, rate));
-        self.signals.parts.push(Parts { constant, harmonics, piece });
+        self.signals.parts.push(Parts { constant, harmonics, piece, sweeps });
         self.signals.parts.len() - 1
     }
 
@@ -274,6 +288,10 @@ impl Builder {
             piece.first = place;
             place += piece.count;
         }
+        for sweep in &mut signals.sweeps {
+            sweep.first = place;
+            place = sweep.places().end;
+        }
         signals.size = place;
         for integral in signals.pieces.iter_mut().filter_map(|piece| piece.integral.as_mut()) {
             integral.carried += signals.inputs;
@@ -291,6 +309,9 @@ impl Builder {
             }
             if let Some(p) = parts.piece {
                 row[signals.pieces[p].first] += 1.0;
+            }
+            for &i in &parts.sweeps {
+                row[signals.sweeps[i].first] += 1.0;
             }
             row
         });
@@ -340,6 +361,11 @@ impl Signals {
                 rate[piece.first + k] = row[piece.first + k - 1];
             }
         }
+        for sweep in &self.sweeps {
+            for k in sweep.places().skip(1) {
+                rate[k] = sweep.scale * row[k - 1];
+            }
+        }
         rate
     }
 
@@ -374,6 +400,18 @@ impl Signals {
             }
             z[piece.first..piece.first + piece.count].copy_from_slice(&d[..piece.count]);
         }
+        self.sweeps.iter().for_each(|sweep| sweep.fill(time, z));
+    }
+
+    /// The places of coordinates that are set anew between knots.
+    pub(crate) fn renewed(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        self.sweeps.iter().map(SweepPiece::places)
+    }
+
+    /// The first time after a time, s, at which coordinates are set anew between knots.
+    pub(crate) fn next_renewal(&self, time: f64) -> Option<DoubleDouble> {
+        let next = self.sweeps.iter().filter_map(|sweep| sweep.next(time));
+        next.reduce(|a, b| if b.minus(a).value() < 0.0 { b } else { a })
     }
 
     /// The index of an input's value in the augmented state.
@@ -395,6 +433,7 @@ impl Signals {
             d[..piece.count].copy_from_slice(&z[place.clone()]);
             z[place].copy_from_slice(&shifted(&d, dt)[..piece.count]);
         }
+        self.sweeps.iter().for_each(|sweep| sweep.carry(dt, z));
     }
 
     /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no knot

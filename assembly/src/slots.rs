@@ -97,6 +97,15 @@ impl<'a> Slots<'a> {
             self.push(format!("{of}.frequency"), kinds::FREQUENCY, &mut harmonic.frequency);
             self.push(format!("{of}.phase"), kinds::PHASE, &mut harmonic.phase);
         }
+        let count = signal.sweeps.len();
+        for (i, sweep) in signal.sweeps.iter_mut().enumerate() {
+            let of = of_sweep(of, i, count);
+            self.push(format!("{of}.amplitude"), kind, &mut sweep.amplitude);
+            self.push(format!("{of}.from"), kinds::SWEPT, &mut sweep.from);
+            self.push(format!("{of}.to"), kinds::SWEPT, &mut sweep.to);
+            self.push(format!("{of}.duration"), kinds::DURATION, &mut sweep.duration);
+            self.push(format!("{of}.phase"), kinds::PHASE, &mut sweep.phase);
+        }
         for (i, step) in signal.steps.iter_mut().enumerate() {
             self.push(format!("{of}.steps[{i}].time"), kinds::TIME, &mut step.time);
             self.push(format!("{of}.steps[{i}].height"), kind, &mut step.height);
@@ -121,6 +130,11 @@ impl<'a> Slots<'a> {
 /// The name of harmonic `i` of a signal that has `count` of them: a single one has its signal's.
 pub(crate) fn of_harmonic(of: &str, i: usize, count: usize) -> String {
     if count == 1 { of.to_owned() } else { format!("{of}.harmonics[{i}]") }
+}
+
+/// The name of sweep `i` of a signal that has `count` of them.
+pub(crate) fn of_sweep(of: &str, i: usize, count: usize) -> String {
+    if count == 1 { format!("{of}.sweep") } else { format!("{of}.sweep[{i}]") }
 }
 
 /// The slots of all parameters of a machine.

@@ -48,23 +48,31 @@ pub enum Section {
     Friction(usize),
 }
 
-/// The frequencies of all signals, Hz: of harmonics, and of what repeats.
+/// The frequencies of all signals, Hz: of harmonics, of what repeats, and of sweeps behind their
+/// ends.
 pub(super) fn frequencies(d: &Description) -> impl Iterator<Item = f64> {
     let harmonics = d.signals().flat_map(|s| s.signal.harmonics.iter());
     let repeats = d.signals().filter_map(|s| s.signal.repeat);
-    harmonics.map(|h| h.frequency).chain(repeats.map(|period| 1.0 / period))
+    let sweeps = d.signals().flat_map(|s| s.signal.sweeps.iter()).map(|sweep| sweep.to);
+    harmonics.map(|h| h.frequency).chain(repeats.map(|period| 1.0 / period)).chain(sweeps)
 }
 
 /// Whether no signal changes with time; prescribed bodies may move uniformly.
 pub fn is_steady(d: &Description) -> bool {
-    let is_constant = |s: &Signal| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none();
+    let is_constant =
+        |s: &Signal| s.harmonics.is_empty() && s.sweeps.is_empty() && s.steps.is_empty() && s.table.is_none();
     let is_uniform = |s: &NamedSignal| s.motion != Some(2) || s.signal.constant == 0.0;
     d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
 }
 
 /// Least time that is a whole number of periods of each harmonic and of each repeated signal, s;
-/// `None` without them, or if it exceeds 1000 of the longest of these periods.
+/// `None` without them, if it exceeds 1000 of the longest of these periods, and with a sweep.
 pub fn common_period(d: &Description) -> Option<f64> {
+    if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
+}
+
+/// [`common_period`] once all sweeps have ended.
+pub(super) fn last_period(d: &Description) -> Option<f64> {
     let all: Vec<f64> = frequencies(d).collect();
     let slowest = all.iter().copied().reduce(f64::min)?;
     let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
@@ -104,6 +112,16 @@ impl Section {
             }
             SectionRule::Auto => match common_period(d) {
                 Some(period) => Ok(Self::Period(period)),
+                None if d.signals().any(|s| !s.signal.sweeps.is_empty()) => {
+                    let name = d
+                        .signals()
+                        .find(|s| !s.signal.sweeps.is_empty())
+                        .map_or_else(String::new, |s| s.name);
+                    refused(format!(
+                        "{name} is a sweep, with which there is no common period; give a period (--period), or an element whose events \
+                         are the section"
+                    ))
+                }
                 None if frequencies(d).next().is_some() => {
                     let repeats = d.signals().any(|s| s.signal.repeat.is_some());
                     let what = if repeats {

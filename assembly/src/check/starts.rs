@@ -94,6 +94,11 @@ fn signal(signal: &Signal) -> [f64; 2] {
         sum[0] += harmonic.amplitude * sin;
         sum[1] += harmonic.amplitude * TAU * harmonic.frequency * cos;
     }
+    for sweep in &signal.sweeps {
+        let (sin, cos) = sweep.phase.sin_cos();
+        sum[0] += sweep.amplitude * sin;
+        sum[1] += sweep.amplitude * TAU * sweep.from * cos;
+    }
     sum[0] += signal.steps.iter().filter(|step| step.time <= 0.0).map(|step| step.height).sum::<f64>();
     let [s, v] = signal.table.as_ref().map_or([0.0; 2], |own| record(own, signal.repeat));
     [sum[0] + s, sum[1] + v]

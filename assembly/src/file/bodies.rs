@@ -228,7 +228,9 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
             let direct = ["constant", "offset", "s", "v", "rate", "acceleration", "amplitude", "scale"];
             let direct = direct.into_iter().filter_map(|key| table.get(key));
             let items = |key| table.get(key).and_then(|list| list.get_ref().as_array()).into_iter().flatten();
-            let harmonics = items("harmonics").filter_map(|item| item.get_ref().get("amplitude"));
+            let sweep = table.get("sweep").filter(|sweep| sweep.get_ref().is_table()).into_iter();
+            let waves = items("harmonics").chain(items("sweep")).chain(sweep);
+            let harmonics = waves.filter_map(|item| item.get_ref().get("amplitude"));
             let pairs = items("steps").chain(items("table")).filter_map(|item| item.get_ref().get(1));
             direct.chain(harmonics).chain(pairs).find_map(|value| unit_of(value.get_ref()))
         }

@@ -3,16 +3,17 @@
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records;
-use crate::description::{Dimension, Harmonic, Interpolation, Record, Signal, Step};
+use crate::description::{Dimension, Harmonic, Interpolation, Record, Signal, Step, Sweep, SweepLaw};
 use crate::kinds::{self, NumberKind};
 
 /// The keys of a signal.
-pub(super) const KEYS: [&str; 11] = [
+pub(super) const KEYS: [&str; 12] = [
     "constant",
     "harmonics",
     "amplitude",
     "frequency",
     "phase",
+    "sweep",
     "steps",
     "table",
     "interpolation",
@@ -51,7 +52,7 @@ pub(super) fn flat(
     also: &[&str],
 ) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
-        let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
+        let parts = ["constant", "amplitude and frequency", "harmonics", "sweep", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
         reading
             .refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
@@ -59,6 +60,7 @@ pub(super) fn flat(
     }
     let constant = constant(reading, table, values, also.contains(&"offset"));
     let harmonics = harmonics(reading, table, values);
+    let sweeps = sweeps(reading, table, values);
     let steps = steps(reading, table, values);
     let record = record(reading, table, values);
     let repeat = repeat(reading, table, values);
@@ -66,6 +68,7 @@ pub(super) fn flat(
     Some(Signal {
         constant: constant?,
         harmonics: harmonics?,
+        sweeps: sweeps?,
         steps: steps?,
         table: record?,
         repeat: repeat?,
@@ -118,6 +121,41 @@ fn harmonic(reading: &mut Reading, table: &FileTable, values: Values) -> Option<
     let frequency = reading.required_number(table, "frequency", kinds::FREQUENCY, values.dimension);
     let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
     Some(Harmonic { amplitude: amplitude?, frequency: frequency?, phase: phase? })
+}
+
+/// Reads one sweep or a list of them.
+fn sweeps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Sweep>> {
+    let Some(entry) = reading.optional(table, "sweep") else { return Some(Vec::new()) };
+    let items = if entry.value.is_table() { None } else { reading.items(&entry) };
+    let allowed = "allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them";
+    let items = items.unwrap_or_else(|| vec![entry]);
+    let mut all = Vec::new();
+    for item in &items {
+        let Some(table) = reading.table(item, allowed) else { continue };
+        reading.known(&table, &["amplitude", "from", "to", "duration", "phase", "law"]);
+        all.extend(sweep(reading, &table, values));
+    }
+    (all.len() == items.len()).then_some(all)
+}
+
+fn sweep(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Sweep> {
+    let amplitude = reading.required_number(table, "amplitude", values.kind, values.dimension);
+    let [from, to] =
+        ["from", "to"].map(|key| reading.required_number(table, key, kinds::SWEPT, values.dimension));
+    let duration = reading.required_number(table, "duration", kinds::DURATION, values.dimension);
+    let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
+    let law = match reading.optional(table, "law") {
+        None => Some(SweepLaw::Linear),
+        Some(entry) => {
+            let said = entry.value.as_str();
+            let found = SweepLaw::ALL.iter().find(|own| said == Some(own.1)).map(|own| own.0);
+            if found.is_none() {
+                reading.refuse(&entry, "allowed is \"linear\" or \"logarithmic\"");
+            }
+            found
+        }
+    };
+    Some(Sweep { amplitude: amplitude?, from: from?, to: to?, duration: duration?, phase: phase?, law: law? })
 }
 
 /// Reads a list of pairs of time and value.

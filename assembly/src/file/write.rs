@@ -5,7 +5,7 @@ use crate::description::{
 };
 use crate::elements::Element;
 use crate::kinds;
-use crate::slots::of_harmonic;
+use crate::slots::{of_harmonic, of_sweep};
 use std::fmt::Write;
 
 /// Appends a line to a string, which cannot fail.
@@ -204,6 +204,22 @@ impl Writing<'_> {
         });
         if !signal.harmonics.is_empty() {
             parts.push(format!("harmonics = [{}]", harmonics.collect::<Vec<_>>().join(", ")));
+        }
+        let count = signal.sweeps.len();
+        let sweeps = signal.sweeps.iter().enumerate().map(|(i, sweep)| {
+            let of = of_sweep(of, i, count);
+            let numbers = [
+                ("amplitude", sweep.amplitude),
+                ("from", sweep.from),
+                ("to", sweep.to),
+                ("duration", sweep.duration),
+                ("phase", sweep.phase),
+            ];
+            let numbers = numbers.map(|(key, value)| format!("{key} = {}", number(&of, key, value)));
+            format!("{{ {}, law = {:?} }}", numbers.join(", "), sweep.law.word())
+        });
+        if !signal.sweeps.is_empty() {
+            parts.push(format!("sweep = [{}]", sweeps.collect::<Vec<_>>().join(", ")));
         }
         let steps = signal.steps.iter().enumerate().map(|(i, step)| {
             let of = format!("{of}.steps[{i}]");

@@ -388,6 +388,8 @@ impl Motion {
         signals.fill(event, &self.hybrid.inputs, pieces.as_mut_slice());
         signals.carry(time.minus(event).value(), pieces.as_mut_slice());
         let first = signals.constant_size_until();
+        // What is set anew between knots is a function of the time alone.
+        signals.renewed().for_each(|own| pieces.rows_range_mut(own.clone()).copy_from(&now.rows_range(own)));
         now.as_mut_slice()[first..].copy_from_slice(&pieces.as_slice()[first..]);
         now
     }

@@ -57,6 +57,8 @@ enum Due {
     Passage(Watch),
     /// A signal's knot.
     Knot,
+    /// Coordinates of signals are set anew, which is no event.
+    Renewal,
 }
 
 /// The impacts of a stop since the start.
@@ -363,8 +365,13 @@ impl Motion {
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
-            Some(Due::Knot) | None => None,
+            Some(Due::Knot | Due::Renewal) | None => None,
         }
+    }
+
+    /// Whether only coordinates of signals are to be set anew.
+    pub(crate) fn is_renewal_due(&self) -> bool {
+        self.hybrid.due == Some(Due::Renewal)
     }
 
     /// The present mode.

@@ -43,7 +43,7 @@ impl Hybrid {
         });
         let due = match &self.due {
             Some(Due::Passage(watch)) => known(watch),
-            Some(Due::Knot) | None => true,
+            Some(Due::Knot | Due::Renewal) | None => true,
         };
         let energy = &self.energy;
         [self.z.len(), self.sizes.0.len()] == [size; 2]

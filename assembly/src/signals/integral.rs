@@ -68,10 +68,10 @@ impl Sums {
 
     fn add(&mut self, order: usize, other: Self, h: DoubleDouble) {
         if order == 1 {
-            self.place = sum(self.place, other.rate);
+            self.place = self.place + other.rate;
         } else {
-            self.place = sum(sum(self.place, self.rate.times(h)), other.place);
-            self.rate = sum(self.rate, other.rate);
+            self.place = self.place + self.rate.times(h) + other.place;
+            self.rate = self.rate + other.rate;
         }
     }
 
@@ -101,10 +101,6 @@ impl Sums {
             _ => [self.place.value(), self.rate.value(), a, b, c, e],
         }
     }
-}
-
-fn sum(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
-    a.minus(DoubleDouble::default().minus(b))
 }
 
 /// The integral of order 1 or 2 of a function, zero with its rate at time 0.
@@ -168,8 +164,7 @@ impl Integral {
                 let rate = self.gain.rate.times(turns);
                 let pairs = DoubleDouble::new(turn * (turn - 1.0) / 2.0);
                 let grown = self.gain.rate.times(DoubleDouble::new(period)).times(pairs);
-                let way =
-                    sum(sum(once, grown), rate.times(DoubleDouble::new(self.pieces.knots.times[place])));
+                let way = once + grown + rate.times(DoubleDouble::new(self.pieces.knots.times[place]));
                 start[0] = way.plus(start[0]).value();
                 start[1] = rate.plus(start[1]).value();
             }

@@ -2,6 +2,7 @@
 
 use super::integral::{Integral, Integrand};
 use super::pieces::{Knots, Pieces};
+use super::sweep::SweepPiece;
 use super::{Course, Parts, SignalPiece, Signals, harmonic};
 use crate::description::{Harmonic, Record};
 use nalgebra::DVector;
@@ -10,13 +11,14 @@ use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// The derivative of the signals by one parameter: that of each signal's row, of the coordinates at
 /// a fixed time, and of the times of knots.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SignalTangent {
     /// By signal: the derivative of its row.
     pub rows: Vec<DVector<f64>>,
     /// Place of a cosine, and the derivative of its angular frequency.
     frequencies: Vec<(usize, f64)>,
     pieces: Vec<PieceTangent>,
+    sweeps: Vec<SweepPiece>,
 }
 
 /// The derivative of a piece at a fixed time.
@@ -48,7 +50,7 @@ impl Signals {
     /// The derivative of `signals`, which these coordinates were laid out for, along `along`:
     /// signals of the same parts, whose numbers are derivatives.
     pub(crate) fn tangent(&self, signals: &[Course], along: &[Course]) -> SignalTangent {
-        let mut tangent = SignalTangent { rows: Vec::new(), frequencies: Vec::new(), pieces: Vec::new() };
+        let mut tangent = SignalTangent::default();
         for (parts, (of, along)) in self.parts.iter().zip(signals.iter().zip(along)) {
             let (row, growth) = self.row_tangent(parts, of, along);
             tangent.rows.push(row);
@@ -59,6 +61,10 @@ impl Signals {
             }
             let piece = parts.piece.map(|p| PieceTangent::of(&self.pieces[p], of, along, growth));
             tangent.pieces.extend(piece.filter(PieceTangent::is_needed));
+            for (&i, by) in parts.sweeps.iter().zip(&along.signal.sweeps) {
+                let varies = [by.amplitude, by.from, by.to, by.duration, by.phase].iter().any(|x| *x != 0.0);
+                tangent.sweeps.extend(varies.then(|| self.sweeps[i].along(by)));
+            }
         }
         tangent
     }
@@ -88,6 +94,10 @@ impl Signals {
                 for part in 1..3 {
                     places[self.one + 2 * place + part] = Some(other.one + 2 * there + part);
                 }
+            }
+            for (&i, &there) in own.sweeps.iter().zip(&others.sweeps) {
+                let places_of = self.sweeps[i].places().zip(other.sweeps[there].places());
+                places_of.for_each(|(own, there)| places[own] = Some(there));
             }
             if let (Some(piece), Some(there)) = (own.piece, others.piece) {
                 let (piece, there) = (&self.pieces[piece], &other.pieces[there]);
@@ -192,16 +202,17 @@ impl SignalTangent {
             let place = piece.first..piece.first + piece.count;
             to[place].copy_from_slice(&piece.at(time)[..piece.count]);
         }
+        self.sweeps.iter().for_each(|sweep| sweep.fill(DoubleDouble::new(time), to));
     }
 
     /// Whether the coordinates vary.
     pub fn varies(&self) -> bool {
-        !(self.frequencies.is_empty() && self.pieces.is_empty())
+        !self.frequencies.is_empty() || self.varies_pieces()
     }
 
-    /// Whether steps or rates vary.
+    /// Whether steps, records, rates or sweeps vary.
     pub fn varies_pieces(&self) -> bool {
-        !self.pieces.is_empty()
+        !(self.pieces.is_empty() && self.sweeps.is_empty())
     }
 
     /// The part of the derivative of the row of a signal's time derivative that comes from

@@ -22,6 +22,7 @@ fn signals(interpolation: Interpolation) -> (Signals, Vec<DVector<f64>>) {
         steps: vec![step(0.4, -0.8), step(1.1, 0.3)],
         table: Some(Record::new(KNOTS.to_vec(), interpolation)),
         repeat: None,
+        sweeps: Vec::new(),
         input: true,
     };
     builder.add_motion(&Course { v: 0.6, ..Course::from(&all) });

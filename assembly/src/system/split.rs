@@ -193,7 +193,7 @@ impl Norm {
         for term in terms.into_iter().flatten() {
             term.by.terms().iter().for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
-        let mut lowest = crate::flow::LEAST_RATE;
+        let mut lowest = crate::flow::LEAST_RATE.max(crate::flow::swept(base, one));
         for k in 0..n {
             added.fill(0.0);
             let mut stiffness = 0.0;

@@ -39,9 +39,23 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn sweep()(
+        amplitude in any_number(),
+        from in 1e-3..1e3_f64,
+        to in 1e-3..1e3_f64,
+        duration in 1e-3..10.0_f64,
+        phase in any_number(),
+        law in 0..2_usize,
+    ) -> Sweep {
+        Sweep { amplitude, from, to, duration, phase, law: SweepLaw::ALL[law].0 }
+    }
+}
+
+prop_compose! {
     fn signal()(
         constant in any_number(),
         harmonics in vec(harmonic(), 0..3),
+        sweeps in vec(sweep(), 0..3),
         steps in pairs(0),
         table in proptest::option::of((pairs(2), 0..3_usize, proptest::option::of(any_number()))),
         repeats in any::<bool>(),
@@ -49,7 +63,7 @@ prop_compose! {
     ) -> Signal {
         let steps = steps.into_iter().map(|(time, height)| Step { time, height }).collect();
         let record = |(knots, kind, scale): (_, usize, _)| Record { knots, scale, interpolation: Interpolation::ALL[kind].0 };
-        let mut signal = Signal { constant, harmonics, steps, table: table.map(record), repeat: None, input };
+        let mut signal = Signal { constant, harmonics, sweeps, steps, table: table.map(record), repeat: None, input };
         if repeats && (!signal.steps.is_empty() || signal.table.is_some()) {
             signal.steps.iter_mut().for_each(|step| step.time += 3.0);
             signal.table.iter_mut().flat_map(|table| &mut table.knots).for_each(|knot| knot.0 += 3.0);

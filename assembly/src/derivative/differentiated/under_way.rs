@@ -65,7 +65,13 @@ impl Differentiated {
     /// # Errors
     /// As [`Motion::advance_before_event`].
     pub fn advance_before_event(&mut self, end: f64) -> Result<Reached, Error> {
-        self.follow(end, &mut [])
+        loop {
+            let outcome = self.follow(end, &mut [])?;
+            if !self.motion.is_renewal_due() {
+                return Ok(outcome);
+            }
+            self.pass(&mut [], &mut |_, _| ())?;
+        }
     }
 
     /// Applies the law of the event that is due.
