@@ -135,9 +135,13 @@ impl<'a> Structure<'a> {
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
             }
-            // The integral of anything moves with time, and not at once with an input.
+            // An integral moves with time, and with an input since a solver's last point.
             BodyKind::Integrated(own) if order < own.level.order() => {
                 put(&mut knowns, self.references[&Quantity::Time], Dependent);
+                let input = format!("body.{name}.motion.{}.input", own.level.key());
+                if let Some(&reference) = self.inputs.get(input.as_str()) {
+                    put(&mut knowns, reference, Dependent);
+                }
             }
             BodyKind::Integrated(own) => {
                 let input = format!("body.{name}.motion.{}.input", own.level.key());

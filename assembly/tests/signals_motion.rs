@@ -314,6 +314,39 @@ fn second_method_gradients_of_integrals_are_sums_of_columns() {
     }
 }
 
+/// Of a motion under way numbers vary from then on: the place stays, and follows what is new.
+#[test]
+fn second_method_derivatives_under_way_go_on_from_the_place() {
+    let rate = "rate = { constant = 0.1, amplitude = 0.2, frequency = 0.9, steps = [[0.3, 0.1]], \
+                sweep = { amplitude = 0.1, from = 1.0, to = 2.0, duration = 1.0 } }";
+    for motion in [rate.to_owned(), rate.replace("rate", "acceleration")] {
+        let rig = rig(&motion);
+        let all = rig.description.parameters().into_iter().map(|p| p.name);
+        let ends = [".constant", ".amplitude", ".phase", ".height"];
+        let names: Vec<String> = all
+            .filter(|name| name.starts_with("body.base") && ends.iter().any(|end| name.ends_with(end)))
+            .collect();
+        assert_eq!(names.len(), 6, "{names:?}");
+        let mut begun = Motion::new(rig.clone()).unwrap();
+        begun.advance_to(0.8).unwrap();
+        let mut varied = Differentiated::from_motion(begun.clone(), &names).unwrap();
+        varied.advance_to(1.3).unwrap();
+        let place =
+            rig.description.named_quantities().into_iter().find(|q| q.name == "base.s").unwrap().quantity;
+        for (p, name) in names.iter().enumerate() {
+            let value = rig.description.get(name).unwrap();
+            let at = |value: f64| {
+                let changed = rig.description.under_way([(name.as_str(), value)]).unwrap();
+                let mut m = begun.changed(Arc::new(Assembly::new(changed).unwrap())).unwrap();
+                m.advance_to(1.3).unwrap();
+                m.body(1)[0]
+            };
+            let exact = (at(value + CHANGE) - at(value - CHANGE)) / (2.0 * CHANGE);
+            near(varied.derivative(place, p).unwrap(), exact, DIFFERENCE);
+        }
+    }
+}
+
 fn motion_of(rig: &Assembly, name: &str, value: f64) -> Motion {
     motion(rig.description.with([(name, value)]).unwrap())
 }

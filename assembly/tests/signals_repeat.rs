@@ -133,7 +133,7 @@ fn closed_form_knots_are_whole_periods_and_a_time_rounded_once() {
     let all = times(&events(&mut m, 1000.05), |kind| *kind == EventKind::Knot);
     assert_eq!(all.len(), 20_000);
     for (k, time) in all.iter().enumerate() {
-        let (turn, place) = ((k + 1) / 2, (k + 1) % 2);
+        let (turn, place) = (k.div_ceil(2), (k + 1) % 2);
         assert_eq!(*time, (turn as f64).mul_add(0.1, 0.07 * place as f64));
     }
 }

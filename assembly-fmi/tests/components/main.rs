@@ -19,6 +19,7 @@ fn plans() -> Vec<Arc<Plan>> {
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
     let examples = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap());
-    let everything = Plan::new(include_str!("../common/everything.toml").into(), FILE).unwrap();
-    examples.chain([everything]).map(Arc::new).collect()
+    let texts = [include_str!("../common/everything.toml"), include_str!("../common/signals.toml")];
+    let others = texts.map(|text| Plan::new(text.into(), FILE).unwrap());
+    examples.chain(others).map(Arc::new).collect()
 }

@@ -124,9 +124,9 @@ fn prescribed(
         if let Some(level) = level(&table) {
             return Some((dimension, integrated(reading, &table, level, dimension)));
         }
-        reading.known(&table, &[&signals::KEYS[..], &["offset", "rate"]].concat());
+        reading.known(&table, &[&signals::KEYS[..], &["offset", "rate", "acceleration"]].concat());
         let rate = reading.number_or(&table, "rate", kinds::RATE, dimension, 0.0);
-        (signals::flat(reading, &table, values, &["offset", "rate"]), rate)
+        (signals::flat(reading, &table, values, &["offset", "rate", "acceleration"]), rate)
     } else {
         (signals::value(reading, &entry, values), Some(0.0))
     };

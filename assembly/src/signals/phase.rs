@@ -30,9 +30,23 @@ pub(super) struct Phase {
     log: Option<DoubleDouble>,
 }
 
-/// Binomial coefficients.
+/// Binomial coefficients up to that of order 12.
+const BINOMIAL: [[f64; 13]; 13] = {
+    let (mut all, mut n) = ([[0.0; 13]; 13], 0);
+    while n < 13 {
+        let mut k = 0;
+        while k <= n {
+            all[n][k] = if k == 0 || k == n { 1.0 } else { all[n - 1][k - 1] + all[n - 1][k] };
+            k += 1;
+        }
+        n += 1;
+    }
+    all
+};
+
+/// A binomial coefficient, of n up to 12.
 pub(super) fn binomial(n: usize, k: usize) -> f64 {
-    (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
+    BINOMIAL[n][k]
 }
 
 /// The quotient, to 32 digits.
@@ -151,12 +165,13 @@ impl Phase {
             Some(log) => log.value().abs() * h / duration,
             None => TAU * (to - from).abs() / duration * h * h,
         };
+        // growthᵏ of logarithmic sweeps.
+        let mut powers = [1.0; TWELVE];
+        (1..TWELVE).for_each(|k| powers[k] = powers[k - 1] * growth);
         let mut bounds = [1.0; TWELVE + 1];
         for n in 0..TWELVE {
             bounds[n + 1] = match self.log {
-                Some(_) => {
-                    (0..=n).map(|k| binomial(n, k) * first * growth.powi(k as i32) * bounds[n - k]).sum()
-                }
+                Some(_) => (0..=n).map(|k| binomial(n, k) * first * powers[k] * bounds[n - k]).sum(),
                 None if n > 0 => first * bounds[n] + n as f64 * growth * bounds[n - 1],
                 None => first * bounds[n],
             };

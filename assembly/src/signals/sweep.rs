@@ -80,27 +80,42 @@ impl SweepPiece {
         if time >= duration {
             return self.even_cell(time, (duration, self.sweep.to), Side::After);
         }
-        let mut cell = Cell { begin: DoubleDouble::default(), end: None, side: Side::Within };
-        for halvings in 0..=HALVINGS {
-            let parts = f64::from(halvings).exp2();
-            let at = |index: f64| {
-                let whole = DoubleDouble::new(duration).times(DoubleDouble::new(index));
-                DoubleDouble { hi: whole.hi / parts, lo: whole.lo / parts }
-            };
-            let mut index = (time / duration * parts).floor().clamp(0.0, parts - 1.0);
-            while index > 0.0 && at(index).value() > time {
-                index -= 1.0;
-            }
-            while index + 1.0 < parts && at(index + 1.0).value() <= time {
-                index += 1.0;
-            }
-            (cell.begin, cell.end) = (at(index), Some(at(index + 1.0)));
-            let frequencies = [index, index + 1.0].map(|i| self.phase.frequency(at(i).value()));
-            if remainder(self.phase.bound(frequencies[0].max(frequencies[1]), duration / parts)) <= ERROR {
-                break;
-            }
+        // The longer a cell, the larger the error: the longest that is exact enough is found from a
+        // guess of a radian.
+        let turns = TAU * self.phase.frequency(time) * duration;
+        let mut halvings = turns.max(1.0).log2().round() as i32;
+        while halvings > 0 && self.is_exact(halvings - 1, time) {
+            halvings -= 1;
         }
-        cell
+        while halvings < HALVINGS && !self.is_exact(halvings, time) {
+            halvings += 1;
+        }
+        let [begin, end] = self.part(halvings, time);
+        Cell { begin, end: Some(end), side: Side::Within }
+    }
+
+    /// The part in which a time lies where the duration is halved so often.
+    fn part(&self, halvings: i32, time: f64) -> [DoubleDouble; 2] {
+        let (duration, parts) = (self.sweep.duration, f64::from(halvings).exp2());
+        let at = |index: f64| {
+            let whole = DoubleDouble::new(duration).times(DoubleDouble::new(index));
+            DoubleDouble { hi: whole.hi / parts, lo: whole.lo / parts }
+        };
+        let mut index = (time / duration * parts).floor().clamp(0.0, parts - 1.0);
+        while index > 0.0 && at(index).value() > time {
+            index -= 1.0;
+        }
+        while index + 1.0 < parts && at(index + 1.0).value() <= time {
+            index += 1.0;
+        }
+        [at(index), at(index + 1.0)]
+    }
+
+    /// Whether the polynomial of the part in which a time lies is exact enough.
+    fn is_exact(&self, halvings: i32, time: f64) -> bool {
+        let frequencies = self.part(halvings, time).map(|end| self.phase.frequency(end.value()));
+        let length = self.sweep.duration * (-f64::from(halvings)).exp2();
+        remainder(self.phase.bound(frequencies[0].max(frequencies[1]), length)) <= ERROR
     }
 
     /// The cell of a time at which the frequency is constant, counted from a time.
@@ -289,7 +304,7 @@ fn hermite(begin: &Jet, end: &Jet) -> [f64; COEFFICIENTS] {
         let own: f64 = (k..ORDER).map(|j| binomial(j, k) * begin[j]).sum();
         end[k] - own
     });
-    let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     let by_v: Jet =
         std::array::from_fn(|k| (0..=k).map(|m| sign(m) * binomial(ORDER - 1 + m, m) * rest[k - m]).sum());
     let mut c = [0.0; COEFFICIENTS];

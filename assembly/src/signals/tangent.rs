@@ -30,6 +30,8 @@ struct PieceTangent {
     steps: Option<Pieces<1>>,
     table: Option<Pieces<4>>,
     integral: Option<Integral>,
+    /// What is added from a time on: a place and a rate.
+    carried: (f64, [f64; 2]),
     /// Times of steps that vary, with the steps.
     knots: Knots,
     later: Vec<StepTime>,
@@ -53,18 +55,21 @@ impl Signals {
         let mut tangent = SignalTangent::default();
         for (parts, (of, along)) in self.parts.iter().zip(signals.iter().zip(along)) {
             let (row, growth) = self.row_tangent(parts, of, along);
-            tangent.rows.push(row);
             for (&(place, ..), by) in parts.harmonics.iter().zip(&along.signal.harmonics) {
                 if by.frequency != 0.0 {
                     tangent.frequencies.push((self.one + 1 + 2 * place, TAU * by.frequency));
                 }
             }
             let piece = parts.piece.map(|p| PieceTangent::of(&self.pieces[p], of, along, growth));
-            tangent.pieces.extend(piece.filter(PieceTangent::is_needed));
+            let sweeps = tangent.sweeps.len();
             for (&i, by) in parts.sweeps.iter().zip(&along.signal.sweeps) {
                 let varies = [by.amplitude, by.from, by.to, by.duration, by.phase].iter().any(|x| *x != 0.0);
                 tangent.sweeps.extend(varies.then(|| self.sweeps[i].along(by)));
             }
+            // An integral may go on from a place that its other parts would move.
+            let is_moved = of.order > 0 && (row.amax() > 0.0 || tangent.sweeps.len() > sweeps);
+            tangent.pieces.extend(piece.filter(|piece| is_moved || piece.is_needed()));
+            tangent.rows.push(row);
         }
         tangent
     }
@@ -156,6 +161,7 @@ impl PieceTangent {
             steps,
             table,
             integral: None,
+            carried: (0.0, [0.0; 2]),
             knots,
             later,
         };
@@ -184,7 +190,9 @@ impl PieceTangent {
             d[..4].copy_from_slice(&table.at(exact));
         }
         d[0] += self.rate * time + self.steps.as_ref().map_or(0.0, |steps| steps.sum(time));
-        d[1] += self.rate;
+        let (from, [place, rate]) = self.carried;
+        d[0] += place + rate * (time - from);
+        d[1] += self.rate + rate;
         d
     }
 }
@@ -203,6 +211,14 @@ impl SignalTangent {
             to[place].copy_from_slice(&piece.at(time)[..piece.count]);
         }
         self.sweeps.iter().for_each(|sweep| sweep.fill(DoubleDouble::new(time), to));
+    }
+
+    /// Lets the integral whose coordinates begin at `first` go on from where it is at a time, however
+    /// its numbers vary: takes a derivative of its place and, of order two, of its rate back.
+    pub(crate) fn go_on(&mut self, first: usize, time: f64, [place, rate]: [f64; 2]) {
+        for piece in self.pieces.iter_mut().filter(|piece| piece.first == first) {
+            piece.carried = (time, [-place, -rate]);
+        }
     }
 
     /// Whether the coordinates vary.

@@ -1,6 +1,7 @@
 //! Signals from the clock against their definition, and carried along against those from the clock.
 
 use super::*;
+use crate::description::Interpolation;
 use crate::description::{Harmonic, Record, Step};
 
 /// Roundings of values of order one, and of some hundreds of turns.
