@@ -66,7 +66,7 @@ impl Unit {
 /// frequencies and velocities, in which a hertz is a revolution per second; the dimension `Hz` is
 /// that of frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
-pub static UNITS: [Unit; 98] = [
+pub static UNITS: [Unit; 101] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
     unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
     unit("N/m", "kN/mm", 1e6, 1.0), unit("N/m", "MN/m", 1e6, 1.0), unit("N/m", "N/cm", 1e2, 1.0),
@@ -84,6 +84,7 @@ pub static UNITS: [Unit; 98] = [
     unit("s", "h", 3600.0, 1.0),
     unit("m/s", "m/s", 1.0, 1.0), unit("m/s", "cm/s", 1.0, 1e2), unit("m/s", "mm/s", 1.0, 1e3),
     unit("m/s2", "m/s2", 1.0, 1.0), unit("m/s2", "mm/s2", 1.0, 1e3), unit("m/s2", "cm/s2", 1.0, 1e2),
+    unit("rad/s2", "rad/s2", 1.0, 1.0), unit("rad/s2", "1/s2", 1.0, 1.0), unit("rad/s2", "deg/s2", PI, 180.0),
     unit("Hz", "Hz", 1.0, 1.0), unit("Hz", "mHz", 1.0, 1e3), unit("Hz", "kHz", 1e3, 1.0), unit("Hz", "MHz", 1e6, 1.0),
     unit("Hz", "rpm", 1.0, 60.0), unit("Hz", "1/min", 1.0, 60.0), unit("Hz", "rad/s", 1.0, 2.0 * PI),
     unit("kg.m2", "kg.m2", 1.0, 1.0), unit("kg.m2", "kg.cm2", 1.0, 1e4), unit("kg.m2", "kg.mm2", 1.0, 1e6),

@@ -22,7 +22,11 @@ const NONE: f64 = 1e-12;
 pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
     let machine = &assembly.description;
     let own = own_periods(assembly);
-    let driven = machine.signals().flat_map(|of| &of.signal.harmonics).map(|h| 1.0 / h.frequency);
+    let driven = machine.signals().flat_map(|of| {
+        let harmonics = of.signal.harmonics.iter().map(|h| 1.0 / h.frequency);
+        let swept = of.signal.sweeps.iter().flat_map(|sweep| [1.0 / sweep.from, 1.0 / sweep.to]);
+        harmonics.chain(of.signal.repeat).chain(swept).collect::<Vec<_>>()
+    });
     let periods: Vec<f64> = own.into_iter().chain(driven).filter(|period| is_time(*period)).collect();
     let contacts: Vec<f64> = contact_times(assembly).filter(|time| is_time(*time)).collect();
     let longest = |times: &[f64]| times.iter().copied().reduce(f64::max);
@@ -55,11 +59,15 @@ fn rounded(time: f64) -> f64 {
     format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
 }
 
-/// The time of a signal's last step or knot, s.
+/// The time of the last end of a signal's sweeps, step or knot, s, which do not repeat.
 fn last_knot(signal: &Signal) -> Option<f64> {
+    let sweeps = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
+    if signal.repeat.is_some() {
+        return sweeps;
+    }
     let steps = signal.steps.last().map(|step| step.time);
     let knots = signal.table.as_ref().and_then(|table| Some(table.knots.last()?.0));
-    [steps, knots].into_iter().flatten().reduce(f64::max)
+    [sweeps, steps, knots].into_iter().flatten().reduce(f64::max)
 }
 
 /// The natural periods of the machine on its springs alone, undamped, s.

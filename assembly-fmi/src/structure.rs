@@ -17,7 +17,7 @@ use fmi_doors::description::Unknown;
 use groups::{Group, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, Friction, Signal};
+use vibro_assembly::description::{Arms, BodyKind, Description, Friction, Interpolation, Signal};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
@@ -113,11 +113,12 @@ impl<'a> Structure<'a> {
     /// Adds the time and input on which a signal's time derivative of an `order` depends. Its
     /// parameters are those of its section, which the caller adds.
     fn signal(&self, signal: &Signal, rate: f64, input: &str, order: usize, into: &mut Knowns) {
-        let cubic = signal.table.as_ref().is_some_and(|table| table.cubic);
+        let cubic = signal.table.as_ref().is_some_and(|table| table.interpolation == Interpolation::Cubic);
         let moves = match order {
             0 => !signal.harmonics.is_empty() || !signal.steps.is_empty() || rate != 0.0,
             _ => !signal.harmonics.is_empty(),
         };
+        let moves = moves || !signal.sweeps.is_empty();
         if moves || signal.table.is_some() && (cubic || order == 0) {
             put(into, self.references[&Quantity::Time], Dependent);
         }
@@ -129,10 +130,25 @@ impl<'a> Structure<'a> {
     fn prescribed(&self, body: usize, order: usize) -> Knowns {
         let mut knowns = Knowns::new();
         let name = &self.machine.bodies[body].name;
-        if let BodyKind::Prescribed { motion, rate } = &self.machine.bodies[body].kind {
-            self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
-            self.of_body_section(body, &mut knowns);
+        match &self.machine.bodies[body].kind {
+            BodyKind::Free(_) => return knowns,
+            BodyKind::Prescribed { motion, rate } => {
+                self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
+            }
+            // An integral moves with time, and with an input since a solver's last point.
+            BodyKind::Integrated(own) if order < own.level.order() => {
+                put(&mut knowns, self.references[&Quantity::Time], Dependent);
+                let input = format!("body.{name}.motion.{}.input", own.level.key());
+                if let Some(&reference) = self.inputs.get(input.as_str()) {
+                    put(&mut knowns, reference, Dependent);
+                }
+            }
+            BodyKind::Integrated(own) => {
+                let input = format!("body.{name}.motion.{}.input", own.level.key());
+                self.signal(&own.signal, 0.0, &input, order - own.level.order(), &mut knowns);
+            }
         }
+        self.of_body_section(body, &mut knowns);
         knowns
     }
 

@@ -171,8 +171,9 @@ impl VariableTable {
             table.push(name, meaning, unit, role, Quantity::Parameter(place));
         }
         let inputs = machine.signals().filter(|named| named.signal.input);
-        for (place, NamedSignal { name, dimension, is_motion, .. }) in inputs.enumerate() {
-            let unit = if is_motion { What::S.unit(dimension) } else { What::F.unit(dimension) };
+        for (place, NamedSignal { name, dimension, motion, .. }) in inputs.enumerate() {
+            let what = motion.map_or(What::F, |order| [What::S, What::V, What::A][order.min(2)]);
+            let unit = what.unit(dimension);
             let name = format!("{name}.input");
             table.push(name, "Added to the signal", unit, Role::Input, Quantity::Input(place));
             table.inputs.push(table.rows.len() as u32);
@@ -381,10 +382,14 @@ pub(crate) fn is_start(name: &str) -> bool {
 }
 
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
-/// arm, on which the choice of coordinates depends, nor a frequency whose phase, which goes on from
+/// arm, on which the choice of coordinates depends, nor a period or what says the course of a sweep, nor a frequency whose phase, which goes on from
 /// where it is, follows from a named parameter. A named one where all that follows may be.
 fn is_tunable(machine: &Description, name: &str) -> bool {
-    let is_free = |name: &str| !is_start(name) && !name.contains(".arms.");
+    let is_swept = |name: &str| {
+        name.contains(".sweep") && [".from", ".to", ".duration"].iter().any(|end| name.ends_with(end))
+    };
+    let is_time = |name: &str| name.ends_with(".repeat") || is_swept(name);
+    let is_free = |name: &str| !is_start(name) && !name.contains(".arms.") && !is_time(name);
     let phase = name.strip_suffix(".frequency").map(|of| format!("{of}.phase"));
     let follows = machine.named.numbers_of(name);
     is_free(name)

@@ -16,6 +16,7 @@ fn plans() -> Vec<Plan> {
     plans.push(Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap());
     plans.push(Plan::new(include_str!("../../assembly/tests/data/laws.toml").into(), "laws.toml").unwrap());
     plans.push(Plan::new(include_str!("common/joint.toml").into(), "joint.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }
@@ -46,6 +47,29 @@ fn golden_named_parameters_are_variables_and_what_follows_is_none() {
     let backlash = plan.table.reference("backlash").unwrap();
     let listed = known.dependencies.as_ref().unwrap().iter().filter(|own| own.0 == backlash);
     assert_eq!(listed.count(), 1);
+}
+
+/// What says when something is, and where a body begins, is fixed; inputs have the unit of what
+/// they are added to.
+#[test]
+fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
+    let plan = Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap();
+    let row = |name: &str| &plan.table.rows[plan.table.reference(name).unwrap() as usize - 1];
+    for (name, role) in [
+        ("load.push.repeat", Role::Parameter),
+        ("load.push.table.scale", Role::Tunable),
+        ("load.wave.sweep.amplitude", Role::Tunable),
+        ("load.wave.sweep.from", Role::Parameter),
+        ("load.wave.sweep.duration", Role::Parameter),
+        ("body.belt.motion.rate.constant", Role::Tunable),
+        ("body.belt.motion.rate.steps[1].time", Role::Tunable),
+        ("body.belt.motion.s", Role::Parameter),
+        ("body.table.motion.v", Role::Parameter),
+    ] {
+        assert_eq!(row(name).role, role, "{name}");
+    }
+    assert_eq!(row("body.belt.motion.rate.input").unit, "m/s");
+    assert_eq!(row("body.table.motion.acceleration.input").unit, "m/s2");
 }
 
 #[test]
@@ -249,9 +273,12 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
             let follows = plan.assembly.description.named.numbers_of(&row.name);
-            let fixed = [".start.", ".arms.", ".slider"]
-                .iter()
-                .any(|part| row.name.contains(part) || follows.iter().any(|name| name.contains(part)));
+            let times = [".repeat", ".from", ".to", ".duration", ".motion.s", ".motion.v"];
+            let is_time = times.iter().any(|end| row.name.ends_with(end));
+            let fixed = is_time
+                || [".start.", ".arms.", ".slider"]
+                    .iter()
+                    .any(|part| row.name.contains(part) || follows.iter().any(|name| name.contains(part)));
             let tunable = !fixed && !follows.iter().any(|name| name.ends_with(".frequency"));
             let expected = if tunable { Variability::Tunable } else { Variability::Fixed };
             assert_eq!(

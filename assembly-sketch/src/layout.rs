@@ -251,7 +251,7 @@ impl Layout {
             let name = text_width(&described.name, BODY_FONT) + 2.0 * ROOM;
             let width = name.max(BOX.0).max(under).max(LEGS * (legs[place].len() + 1) as f64);
             let (prescribed, gravity) = match &described.kind {
-                BodyKind::Prescribed { .. } => (true, 0.0),
+                BodyKind::Prescribed { .. } | BodyKind::Integrated(_) => (true, 0.0),
                 BodyKind::Free(free) => (false, if machine.gravity > 0.0 { free.gravity } else { 0.0 }),
             };
             self.bodies.push(BodyBox {

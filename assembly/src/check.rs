@@ -7,16 +7,19 @@ mod starts;
 pub(crate) use names::problem_of as problem_of_name;
 
 use crate::description::{
-    Arms, Body, BodyKind, Description, Dimension, Follows, Signal, Spring, Stop, StopLaw,
+    Arms, Body, BodyKind, Description, Dimension, Follows, Signal, Spring, Stop, StopLaw, Sweep, SweepLaw,
 };
 use crate::elements::Element;
 use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
-use crate::slots::slots;
+use crate::slots::{of_sweep, slots};
 
 /// Most bodies, most elements, and most harmonics and steps of a machine, checked before memory is
 /// taken for them.
 pub(crate) const MOST: usize = 10_000;
+
+/// Most turns of a sweep that is integrated.
+const MOST_TURNS: f64 = 100_000.0;
 
 /// Most knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
@@ -68,6 +71,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     }
     machine.springs.iter().for_each(|spring| check_points(spring, &mut problems));
     machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
+    check_integrated(machine, &mut problems);
     loads(machine, &mut problems);
     series(machine, &mut problems);
     if !problems.is_empty() {
@@ -126,7 +130,13 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
             problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
         }
     }
-    let Some(record) = &signal.table else { return };
+    for (i, sweep) in signal.sweeps.iter().enumerate() {
+        check_sweep(&of_sweep(name, i, signal.sweeps.len()), sweep, problems);
+    }
+    let Some(record) = &signal.table else {
+        check_repeat(name, signal, problems);
+        return;
+    };
     let table = format!("{name}.table");
     if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
         let text = format!("has {} knots; allowed are 2 to {MOST_KNOTS}", record.knots.len());
@@ -138,6 +148,61 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
         let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    } else if record.knots.len() > 1 {
+        check_repeat(name, signal, problems);
+    }
+}
+
+/// Problems of a sweep: logarithms are of frequencies above 0, and there is a frequency.
+fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
+    for (key, frequency) in [("from", sweep.from), ("to", sweep.to)] {
+        if frequency == 0.0 && sweep.law == SweepLaw::Logarithmic {
+            let text = "allowed in a logarithmic sweep is a frequency above 0 Hz";
+            problems.push(refused(format!("{name}.{key}"), frequency, text));
+        }
+    }
+    if sweep.from.max(sweep.to) == 0.0 && sweep.law == SweepLaw::Linear {
+        let text = "from and to are 0 Hz; allowed is a frequency above 0 Hz at one end";
+        problems.push(refused(format!("{name}.to"), sweep.to, text));
+    }
+}
+
+/// Problems of a sweep that is integrated, whose cells are summed up before the motion begins.
+fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
+    for named in machine.signals().filter(|named| named.motion.is_some_and(|order| order > 0)) {
+        for (i, sweep) in named.signal.sweeps.iter().enumerate() {
+            let name = of_sweep(&named.name, i, named.signal.sweeps.len());
+            if sweep.turns() > MOST_TURNS {
+                let text = format!(
+                    "it makes {:.0} turns; allowed below a rate or an acceleration are {MOST_TURNS:.0}",
+                    sweep.turns()
+                );
+                problems.push(refused(format!("{name}.duration"), sweep.duration, text));
+            }
+        }
+    }
+}
+
+/// Problems of a period: steps and knots lie in it, and a record's ends have one value.
+fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    let Some(period) = signal.repeat else { return };
+    for (i, step) in signal.steps.iter().enumerate() {
+        if !(0.0..period).contains(&step.time) {
+            let text = format!("allowed is a time from 0 s to before repeat = {period:?} s");
+            problems.push(refused(format!("{name}.steps[{i}].time"), step.time, text));
+        }
+    }
+    let Some(record) = &signal.table else { return };
+    let outside = |knot: &(f64, f64)| !(0.0..=period).contains(&knot.0);
+    if let Some(i) = record.knots.iter().position(outside) {
+        let text = format!("allowed is a time from 0 s to repeat = {period:?} s");
+        problems.push(refused(format!("{name}.table[{i}]"), record.knots[i].0, text));
+        return;
+    }
+    let (first, last) = (record.knots[0], record.knots[record.knots.len() - 1]);
+    if first.0 == 0.0 && last.0 == period && first.1 != last.1 {
+        let text = format!("at repeat = {period:?} s allowed is the value at 0 s, {:?}", first.1);
+        problems.push(refused(format!("{name}.table[{}]", record.knots.len() - 1), last.1, text));
     }
 }
 
@@ -176,7 +241,7 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
                 None,
                 format!("there is no body {}, counted from 0", load.body),
             )),
-            Some(Body { name: body, kind: BodyKind::Prescribed { .. }, .. }) => {
+            Some(Body { name: body, kind, .. }) if kind.is_prescribed() => {
                 let text = "the motion of this body is prescribed; allowed is a body with mass or inertia";
                 problems.push(Problem::new(name, Some(format!("{body:?}")), text));
             }

@@ -32,7 +32,7 @@ mod tangent;
 mod values;
 mod weights;
 
-pub use by::By;
+pub use by::{By, has_derivative};
 pub use differentiated::{Differentiated, VariedObserver};
 pub use extremes::{Extreme, Extremes};
 pub use gradient::Gradient;

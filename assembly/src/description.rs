@@ -70,6 +70,55 @@ pub enum BodyKind {
         /// Rate of the uniform motion that is added, m/s or rad/s.
         rate: f64,
     },
+    /// By a signal of time that is its rate or its acceleration.
+    Integrated(Integrated),
+}
+
+impl BodyKind {
+    /// Whether its motion is given, whatever the forces.
+    pub fn is_prescribed(&self) -> bool {
+        !matches!(self, Self::Free(_))
+    }
+}
+
+/// The motion of a body whose rate or acceleration is prescribed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrated {
+    /// What the signal is.
+    pub level: Level,
+    /// Rate or acceleration.
+    pub signal: Signal,
+    /// Coordinate at time 0, m or rad.
+    pub s: f64,
+    /// Rate at time 0, m/s or rad/s; 0 where the signal is the rate.
+    pub v: f64,
+}
+
+/// The time derivative of a coordinate that a signal prescribes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The rate, m/s or rad/s.
+    Rate,
+    /// The acceleration, m/s² or rad/s².
+    Acceleration,
+}
+
+impl Level {
+    /// Its key in a file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Rate => "rate",
+            Self::Acceleration => "acceleration",
+        }
+    }
+
+    /// The order of the derivative.
+    pub fn order(self) -> usize {
+        match self {
+            Self::Rate => 1,
+            Self::Acceleration => 2,
+        }
+    }
 }
 
 /// Inertia and start of a free body.
@@ -253,10 +302,14 @@ pub struct Signal {
     pub constant: f64,
     /// Harmonics.
     pub harmonics: Vec<Harmonic>,
+    /// Sine sweeps.
+    pub sweeps: Vec<Sweep>,
     /// Jumps at rising times.
     pub steps: Vec<Step>,
     /// A tabulated function.
     pub table: Option<Record>,
+    /// The period of steps and table, s.
+    pub repeat: Option<f64>,
     /// Whether an input is added, which is 0 until it is set.
     pub input: bool,
 }
@@ -269,7 +322,8 @@ impl Signal {
 
     /// Whether it has no part besides the constant.
     pub fn is_constant(&self) -> bool {
-        self.harmonics.is_empty() && self.steps.is_empty() && self.table.is_none() && !self.input
+        let waves = self.harmonics.len() + self.sweeps.len();
+        waves == 0 && self.steps.is_empty() && self.table.is_none() && !self.input
     }
 }
 
@@ -282,6 +336,54 @@ pub struct Harmonic {
     pub frequency: f64,
     /// rad.
     pub phase: f64,
+}
+
+/// A sine whose frequency changes from time 0 on and then stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// In the signal's unit.
+    pub amplitude: f64,
+    /// The frequency up to time 0, Hz, not negative.
+    pub from: f64,
+    /// The frequency from the sweep's end on, Hz, not negative.
+    pub to: f64,
+    /// s, positive.
+    pub duration: f64,
+    /// At time 0, rad.
+    pub phase: f64,
+    /// The frequency in between.
+    pub law: SweepLaw,
+}
+
+/// The frequency of a sweep over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SweepLaw {
+    /// It changes evenly.
+    Linear,
+    /// Its logarithm changes evenly; both frequencies are above 0.
+    Logarithmic,
+}
+
+impl SweepLaw {
+    /// Both, each with its word in a file.
+    pub const ALL: [(Self, &str); 2] = [(Self::Linear, "linear"), (Self::Logarithmic, "logarithmic")];
+
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
+    }
+}
+
+impl Sweep {
+    /// Turns from time 0 to its end.
+    pub fn turns(&self) -> f64 {
+        match self.law {
+            SweepLaw::Logarithmic if self.from != self.to => {
+                self.duration * (self.to - self.from) / (self.to / self.from).ln()
+            }
+            _ => 0.5 * self.duration * (self.from + self.to),
+        }
+    }
 }
 
 /// A jump of a signal.
@@ -298,6 +400,42 @@ pub struct Step {
 pub struct Record {
     /// Time (s) and value of each knot: two or more, at rising times.
     pub knots: Vec<(f64, f64)>,
-    /// Whether it is a monotone cubic between knots, else linear.
-    pub cubic: bool,
+    /// What the values are multiplied by, in the signal's unit; the values are then plain numbers.
+    pub scale: Option<f64>,
+    /// The values between knots.
+    pub interpolation: Interpolation,
+}
+
+impl Record {
+    /// A record whose values are in the signal's unit.
+    pub fn new(knots: Vec<(f64, f64)>, interpolation: Interpolation) -> Self {
+        Self { knots, scale: None, interpolation }
+    }
+
+    /// What the values are multiplied by.
+    pub fn factor(&self) -> f64 {
+        self.scale.unwrap_or(1.0)
+    }
+}
+
+/// The values of a record between its knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// A straight line.
+    Straight,
+    /// A monotone cubic.
+    Cubic,
+    /// The value of the knot before, until the next one's time.
+    Hold,
+}
+
+impl Interpolation {
+    /// All, each with its word in a file.
+    pub const ALL: [(Self, &str); 3] =
+        [(Self::Straight, "straight"), (Self::Cubic, "cubic"), (Self::Hold, "hold")];
+
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
+    }
 }

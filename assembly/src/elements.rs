@@ -5,7 +5,8 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, BodyKind, Damper, Description, Dimension, Friction, Link, Load, Series, Signal, Spring, Stop,
+    Arms, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Series, Signal, Spring,
+    Stop,
     StopLaw,
 };
 
@@ -146,8 +147,8 @@ pub struct NamedSignal<'a> {
     pub signal: &'a Signal,
     /// Dimension of its values.
     pub dimension: Dimension,
-    /// Whether it is the motion of a body, else a force.
-    pub is_motion: bool,
+    /// Of a body's motion the order of the coordinate's derivative that it is; `None` for a force.
+    pub motion: Option<usize>,
 }
 
 impl Description {
@@ -172,14 +173,16 @@ impl Description {
     /// All signals in the order of the inputs: motions of bodies, loads, signals of the other
     /// elements.
     pub fn signals(&self) -> impl Iterator<Item = NamedSignal<'_>> {
-        let motions = self.bodies.iter().filter_map(|body| match &body.kind {
-            BodyKind::Prescribed { motion, .. } => Some(NamedSignal {
-                name: format!("body.{}.motion", body.name),
-                signal: motion,
-                dimension: body.dimension,
-                is_motion: true,
-            }),
-            BodyKind::Free(_) => None,
+        let motions = self.bodies.iter().filter_map(|body| {
+            let (key, signal, order) = match &body.kind {
+                BodyKind::Prescribed { motion, .. } => (String::new(), motion, 0),
+                BodyKind::Integrated(Integrated { level, signal, .. }) => {
+                    (format!(".{}", level.key()), signal, level.order())
+                }
+                BodyKind::Free(_) => return None,
+            };
+            let name = format!("body.{}.motion{key}", body.name);
+            Some(NamedSignal { name, signal, dimension: body.dimension, motion: Some(order) })
         });
         let is_load = |element: &Element| element.action() == Action::Driving;
         let loads = self.elements().filter(is_load);
@@ -190,7 +193,7 @@ impl Description {
                 name: format!("{dotted}{key}"),
                 signal,
                 dimension,
-                is_motion: false,
+                motion: None,
             })
         }))
     }

@@ -31,7 +31,7 @@ use crate::mode::{Linear, Mode, Triangle};
 use crate::signals::SMALL;
 use crate::system::System;
 use apart::Apart;
-pub(crate) use exponential::LEAST_RATE;
+pub(crate) use exponential::{LEAST_RATE, swept};
 use exponential::{norm, series_orders};
 use kept::Kept;
 use std::sync::Arc;

@@ -57,6 +57,18 @@ pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Ra
 pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
 pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
 pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);
+pub const SWEPT: NumberKind = kind("Frequency of a sweep's end", "Hz", "Hz", Range::NOT_NEGATIVE);
+pub const DURATION: NumberKind = kind("Duration of a sweep", "s", "s", Range::POSITIVE);
+pub const PERIOD: NumberKind = kind("Period of steps and record", "s", "s", Range::POSITIVE);
+pub const DRIVEN_RATE: NumberKind = kind("Rate", "m/s", "rad/s", Range::FINITE);
+pub const ACCELERATION: NumberKind = kind("Acceleration", "m/s2", "rad/s2", Range::FINITE);
+/// A value of a record that has a scale.
+pub const PLAIN: NumberKind = kind("Value of a record", "1", "1", Range::FINITE);
+
+/// The kind of a record's scale, by that of its signal's values.
+pub const fn scale_of(values: NumberKind) -> NumberKind {
+    NumberKind { meaning: "Factor of a record's values", ..values }
+}
 
 /// The kind of a named parameter, by the SI unit of its value.
 pub const fn named(unit: &'static str) -> NumberKind {

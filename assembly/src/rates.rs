@@ -9,9 +9,11 @@ use crate::system::{Elongation, Part, System};
 /// The highest rate, rad/s, or frequency, Hz: its square times the largest coordinate, 1e100, is
 /// finite.
 const MOST_RATE: f64 = 1e100;
+/// The highest frequency of a sweep, Hz: the derivatives of its polynomials are finite.
+const MOST_SWEPT: f64 = 1e20;
 
 /// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
-/// they move, and for harmonics.
+/// they move, and for harmonics; of sweeps at most [`MOST_SWEPT`].
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -27,6 +29,8 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
     }
     machine.signals().try_for_each(|NamedSignal { name, signal, .. }| {
         let fast = signal.harmonics.iter().map(|h| h.frequency).find(|f| *f > MOST_RATE);
+        let swept = signal.sweeps.iter().flat_map(|sweep| [sweep.from, sweep.to]);
+        let fast = fast.or_else(|| swept.clone().find(|f| *f > MOST_SWEPT));
         fast.map_or(Ok(()), |value| Err(Error::TooFast { name: format!("{name}: frequency"), value }))
     })
 }

@@ -171,7 +171,7 @@ impl System {
     /// that bear no force.
     pub(crate) fn at_rest(&self, q: Option<&DVector<f64>>) -> StateRow {
         let mut z = StateRow::zeros(self.signals.size);
-        let inputs = vec![(0.0, [0.0; 4]); self.signals.inputs];
+        let inputs = self.signals.no_inputs();
         self.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
         q.iter().for_each(|q| z.rows_mut(0, self.coordinates).copy_from(q));
         for branch in &self.branches {

@@ -2,10 +2,23 @@
 //! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
 //! value and derivatives of each piecewise polynomial.
 
-use crate::description::{Record, Signal, Step};
+mod builder;
+mod integral;
+mod phase;
+mod pieces;
+mod sweep;
+mod tangent;
+
+pub use builder::{Builder, Layout};
+pub use tangent::{SignalTangent, StepTime};
+
+use crate::description::{BodyKind, Harmonic, Signal};
 use crate::kernel::Sparse;
+use integral::Integral;
 use nalgebra::DVector;
+use pieces::{Knots, Pieces};
 use std::f64::consts::TAU;
+use sweep::SweepPiece;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Value and derivatives of an input, which is a cubic from the time it was set.
@@ -18,50 +31,68 @@ struct SignalPiece {
     first: usize,
     /// Number of coordinates: value and derivatives.
     count: usize,
-    steps: Vec<Step>,
-    table: Option<Cubics>,
+    steps: Option<Pieces<1>>,
+    table: Option<Pieces<4>>,
     rate: f64,
     /// Its index among the inputs.
     input: Option<usize>,
+    /// The integral of the parts above but for the rate, and its order.
+    integral: Option<SignalIntegral>,
 }
 
-/// A record as a cubic on each interval between knots.
+/// The integral of a signal's polynomial part.
 #[derive(Clone, Debug)]
-struct Cubics {
-    knots: Vec<(f64, f64)>,
-    /// Derivatives of orders 0 to 3 at the start of each interval.
-    starts: Vec<[f64; 4]>,
+struct SignalIntegral {
+    order: usize,
+    parts: Integral,
+    /// Index among the inputs of what earlier inputs and changes of the machine have left.
+    carried: usize,
 }
 
-impl Cubics {
-    fn of(record: &Record) -> Self {
-        let knots = record.knots.clone();
-        let slopes = record.cubic.then(|| vibro_impact::load::monotone_slopes(&knots));
-        let starts = knots
-            .windows(2)
-            .enumerate()
-            .map(|(i, pair)| {
-                let ((t0, y0), (t1, y1)) = (pair[0], pair[1]);
-                let h = t1 - t0;
-                let chord = (y1 - y0) / h;
-                let Some(slopes) = &slopes else { return [y0, chord, 0.0, 0.0] };
-                let (a, b) = (slopes[i], slopes[i + 1]);
-                [y0, a, 2.0 * (3.0 * chord - 2.0 * a - b) / h, 6.0 * (a + b - 2.0 * chord) / (h * h)]
-            })
-            .collect();
-        Self { knots, starts }
-    }
+/// A signal, and how often it is integrated over time.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<'a> {
+    /// The signal.
+    pub signal: &'a Signal,
+    /// 0 for the signal itself, 1 or 2 for its integrals from time 0 on.
+    pub order: usize,
+    /// What is added.
+    pub s: f64,
+    /// What is added times the time.
+    pub v: f64,
+}
 
-    /// Value and derivatives just after a time; constant before the first and after the last knot.
-    fn at(&self, time: f64) -> [f64; 4] {
-        let after = self.knots.partition_point(|&(t, _)| t <= time);
-        if after == 0 {
-            return [self.knots[0].1, 0.0, 0.0, 0.0];
+impl<'a> From<&'a Signal> for Course<'a> {
+    fn from(signal: &'a Signal) -> Self {
+        Self { signal, order: 0, s: 0.0, v: 0.0 }
+    }
+}
+
+impl BodyKind {
+    /// The coordinate of a prescribed body.
+    pub(crate) fn course(&self) -> Option<Course<'_>> {
+        match self {
+            Self::Free(_) => None,
+            Self::Prescribed { motion, rate } => Some(Course { v: *rate, ..Course::from(motion) }),
+            Self::Integrated(own) => {
+                Some(Course { signal: &own.signal, order: own.level.order(), s: own.s, v: own.v })
+            }
         }
-        if after == self.knots.len() {
-            return [self.knots[after - 1].1, 0.0, 0.0, 0.0];
+    }
+}
+
+/// The integral of a harmonic from time 0 on: amplitudes of cosine and sine, what is constant, and
+/// what grows with time (docs/assembly-law.md (A41)).
+fn harmonic(h: &Harmonic, order: usize) -> [f64; 4] {
+    let (cosine, sine) = (h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos());
+    let omega = TAU * h.frequency;
+    match order {
+        0 => [cosine, sine, 0.0, 0.0],
+        1 => [-sine / omega, cosine / omega, sine / omega, 0.0],
+        _ => {
+            let square = omega * omega;
+            [-cosine / square, -sine / square, cosine / square, sine / omega]
         }
-        shifted(&self.starts[after - 1], time - self.knots[after - 1].0)
     }
 }
 
@@ -101,16 +132,6 @@ const TURN: [[f64; 2]; 8] = {
     terms
 };
 
-/// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by
-/// the rate of a prescribed body need coordinates of their own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Layout {
-    /// Whether each harmonic has a cosine and a sine of its own, even where frequencies are equal.
-    pub frequencies_apart: bool,
-    /// Whether each prescribed motion has a part that grows with time, even at the rate 0.
-    pub rates: bool,
-}
-
 /// The signals of a machine as coordinates from [`Signals::one`] on.
 #[derive(Clone, Debug)]
 pub struct Signals {
@@ -119,24 +140,21 @@ pub struct Signals {
     /// Frequencies, Hz; the cosine and sine of each follow the number 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
-    /// Times of all steps and all knots of records, sorted.
-    knots: Vec<f64>,
+    sweeps: Vec<SweepPiece>,
+    /// Times at which signals change, sorted: steps and knots of records.
+    knots: Knots,
+    /// Those of repeated signals.
+    repeated: Vec<Knots>,
     /// Length of the augmented state.
     pub size: usize,
     /// Number of signals with an input.
     pub inputs: usize,
+    /// Number of integrals, whose carried parts follow the inputs.
+    integrals: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
     /// The parts of each signal.
     parts: Vec<Parts>,
-}
-
-/// Builder of [`Signals`]: [`add`](Self::add) takes every signal, then [`finish`](Self::finish)
-/// returns a row for each.
-#[derive(Debug)]
-pub struct Builder {
-    signals: Signals,
-    layout: Layout,
 }
 
 /// Where the parts of a signal are among the coordinates.
@@ -146,103 +164,33 @@ struct Parts {
     /// Index of the frequency, amplitudes of cosine and sine.
     harmonics: Vec<(usize, f64, f64)>,
     piece: Option<usize>,
+    /// Indices of sweeps.
+    sweeps: Vec<usize>,
 }
 
-impl Builder {
-    /// A builder for an augmented state whose first `one` coordinates are not signals.
-    pub fn new(one: usize, layout: Layout) -> Self {
-        let signals = Signals {
-            one,
-            frequencies: Vec::new(),
-            pieces: Vec::new(),
-            knots: Vec::new(),
-            size: 0,
-            inputs: 0,
-            rates: Vec::new(),
-            parts: Vec::new(),
-        };
-        Self { signals, layout }
+impl SignalIntegral {
+    /// What an input adds from the time it was set.
+    fn of_input(&self, (from, input): &(f64, Input), time: f64) -> [f64; 6] {
+        let mut d = [0.0; 6];
+        d[self.order..self.order + 4].copy_from_slice(input);
+        integral::shifted(&d, time - from)
     }
+}
 
-    /// Adds a signal; returns its index.
-    pub fn add(&mut self, signal: &Signal) -> usize {
-        self.add_part(signal, 0.0, false)
-    }
-
-    /// Adds a signal plus `rate` times the time; returns its index.
-    pub fn add_motion(&mut self, signal: &Signal, rate: f64) -> usize {
-        self.add_part(signal, rate, self.layout.rates || rate != 0.0)
-    }
-
-    fn add_part(&mut self, signal: &Signal, rate: f64, grows: bool) -> usize {
-        let apart = self.layout.frequencies_apart;
-        let mut harmonics = Vec::new();
-        for h in &signal.harmonics {
-            let frequencies = &mut self.signals.frequencies;
-            let known = frequencies.iter().position(|&f| f == h.frequency && !apart);
-            let place = known.unwrap_or_else(|| {
-                frequencies.push(h.frequency);
-                frequencies.len() - 1
-            });
-            harmonics.push((place, h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos()));
+impl SignalPiece {
+    /// Value and derivatives of an integrated part just after a time.
+    fn integrated(&self, integral: &SignalIntegral, time: DoubleDouble, inputs: &[(f64, Input)]) -> [f64; 6] {
+        let mut d = integral.parts.at(time);
+        d[0] += time.times(DoubleDouble::new(self.rate)).value();
+        d[1] += self.rate;
+        let (from, carried) = &inputs[integral.carried];
+        let carried = shifted(carried, time.value() - from);
+        d.iter_mut().zip(carried).for_each(|(d, x)| *d += x);
+        if let Some(input) = self.input.map(|i| &inputs[i]) {
+            let input = integral.of_input(input, time.value());
+            d.iter_mut().zip(input).for_each(|(d, x)| *d += x);
         }
-        let table = signal.table.as_ref();
-        let degree = match (signal.input || table.is_some_and(|t| t.cubic), table.is_some() || grows) {
-            (true, _) => 3,
-            (_, true) => 1,
-            _ => 0,
-        };
-        let needs_piece = degree > 0 || !signal.steps.is_empty();
-        let piece = needs_piece.then(|| {
-            let input = signal.input.then(|| {
-                self.signals.inputs += 1;
-                self.signals.inputs - 1
-            });
-            self.signals.pieces.push(SignalPiece {
-                first: 0,
-                count: degree + 1,
-                steps: signal.steps.clone(),
-                table: table.map(Cubics::of),
-                rate,
-                input,
-            });
-            self.signals.pieces.len() - 1
-        });
-        self.signals.parts.push(Parts { constant: signal.constant, harmonics, piece });
-        self.signals.parts.len() - 1
-    }
-
-    /// The coordinates, and the row of each signal in the order of [`add`](Self::add).
-    pub fn finish(mut self) -> (Signals, Vec<DVector<f64>>) {
-        let signals = &mut self.signals;
-        let mut place = signals.one + 1 + 2 * signals.frequencies.len();
-        for piece in &mut signals.pieces {
-            piece.first = place;
-            place += piece.count;
-        }
-        signals.size = place;
-        for piece in &signals.pieces {
-            signals.knots.extend(piece.steps.iter().map(|s| s.time));
-            signals.knots.extend(piece.table.iter().flat_map(|t| &t.knots).map(|k| k.0));
-        }
-        signals.knots.sort_by(f64::total_cmp);
-        let unit = |j: usize| DVector::from_fn(signals.size, |i, _| if i == j { 1.0 } else { 0.0 });
-        let rates = (signals.one..signals.size).map(|j| Sparse::of(signals.derivative(&unit(j)).as_slice()));
-        signals.rates = rates.collect();
-        let rows = signals.parts.iter().map(|parts| {
-            let mut row = DVector::zeros(signals.size);
-            row[signals.one] = parts.constant;
-            for &(f, cosine, sine) in &parts.harmonics {
-                row[signals.one + 1 + 2 * f] += cosine;
-                row[signals.one + 2 + 2 * f] += sine;
-            }
-            if let Some(p) = parts.piece {
-                row[signals.pieces[p].first] += 1.0;
-            }
-            row
-        });
-        let rows = rows.collect();
-        (self.signals, rows)
+        d
     }
 }
 
@@ -259,6 +207,11 @@ impl Signals {
         for piece in &self.pieces {
             for k in 1..piece.count {
                 rate[piece.first + k] = row[piece.first + k - 1];
+            }
+        }
+        for sweep in &self.sweeps {
+            for k in sweep.places().skip(1) {
+                rate[k] = sweep.scale * row[k - 1];
             }
         }
         rate
@@ -280,8 +233,13 @@ impl Signals {
         }
         let t = time.value();
         for piece in &self.pieces {
-            let mut d = piece.table.as_ref().map_or([0.0; 4], |table| table.at(t));
-            d[0] += piece.steps.iter().filter(|s| s.time <= t).map(|s| s.height).sum::<f64>();
+            if let Some(integral) = &piece.integral {
+                let d = piece.integrated(integral, time, inputs);
+                z[piece.first..piece.first + piece.count].copy_from_slice(&d[..piece.count]);
+                continue;
+            }
+            let mut d = piece.table.as_ref().map_or([0.0; 4], |table| table.at(time));
+            d[0] += piece.steps.as_ref().map_or(0.0, |steps| steps.sum(t));
             d[0] += time.times(DoubleDouble::new(piece.rate)).value();
             d[1] += piece.rate;
             if let Some((from, input)) = piece.input.map(|i| &inputs[i]) {
@@ -290,21 +248,41 @@ impl Signals {
             }
             z[piece.first..piece.first + piece.count].copy_from_slice(&d[..piece.count]);
         }
+        self.sweeps.iter().for_each(|sweep| sweep.fill(time, z));
+    }
+
+    /// The places of coordinates that are set anew between knots.
+    pub(crate) fn renewed(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        self.sweeps.iter().map(SweepPiece::places)
+    }
+
+    /// The first time after a time, s, at which coordinates are set anew between knots.
+    pub(crate) fn next_renewal(&self, time: f64) -> Option<DoubleDouble> {
+        let next = self.sweeps.iter().filter_map(|sweep| sweep.next(time));
+        next.reduce(|a, b| if b.minus(a).value() < 0.0 { b } else { a })
     }
 
     /// The index of an input's value in the augmented state.
     pub(crate) fn place_of_input(&self, i: usize) -> Option<usize> {
-        self.pieces.iter().find(|piece| piece.input == Some(i)).map(|piece| piece.first)
+        let own = self.pieces.iter().find(|piece| piece.input == Some(i))?;
+        Some(own.first + own.integral.as_ref().map_or(0, |integral| integral.order))
     }
 
     /// Advances the polynomials by a time `dt`, ignoring knots in between.
     pub(crate) fn carry(&self, dt: f64, z: &mut [f64]) {
         for piece in &self.pieces {
             let place = piece.first..piece.first + piece.count;
+            if piece.count > 4 {
+                let mut d = [0.0; 6];
+                d[..piece.count].copy_from_slice(&z[place.clone()]);
+                z[place].copy_from_slice(&integral::shifted(&d, dt)[..piece.count]);
+                continue;
+            }
             let mut d = [0.0; 4];
             d[..piece.count].copy_from_slice(&z[place.clone()]);
             z[place].copy_from_slice(&shifted(&d, dt)[..piece.count]);
         }
+        self.sweeps.iter().for_each(|sweep| sweep.carry(dt, z));
     }
 
     /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no knot
@@ -324,12 +302,62 @@ impl Signals {
 
     /// The first knot after a time, s.
     pub fn next_knot(&self, time: f64) -> Option<f64> {
-        self.knots.get(self.knots.partition_point(|&t| t <= time)).copied()
+        self.next_knot_exactly(time).map(DoubleDouble::value)
+    }
+
+    /// The first knot after a time, s: that of a repeated signal is a whole number of periods and a
+    /// time, to 32 digits.
+    pub(crate) fn next_knot_exactly(&self, time: f64) -> Option<DoubleDouble> {
+        let next = |knots: &Knots| knots.next(time);
+        let all = std::iter::once(&self.knots).chain(&self.repeated).filter_map(next);
+        all.reduce(|a, b| if b.minus(a).value() < 0.0 { b } else { a })
     }
 
     /// The number of knots at a time.
     pub(crate) fn knots_at(&self, time: f64) -> usize {
-        self.knots.iter().filter(|&&t| t == time).count()
+        let own = std::iter::once(&self.knots).chain(&self.repeated);
+        own.map(|knots| knots.count_at(time)).sum()
+    }
+
+    /// No input, and nothing that integrals carry along.
+    pub fn no_inputs(&self) -> Vec<(f64, Input)> {
+        vec![(0.0, [0.0; 4]); self.inputs + self.integrals]
+    }
+
+    /// Lets input `i` follow a polynomial from a time on. Integrals go on from where they are.
+    pub(crate) fn set_input(&self, inputs: &mut [(f64, Input)], i: usize, (time, derivatives): (f64, Input)) {
+        let own = self.pieces.iter().find(|piece| piece.input == Some(i));
+        if let Some(integral) = own.and_then(|piece| piece.integral.as_ref()) {
+            let left = integral.of_input(&inputs[i], time);
+            let (from, carried) = inputs[integral.carried];
+            let mut now = shifted(&carried, time - from);
+            (0..integral.order).for_each(|k| now[k] += left[k]);
+            inputs[integral.carried] = (time, now);
+        }
+        inputs[i] = (time, derivatives);
+    }
+
+    /// The first coordinate of signal `i`'s integral, and its order; `None` without one.
+    pub(crate) fn integral(&self, i: usize) -> Option<(usize, usize)> {
+        let piece = &self.pieces[self.parts[i].piece?];
+        Some((piece.first, piece.integral.as_ref()?.order))
+    }
+
+    /// Whether input `i` is a rate or an acceleration, which is integrated.
+    pub(crate) fn is_integrated(&self, i: usize) -> bool {
+        self.pieces.iter().any(|piece| piece.input == Some(i) && piece.integral.is_some())
+    }
+
+    /// Moves the integral of signal `i` by a place and, of order two, a rate from a time on.
+    pub(crate) fn displace(&self, inputs: &mut [(f64, Input)], i: usize, time: f64, [place, rate]: [f64; 2]) {
+        let piece = self.parts[i].piece.map(|p| &self.pieces[p]);
+        if let Some(integral) = piece.and_then(|piece| piece.integral.as_ref()) {
+            let (from, carried) = inputs[integral.carried];
+            let mut now = shifted(&carried, time - from);
+            now[0] += place;
+            now[1] += if integral.order == 2 { rate } else { 0.0 };
+            inputs[integral.carried] = (time, now);
+        }
     }
 
     /// The index after the last coordinate of constant amplitude: 1, cosines and sines.
@@ -337,10 +365,6 @@ impl Signals {
         self.one + 1 + 2 * self.frequencies.len()
     }
 }
-
-mod tangent;
-
-pub use tangent::{SignalTangent, StepTime};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Body, BodyKind, Description, Dimension, Free, SeriesLaw, Signal, Spring, StopLaw,
+    Arms, Body, BodyKind, Description, Dimension, Free, Integrated, Level, SeriesLaw, Signal, Spring, StopLaw,
 };
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
@@ -44,6 +44,15 @@ impl<'a> Slots<'a> {
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
                 self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
+            }
+            BodyKind::Integrated(Integrated { level, signal, s, v }) => {
+                let (of, is_rate) = (format!("{of}.motion"), *level == Level::Rate);
+                let kind = if is_rate { kinds::DRIVEN_RATE } else { kinds::ACCELERATION };
+                self.signal(&format!("{of}.{}", level.key()), signal, kind);
+                self.push(format!("{of}.s"), kinds::START, s);
+                if !is_rate {
+                    self.push(format!("{of}.v"), kinds::START_RATE, v);
+                }
             }
         }
     }
@@ -115,9 +124,24 @@ impl<'a> Slots<'a> {
             self.push(format!("{of}.frequency"), kinds::FREQUENCY, &mut harmonic.frequency);
             self.push(format!("{of}.phase"), kinds::PHASE, &mut harmonic.phase);
         }
+        let count = signal.sweeps.len();
+        for (i, sweep) in signal.sweeps.iter_mut().enumerate() {
+            let of = of_sweep(of, i, count);
+            self.push(format!("{of}.amplitude"), kind, &mut sweep.amplitude);
+            self.push(format!("{of}.from"), kinds::SWEPT, &mut sweep.from);
+            self.push(format!("{of}.to"), kinds::SWEPT, &mut sweep.to);
+            self.push(format!("{of}.duration"), kinds::DURATION, &mut sweep.duration);
+            self.push(format!("{of}.phase"), kinds::PHASE, &mut sweep.phase);
+        }
         for (i, step) in signal.steps.iter_mut().enumerate() {
             self.push(format!("{of}.steps[{i}].time"), kinds::TIME, &mut step.time);
             self.push(format!("{of}.steps[{i}].height"), kind, &mut step.height);
+        }
+        if let Some(scale) = signal.table.as_mut().and_then(|record| record.scale.as_mut()) {
+            self.push(format!("{of}.table.scale"), kinds::scale_of(kind), scale);
+        }
+        if let Some(repeat) = &mut signal.repeat {
+            self.push(format!("{of}.repeat"), kinds::PERIOD, repeat);
         }
     }
 
@@ -133,6 +157,11 @@ impl<'a> Slots<'a> {
 /// The name of harmonic `i` of a signal that has `count` of them: a single one has its signal's.
 pub(crate) fn of_harmonic(of: &str, i: usize, count: usize) -> String {
     if count == 1 { of.to_owned() } else { format!("{of}.harmonics[{i}]") }
+}
+
+/// The name of sweep `i` of a signal that has `count` of them.
+pub(crate) fn of_sweep(of: &str, i: usize, count: usize) -> String {
+    if count == 1 { format!("{of}.sweep") } else { format!("{of}.sweep[{i}]") }
 }
 
 /// The slots of all parameters of a machine.

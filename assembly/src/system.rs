@@ -163,14 +163,8 @@ impl System {
         let reduction = reduce(d)?;
         let n = reduction.kept.len();
         let mut builder = Builder::new(2 * n + first_order::count(d), layout);
-        let motions: Vec<Option<usize>> = d
-            .bodies
-            .iter()
-            .map(|b| match &b.kind {
-                BodyKind::Prescribed { motion, rate } => Some(builder.add_motion(motion, *rate)),
-                BodyKind::Free(_) => None,
-            })
-            .collect();
+        let motions: Vec<Option<usize>> =
+            d.bodies.iter().map(|b| b.kind.course().map(|course| builder.add_motion(&course))).collect();
         let loads: Vec<usize> = d.loads.iter().map(|l| builder.add(&l.force)).collect();
         let levels: Vec<(usize, Option<usize>)> = d
             .frictions

@@ -118,7 +118,7 @@ fn closed_form_work_of_motions_and_loss_at_jumps_and_impacts() {
     // The link splits a jump by 4 m/s into 3 m/s for 1 kg and 1 m/s for 3 kg: 6 J, an impulse of
     // 3 N s at a mean of 2 m/s. The second jump, back to 1 m/s, is an impulse of -2.25 N s at a
     // mean of 2.5 m/s.
-    let table = Record { knots: vec![(0.25, 0.0), (0.5, 1.0), (0.75, 1.25)], cubic: false };
+    let table = Record::new(vec![(0.25, 0.0), (0.5, 1.0), (0.75, 1.25)], Interpolation::Straight);
     let moved = Signal { table: Some(table), ..Signal::default() };
     let d = Description {
         bodies: vec![body("a", 1.0, 0.0, 0.0), body("b", 3.0, 0.0, 0.0), prescribed("p", moved, 0.0)],

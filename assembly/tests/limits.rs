@@ -114,7 +114,7 @@ fn closed_form_knots_are_no_work_that_has_no_end() {
     // A force that rises and falls 60,000 times in 0.6 ms, with the mean 1 N, on a body whose
     // sub-step is 3 s.
     let knots = (0..120_001).map(|k| (5e-9 * f64::from(k), 2.0 * f64::from(k % 2))).collect();
-    let force = Signal { table: Some(Record { knots, cubic: false }), ..Signal::default() };
+    let force = Signal { table: Some(Record::new(knots, Interpolation::Straight)), ..Signal::default() };
     let mut motion = motion(Description {
         bodies: vec![body("b", 1.0, 0.0, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 1.0, 0.0)],

@@ -128,7 +128,7 @@ fn closed_form_a_start_on_a_corner() {
     }
     // By the third derivative: a load that grows as t.
     let mut d = alone(0.0, 0.0, &lines);
-    let ramp = Record { knots: vec![(0.0, 0.0), (1.0, -3.0)], cubic: false };
+    let ramp = Record::new(vec![(0.0, 0.0), (1.0, -3.0)], Interpolation::Straight);
     d.loads =
         vec![Load { name: "l".into(), body: 0, force: Signal { table: Some(ramp), ..Signal::default() } }];
     assert_eq!(motion(d.clone()).mode().stops, [StopState::Below]);

@@ -288,7 +288,7 @@ fn closed_form_records_below_zero_that_a_lever_sets_against_each_other() {
     // b goes the other way than a, so that equal forces on both leave nothing, and a third one of
     // -6 N on a stretches the spring of 50 N/m by -0.12 m. Their sizes count, not their signs.
     let record = |force: f64| Signal {
-        table: Some(Record { knots: vec![(0.0, force), (2.0, force)], cubic: false }),
+        table: Some(Record::new(vec![(0.0, force), (2.0, force)], Interpolation::Straight)),
         ..Signal::default()
     };
     let load = |body: usize, force: f64| Load { name: "load".into(), body, force: record(force) };

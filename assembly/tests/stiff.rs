@@ -149,7 +149,8 @@ fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one(
         d.bodies = vec![body("light", 0.01, 0.1, 0.0), body("heavy", 0.99, 0.1, 0.0)];
         d.springs = vec![spring(&[(0, 1.0)], 1e2, 0.0), spring(&[(0, -1.0), (1, 1.0)], 1e10, 0.0)];
         let knots = (0..100).map(|k| (0.037 * f64::from(k), 0.0)).collect();
-        let nothing = Signal { table: Some(Record { knots, cubic: false }), ..Signal::default() };
+        let nothing =
+            Signal { table: Some(Record::new(knots, Interpolation::Straight)), ..Signal::default() };
         d.loads.push(Load { name: "knots".into(), body: 1, force: nothing });
         d.bodies.extend((0..idle).map(|i| body(&format!("idle{i}"), 1.0, 0.0, 0.0)));
         let mut motion = motion(d);
@@ -164,7 +165,7 @@ fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one(
 
 /// A load that rises linearly.
 fn ramp(body: usize, from: f64, rise: f64) -> Load {
-    let table = Some(Record { knots: vec![(0.0, from), (1.0, from + rise)], cubic: false });
+    let table = Some(Record::new(vec![(0.0, from), (1.0, from + rise)], Interpolation::Straight));
     Load { name: "ramp".into(), body, force: Signal { table, ..Signal::default() } }
 }
 

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use vibro_analysis::assembly::{self, Section, SectionRule};
 use vibro_analysis::{GROUPS, Name, ParameterSet, Unit, physical_parameters, significant};
+use vibro_assembly::description::Description;
 use vibro_impact::parameters::{FIELDS, LOADS};
 
 /// Properties of a machine that manifests, tables and captions state.
@@ -49,6 +50,11 @@ impl Subject for ParameterSet {
     }
 }
 
+/// What of a machine has the periods of which the common one is taken.
+pub(crate) fn periodic_parts(d: &Description) -> &'static str {
+    if d.signals().any(|s| s.signal.repeat.is_some()) { "signals" } else { "harmonics" }
+}
+
 impl Subject for assembly::Machine {
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
         let parameters = self.description.parameters();
@@ -68,8 +74,8 @@ impl Subject for assembly::Machine {
         let section = section.map_or(String::new(), |s| match (s, &self.section) {
             // A study may vary the frequencies.
             (Section::Period(period), SectionRule::Auto) => {
-                let period = significant(period);
-                format!(", looked at after each common period of its harmonics ({period} s as it stands)")
+                let (period, what) = (significant(period), periodic_parts(d));
+                format!(", looked at after each common period of its {what} ({period} s as it stands)")
             }
             _ => format!(", looked at after {}", s.in_words(d)),
         });

@@ -41,6 +41,21 @@ fn check_tells_bodies_elements_equilibrium_and_frequencies() {
     }
 }
 
+/// An acceleration a sin(ωt + φ) from v = 0 has the mean speed a cos φ/ω; with its negative as v,
+/// none.
+#[test]
+fn check_says_with_what_mean_speed_a_prescribed_acceleration_drifts() {
+    let text = "name = \"D\"\n[body.table]\nmotion = { acceleration = { amplitude = \"20 m/s2\", frequency = \"25 Hz\" } }\n\
+                [body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"table\", \"a\"]\nstiffness = 800.0\n";
+    let path = file("assembly-drift.toml", text).display().to_string();
+    let said = drawn(&folder("assembly-drift"), &["check", &path]);
+    let words = "table drifts: over the first period of 0.04 s its mean speed is 0.127324 m/s; with v = -0.127324 m/s it is 0";
+    assert!(said.contains(words) && said.contains("table: prescribed by its acceleration"), "{said}");
+    let kept = ["check", &path, "--set", "body.table.motion.v=-0.12732395447351627"];
+    let said = drawn(&folder("assembly-drift"), &kept);
+    assert!(!said.contains("drifts"), "{said}");
+}
+
 #[test]
 fn closed_form_frequencies_of_the_start() {
     let text = "name = \"M\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = \"800 N/m\"\ndamping = \"8 N s/m\"\n";

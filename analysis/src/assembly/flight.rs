@@ -358,7 +358,7 @@ pub fn follow(
             observers.iter_mut().for_each(|o| o.told(event));
             events.push(event.clone());
         };
-        let outcome = motion.advance_before_event(end, &mut tell);
+        let outcome = motion.advance_flight(end, &mut tell);
         let span = motion.time() - from;
         // A state that has overflowed is not observed.
         if span > 0.0 && !matches!(outcome, Err(Error::Beyond { .. })) {

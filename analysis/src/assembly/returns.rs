@@ -5,7 +5,7 @@
 //! and on the phases of harmonics, unless the section fixes these. The angle of a shaft that
 //! nothing holds and the elongation of a dashpot have no effect.
 
-use super::section::{Section, harmonics};
+use super::section::{Section, frequencies};
 use crate::attractor::{LONGEST, RETURN, comes_nearer, least_period};
 use std::f64::consts::TAU;
 use vibro_assembly::Motion;
@@ -84,7 +84,7 @@ impl Functionals {
                 }
             }
         }
-        let phases = harmonics(d).map(|h| h.frequency).filter(|f| !section.holds(*f)).collect();
+        let phases = frequencies(d).filter(|f| !section.holds(*f)).collect();
         Self { rows: all, kinds, stiff, phases }
     }
 

@@ -1,12 +1,13 @@
-//! Poincaré section of a described machine: whole common periods of its harmonics or, without
-//! harmonics, the events of one element. A return to the section corresponds to a drive period of
+//! Poincaré section of a described machine: whole common periods of its harmonics and repeated
+//! signals or, without these, the events of one element. A return to the section corresponds to a drive period of
 //! the 3-DOF machine.
 
 use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_assembly::Motion;
-use vibro_assembly::description::{Description, Harmonic, Signal};
+use vibro_assembly::description::{Description, Signal};
+use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::motion::{Event, EventKind, Reached};
 
 /// Relative accuracy to which frequencies are multiples of one another.
@@ -23,8 +24,8 @@ const BESIDE: f64 = 0.381_966_011_250_105;
 /// Rule by which the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
-    /// Whole common periods of all harmonics; without harmonics the events of the first stop;
-    /// without stops those of the first friction.
+    /// Whole common periods of all harmonics and repeated signals; without these the events of the
+    /// first stop; without stops those of the first friction.
     #[default]
     Auto,
     /// Whole multiples of a time, s.
@@ -47,25 +48,39 @@ pub enum Section {
     Friction(usize),
 }
 
-/// The harmonics of all signals.
-pub(super) fn harmonics(d: &Description) -> impl Iterator<Item = &Harmonic> {
-    d.signals().flat_map(|s| s.signal.harmonics.iter())
+/// The frequencies of all signals, Hz: of harmonics, of what repeats, and of sweeps behind their
+/// ends.
+pub(super) fn frequencies(d: &Description) -> impl Iterator<Item = f64> {
+    let harmonics = d.signals().flat_map(|s| s.signal.harmonics.iter());
+    let repeats = d.signals().filter_map(|s| s.signal.repeat);
+    let sweeps = d.signals().flat_map(|s| s.signal.sweeps.iter()).map(|sweep| sweep.to);
+    harmonics.map(|h| h.frequency).chain(repeats.map(|period| 1.0 / period)).chain(sweeps)
 }
 
 /// Whether no signal changes with time; prescribed bodies may move uniformly.
 pub fn is_steady(d: &Description) -> bool {
-    let is_constant = |s: &Signal| s.harmonics.is_empty() && s.steps.is_empty() && s.table.is_none();
-    d.signals().all(|s| is_constant(s.signal))
+    let is_constant =
+        |s: &Signal| s.harmonics.is_empty() && s.sweeps.is_empty() && s.steps.is_empty() && s.table.is_none();
+    let is_uniform = |s: &NamedSignal| s.motion != Some(2) || s.signal.constant == 0.0;
+    d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
 }
 
-/// Least time that is a whole number of periods of each harmonic, s; `None` without harmonics, or
-/// if it exceeds 1000 periods of the slowest harmonic.
+/// Least time that is a whole number of periods of each harmonic and of each repeated signal, s;
+/// `None` without them, if it exceeds 1000 of the longest of these periods, and with a sweep.
 pub fn common_period(d: &Description) -> Option<f64> {
-    let frequencies: Vec<f64> = harmonics(d).map(|h| h.frequency).collect();
-    let slowest = frequencies.iter().copied().reduce(f64::min)?;
+    if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
+}
+
+/// [`common_period`] once all sweeps have ended.
+pub(super) fn last_period(d: &Description) -> Option<f64> {
+    let all: Vec<f64> = frequencies(d).collect();
+    let slowest = all.iter().copied().reduce(f64::min)?;
     let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
-    let all = |k: &u32| frequencies.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
-    (1..=MOST_PERIODS).find(all).map(|k| f64::from(k) / slowest)
+    let all = |k: &u32| all.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
+    let count = f64::from((1..=MOST_PERIODS).find(all)?);
+    // A repeated signal's period without the rounding of its frequency.
+    let repeat = d.signals().filter_map(|s| s.signal.repeat).find(|period| 1.0 / period == slowest);
+    Some(repeat.map_or(count / slowest, |period| count * period))
 }
 
 impl Section {
@@ -86,7 +101,8 @@ impl Section {
                 let friction = || d.frictions.iter().position(|f| f.name == plain).map(Self::Friction);
                 stop.or_else(friction).map_or_else(
                     || {
-                        let known = d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
+                        let known =
+                            d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
                         let known: Vec<&str> = known.map(String::as_str).collect();
                         let problem = format!("section = {name:?}: no stop or friction has this name");
                         refused(format!("{problem}; allowed are {}", known.join(", ")))
@@ -96,14 +112,33 @@ impl Section {
             }
             SectionRule::Auto => match common_period(d) {
                 Some(period) => Ok(Self::Period(period)),
-                None if harmonics(d).next().is_some() => refused(
-                    "the harmonics' frequencies have no common period up to 1000 periods of the slowest; give a period, or an element \
-                     whose events are the section"
-                        .into(),
-                ),
+                None if d.signals().any(|s| !s.signal.sweeps.is_empty()) => {
+                    let name = d
+                        .signals()
+                        .find(|s| !s.signal.sweeps.is_empty())
+                        .map_or_else(String::new, |s| s.name);
+                    refused(format!(
+                        "{name} is a sweep, with which there is no common period; give a period (--period), or an element whose events \
+                         are the section"
+                    ))
+                }
+                None if frequencies(d).next().is_some() => {
+                    let repeats = d.signals().any(|s| s.signal.repeat.is_some());
+                    let what = if repeats {
+                        "the periods of harmonics and repeats"
+                    } else {
+                        "the harmonics' frequencies"
+                    };
+                    refused(format!(
+                        "{what} have no common period up to 1000 periods of the slowest; give a period, or an element whose events are \
+                         the section"
+                    ))
+                }
                 None if !d.stops.is_empty() => Ok(Self::Stop(0)),
                 None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
-                None => refused("the machine has neither harmonics nor stops nor friction; give a period".into()),
+                None => {
+                    refused("the machine has neither harmonics nor stops nor friction; give a period".into())
+                }
             },
         }
     }

@@ -12,7 +12,7 @@ use super::growth::{ALIGN, Growth};
 use super::monodromy::{MARGINAL, Period, shift};
 use super::oscillations::oscillations;
 use super::returns::ReturnRecord;
-use super::section::{Section, common_period, harmonics};
+use super::section::{Section, frequencies, last_period};
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
 use crate::error::Result;
@@ -300,7 +300,7 @@ pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -
         class = MotionClass::Settling;
         if !on_its_way {
             let d = &follower.motion.assembly().description;
-            let has_periods = common_period(d).is_some() || harmonics(d).next().is_none();
+            let has_periods = last_period(d).is_some() || frequencies(d).next().is_none();
             let threshold = ZERO_EXPONENT * slowest(follower.motion, follower.record.interval());
             let growth = growth(&mut follower, exponents.unwrap_or(0), threshold)?;
             exponent = Some(growth.exponent());

@@ -99,15 +99,20 @@ impl Passed {
     }
 }
 
-/// The last step or end of a record of all signals: its time, s, and its description; `None` if all
-/// signals are periodic or constant.
+/// The last step or end of a record of all signals that do not repeat: its time, s, and its
+/// description; `None` if all signals are periodic or constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
+        let ends = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
+        let sweep = ends.map(|end| (end, format!("{name} is a sweep up to {} s", significant(end))));
+        if signal.repeat.is_some() {
+            return [sweep, None, None];
+        }
         let step =
             signal.steps.last().map(|s| (s.time, format!("{name} has a step at {} s", significant(s.time))));
         let end = signal.table.as_ref().and_then(|table| table.knots.last()).map(|k| k.0);
         let record = end.map(|end| (end, format!("{name} is a record up to {} s", significant(end))));
-        [step, record]
+        [sweep, step, record]
     };
     d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }

@@ -38,7 +38,10 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
         ("elements", machine.elements().count()),
         (
             "harmonics and steps",
-            machine.signals().map(|s| s.signal.harmonics.len() + s.signal.steps.len()).sum(),
+            machine
+                .signals()
+                .map(|s| s.signal.harmonics.len() + s.signal.sweeps.len() + s.signal.steps.len())
+                .sum(),
         ),
     ];
     for (name, count) in counts {

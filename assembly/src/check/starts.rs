@@ -1,7 +1,9 @@
 //! Checks of the start: at time 0 links hold and rigid stops are not violated.
 
 use super::refused;
-use crate::description::{Arms, BodyKind, Description, Dimension, Record, Signal, StopLaw};
+use crate::description::{
+    Arms, BodyKind, Description, Dimension, Integrated, Interpolation, Level, Record, Signal, StopLaw,
+};
 use crate::refusal::Problem;
 use std::f64::consts::TAU;
 
@@ -73,12 +75,17 @@ fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. Both are NaN if a cubic record is between two knots at time 0:
+/// Coordinate and rate at time 0. Both are NaN if a cubic record, or one that repeats, is between two
+/// knots at time 0:
 /// every comparison with them is false.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],
         BodyKind::Prescribed { motion, rate } => (motion, rate),
+        BodyKind::Integrated(Integrated { level: Level::Rate, signal: of, s, .. }) => {
+            return [*s, signal(of)[0]];
+        }
+        BodyKind::Integrated(motion) => return [motion.s, motion.v],
     };
     let [s, v] = signal(motion);
     [s, v + rate]
@@ -92,23 +99,34 @@ fn signal(signal: &Signal) -> [f64; 2] {
         sum[0] += harmonic.amplitude * sin;
         sum[1] += harmonic.amplitude * TAU * harmonic.frequency * cos;
     }
+    for sweep in &signal.sweeps {
+        let (sin, cos) = sweep.phase.sin_cos();
+        sum[0] += sweep.amplitude * sin;
+        sum[1] += sweep.amplitude * TAU * sweep.from * cos;
+    }
     sum[0] += signal.steps.iter().filter(|step| step.time <= 0.0).map(|step| step.height).sum::<f64>();
-    let [s, v] = signal.table.as_ref().map_or([0.0; 2], record);
+    let [s, v] = signal.table.as_ref().map_or([0.0; 2], |own| record(own, signal.repeat));
     [sum[0] + s, sum[1] + v]
 }
 
-fn record(record: &Record) -> [f64; 2] {
+fn record(record: &Record, repeat: Option<f64>) -> [f64; 2] {
     let knots = &record.knots;
+    if repeat.is_some() && knots[0].0 > 0.0 {
+        return [f64::NAN; 2];
+    }
+    let factor = record.factor();
     let after = knots.partition_point(|knot| knot.0 <= 0.0);
     if after == 0 || after == knots.len() {
-        return [knots[after.saturating_sub(1)].1, 0.0];
+        return [factor * knots[after.saturating_sub(1)].1, 0.0];
     }
     let ((t0, y0), (t1, y1)) = (knots[after - 1], knots[after]);
-    match (record.cubic, t0 == 0.0) {
-        (false, _) => {
+    let (y0, y1) = (factor * y0, factor * y1);
+    match (record.interpolation, t0 == 0.0) {
+        (Interpolation::Hold, _) => [y0, 0.0],
+        (Interpolation::Straight, _) => {
             let slope = (y1 - y0) / (t1 - t0);
             [y0 - slope * t0, slope]
         }
-        (true, at_knot) => [if at_knot { y0 } else { f64::NAN }, f64::NAN],
+        (Interpolation::Cubic, at_knot) => [if at_knot { y0 } else { f64::NAN }, f64::NAN],
     }
 }

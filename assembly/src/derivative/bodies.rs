@@ -33,7 +33,7 @@ pub(super) fn bodies(
     let (mut next, mut dependent) = (0, Vec::new());
     for (i, body) in d.bodies.iter().enumerate() {
         match body.kind {
-            BodyKind::Prescribed { .. } => {
+            BodyKind::Prescribed { .. } | BodyKind::Integrated(_) => {
                 let (rows, own) = (&system.bodies[i], &mut all[i]);
                 own.s = signals.rows[next].clone();
                 own.v = system.signals.derivative(&own.s) + signals.turned(&rows.s);

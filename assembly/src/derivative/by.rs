@@ -1,7 +1,9 @@
 //! What the columns of a motion's derivatives are by.
 
 use crate::assembly::Assembly;
+use crate::description::Description;
 use crate::error::Error;
+use crate::refusal::{Problem, Refusal};
 use std::fmt;
 
 /// What a motion is differentiated by: one column of its derivatives.
@@ -41,12 +43,28 @@ impl fmt::Display for By {
     }
 }
 
+/// Whether motions have derivatives by a parameter: not by the period of a signal.
+pub fn has_derivative(d: &Description, name: &str) -> bool {
+    let is_period = |name: &str| name.ends_with(".repeat");
+    !is_period(name) && !d.named.numbers_of(name).iter().any(|name| is_period(name))
+}
+
 impl By {
     /// Refuses what a machine does not have.
     pub(super) fn check(&self, assembly: &Assembly) -> Result<(), Error> {
         let count = assembly.system.states();
         match self {
-            Self::Parameter(name) => Ok(assembly.description.parameter(name).map(drop)?),
+            Self::Parameter(name) => {
+                let name = assembly.description.parameter(name)?.name;
+                match has_derivative(&assembly.description, &name) {
+                    true => Ok(()),
+                    false => {
+                        let text =
+                            "a motion has no derivative by a period; allowed are the machine's other numbers";
+                        Err(Refusal::one(Problem::new(name, None, text)).into())
+                    }
+                }
+            }
             Self::Start(place) if *place >= count => Err(Error::OutOfRange {
                 name: "number of the start".into(),
                 value: *place as f64,

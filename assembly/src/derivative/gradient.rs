@@ -171,7 +171,7 @@ impl Gradient {
         loop {
             let from = self.motion.time();
             let z = self.machine.widened(self.motion.state()).into_owned();
-            let outcome = self.motion.advance_before_event(end, &mut |_| ());
+            let outcome = self.motion.advance_flight(end, &mut |_| ());
             let span = self.motion.time() - from;
             let touches = self.motion.take_touches();
             self.is_doubtful |=

@@ -94,6 +94,26 @@ impl Machine {
         Ok(Self { assembly, system, columns, tangents })
     }
 
+    /// The machine whose numbers vary from a time on: prescribed integrals go on from where they are.
+    pub fn under_way(mut self, time: f64, z: &DVector<f64>) -> Self {
+        let bodies = self.assembly.description.bodies.iter().enumerate();
+        let prescribed = bodies.filter(|(_, body)| body.kind.is_prescribed()).map(|(i, _)| i).enumerate();
+        let integrals =
+            prescribed.filter_map(|(signal, body)| Some((self.system.signals.integral(signal)?, body)));
+        for ((first, order), body) in integrals.collect::<Vec<_>>() {
+            let rows = self.system.bodies[body].clone();
+            for p in 0..self.tangents.len() {
+                let mut delta = DVector::zeros(z.len());
+                self.fill(p, time, z, &mut delta);
+                let by = &self.tangents[p].bodies[body];
+                let moved = [by.s.dot(z) + rows.s.dot(&delta), by.v.dot(z) + rows.v.dot(&delta)];
+                let moved = [moved[0], if order == 2 { moved[1] } else { 0.0 }];
+                self.tangents[p].signals.go_on(first, time, moved);
+            }
+        }
+        self
+    }
+
     /// A vector of the assembly's augmented state in the coordinates of `system`.
     pub fn widened<'a>(&self, z: &'a DVector<f64>) -> Cow<'a, DVector<f64>> {
         match &self.system {

@@ -2,10 +2,10 @@
 
 use super::bodies::{BodyTangent, bodies};
 use super::branches::BranchTangent;
-use crate::description::{Arms, BodyKind, Description, Follows, Signal, StopLaw};
+use crate::description::{Arms, BodyKind, Description, Follows, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
-use crate::signals::SignalTangent;
+use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
@@ -95,15 +95,12 @@ fn direction(d: &Description, name: &str) -> Description {
     along
 }
 
-/// All signals in the order of the system's, with the rates of prescribed bodies.
-fn signals(d: &Description) -> Vec<(&Signal, f64)> {
-    let motions = d.bodies.iter().filter_map(|body| match &body.kind {
-        BodyKind::Prescribed { motion, rate } => Some((motion, *rate)),
-        BodyKind::Free(_) => None,
-    });
-    let loads = d.loads.iter().map(|load| (&load.force, 0.0));
+/// All signals in the order of the system's.
+fn signals(d: &Description) -> Vec<Course<'_>> {
+    let motions = d.bodies.iter().filter_map(|body| body.kind.course());
+    let loads = d.loads.iter().map(|load| Course::from(&load.force));
     let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
-    motions.chain(loads).chain(levels.map(|level| (level, 0.0))).collect()
+    motions.chain(loads).chain(levels.map(Course::from)).collect()
 }
 
 impl Tangent {
@@ -113,7 +110,7 @@ impl Tangent {
         let signals = system.signals.tangent(&signals(d), &signals(&along));
         let start = |&body: &usize| match along.bodies[body].kind {
             BodyKind::Free(free) => (free.s, free.v),
-            BodyKind::Prescribed { .. } => (0.0, 0.0),
+            _ => (0.0, 0.0),
         };
         let mut tangent = Self {
             is_zero: name.is_empty(),
@@ -166,7 +163,7 @@ impl Tangent {
     }
 
     fn put_loads(&mut self, system: &System, d: &Description) {
-        let first = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Prescribed { .. })).count();
+        let first = d.bodies.iter().filter(|b| b.kind.is_prescribed()).count();
         self.loads = self.signals.rows[first..first + d.loads.len()].to_vec();
         for ((&body, row), by) in system.load_bodies.iter().zip(&system.loads).zip(&self.loads) {
             self.forces.ger(1.0, &self.bodies[body].weights, row, 1.0);

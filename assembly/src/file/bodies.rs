@@ -2,7 +2,7 @@
 
 use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
-use crate::description::{Body, BodyKind, Description, Dimension, Free, Signal};
+use crate::description::{Body, BodyKind, Description, Dimension, Free, Integrated, Level, Signal};
 use crate::elements::SECTIONS;
 use crate::kinds::{self, NumberKind};
 use crate::parameters::has_unit;
@@ -121,14 +121,77 @@ fn prescribed(
     let values = Values { kind: kinds::POSITION, alone: kinds::POSITION, dimension };
     let (motion, rate) = if entry.value.is_table() {
         let table = reading.table(&entry, "")?;
-        reading.known(&table, &[&signals::KEYS[..], &["offset", "rate"]].concat());
+        if let Some(level) = level(&table) {
+            return Some((dimension, integrated(reading, &table, level, dimension)));
+        }
+        reading.known(&table, &[&signals::KEYS[..], &["offset", "rate", "acceleration"]].concat());
         let rate = reading.number_or(&table, "rate", kinds::RATE, dimension, 0.0);
-        (signals::flat(reading, &table, values, &["offset", "rate"]), rate)
+        (signals::flat(reading, &table, values, &["offset", "rate", "acceleration"]), rate)
     } else {
         (signals::value(reading, &entry, values), Some(0.0))
     };
     let motion = motion.unwrap_or_else(|| Signal::constant(f64::NAN));
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
+}
+
+/// What the signal of a motion is, where it is not the coordinate: a number `rate` is an even motion
+/// beside one.
+fn level(table: &FileTable) -> Option<Level> {
+    let rate = table.entries.get("rate").is_some_and(|rate| rate.get_ref().is_table());
+    match table.has("acceleration") {
+        true => Some(Level::Acceleration),
+        false => rate.then_some(Level::Rate),
+    }
+}
+
+/// Reads a motion whose rate or acceleration is a signal. The coordinate follows from it, so that no
+/// key of a coordinate stands beside it but the one at time 0.
+fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension: Dimension) -> BodyKind {
+    let (key, kind) = match level {
+        Level::Rate => ("rate", kinds::DRIVEN_RATE),
+        Level::Acceleration => ("acceleration", kinds::ACCELERATION),
+    };
+    let beside = if level == Level::Rate { &["s"][..] } else { &["s", "v"] };
+    let mut place = None;
+    for entry in reading.all(table) {
+        let own = entry.key.as_str();
+        match own {
+            "s" | "constant" | "offset" if place.is_some() => {
+                reading.refuse(
+                    &entry,
+                    "the place at time 0 is there already; allowed is one of s, constant, offset",
+                );
+            }
+            "s" | "constant" | "offset" => {
+                place = Some(reading.number(&entry, kinds::START, dimension).unwrap_or(f64::NAN));
+            }
+            _ if own == key || beside.contains(&own) => {}
+            _ if own == "v" || own == "rate" || signals::KEYS.contains(&own) => {
+                let text = format!(
+                    "stands beside {key}, from which place and rate follow; allowed beside it is {}",
+                    beside.join(", ")
+                );
+                reading.refuse(&entry, text);
+            }
+            _ => {
+                let valid = std::iter::once(key).chain(beside.iter().copied());
+                reading.refuse_name(&entry, own, "no such key", valid);
+            }
+        }
+    }
+    let values = Values { kind, alone: kind, dimension };
+    let signal = reading.optional(table, key).and_then(|entry| signals::value(reading, &entry, values));
+    let v = if level == Level::Rate {
+        Some(0.0)
+    } else {
+        reading.number_or(table, "v", kinds::START_RATE, dimension, 0.0)
+    };
+    BodyKind::Integrated(Integrated {
+        level,
+        signal: signal.unwrap_or_else(|| Signal::constant(f64::NAN)),
+        s: place.unwrap_or(0.0),
+        v: v.unwrap_or(f64::NAN),
+    })
 }
 
 /// The dimension of a prescribed body: that of its key `dimension`; else of the first unit in its
@@ -158,13 +221,16 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
         DeValue::String(text) => {
             let is = |kind: NumberKind, dimension| has_unit(kind.unit(dimension), text);
             let all = [Dimension::Translation, Dimension::Rotation];
-            all.into_iter().find(|&d| is(kinds::POSITION, d) || is(kinds::RATE, d))
+            let kinds = [kinds::POSITION, kinds::RATE, kinds::ACCELERATION];
+            all.into_iter().find(|&d| kinds.into_iter().any(|kind| is(kind, d)))
         }
         DeValue::Table(table) => {
-            let direct =
-                ["constant", "offset", "rate", "amplitude"].into_iter().filter_map(|key| table.get(key));
+            let direct = ["constant", "offset", "s", "v", "rate", "acceleration", "amplitude", "scale"];
+            let direct = direct.into_iter().filter_map(|key| table.get(key));
             let items = |key| table.get(key).and_then(|list| list.get_ref().as_array()).into_iter().flatten();
-            let harmonics = items("harmonics").filter_map(|item| item.get_ref().get("amplitude"));
+            let sweep = table.get("sweep").filter(|sweep| sweep.get_ref().is_table()).into_iter();
+            let waves = items("harmonics").chain(items("sweep")).chain(sweep);
+            let harmonics = waves.filter_map(|item| item.get_ref().get("amplitude"));
             let pairs = items("steps").chain(items("table")).filter_map(|item| item.get_ref().get(1));
             direct.chain(harmonics).chain(pairs).find_map(|value| unit_of(value.get_ref()))
         }

@@ -110,7 +110,7 @@ pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
 }
 
 /// Names that a number may have, by its name in the file.
-fn candidates(entry: &str) -> [String; 6] {
+fn candidates(entry: &str) -> [String; 10] {
     let replaced = |end: &str, by: &str| {
         let cut = entry.strip_suffix(end).unwrap_or(entry);
         if cut.len() < entry.len() { format!("{cut}{by}") } else { entry.to_owned() }
@@ -129,6 +129,10 @@ fn candidates(entry: &str) -> [String; 6] {
         step,
         replaced(".offset", ".constant"),
         replaced(".constant", ""),
+        entry.replace(".sweep[0].", ".sweep."),
+        replaced(".motion.constant", ".motion.s"),
+        replaced(".motion.offset", ".motion.s"),
+        replaced(".scale", ".table.scale"),
         format!("{entry}.constant"),
     ]
 }

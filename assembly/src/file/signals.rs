@@ -3,12 +3,24 @@
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records;
-use crate::description::{Dimension, Harmonic, Record, Signal, Step};
+use crate::description::{Dimension, Harmonic, Interpolation, Record, Signal, Step, Sweep, SweepLaw};
 use crate::kinds::{self, NumberKind};
 
 /// The keys of a signal.
-pub(super) const KEYS: [&str; 9] =
-    ["constant", "harmonics", "amplitude", "frequency", "phase", "steps", "table", "interpolation", "input"];
+pub(super) const KEYS: [&str; 12] = [
+    "constant",
+    "harmonics",
+    "amplitude",
+    "frequency",
+    "phase",
+    "sweep",
+    "steps",
+    "table",
+    "interpolation",
+    "scale",
+    "repeat",
+    "input",
+];
 
 /// The kind of number of a signal's values.
 #[derive(Clone, Copy)]
@@ -40,7 +52,7 @@ pub(super) fn flat(
     also: &[&str],
 ) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
-        let parts = ["constant", "amplitude and frequency", "harmonics", "steps", "table", "input"];
+        let parts = ["constant", "amplitude and frequency", "harmonics", "sweep", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
         reading
             .refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
@@ -48,10 +60,20 @@ pub(super) fn flat(
     }
     let constant = constant(reading, table, values, also.contains(&"offset"));
     let harmonics = harmonics(reading, table, values);
+    let sweeps = sweeps(reading, table, values);
     let steps = steps(reading, table, values);
     let record = record(reading, table, values);
+    let repeat = repeat(reading, table, values);
     let input = input(reading, table);
-    Some(Signal { constant: constant?, harmonics: harmonics?, steps: steps?, table: record?, input: input? })
+    Some(Signal {
+        constant: constant?,
+        harmonics: harmonics?,
+        sweeps: sweeps?,
+        steps: steps?,
+        table: record?,
+        repeat: repeat?,
+        input: input?,
+    })
 }
 
 fn constant(reading: &mut Reading, table: &FileTable, values: Values, offset: bool) -> Option<f64> {
@@ -101,6 +123,41 @@ fn harmonic(reading: &mut Reading, table: &FileTable, values: Values) -> Option<
     Some(Harmonic { amplitude: amplitude?, frequency: frequency?, phase: phase? })
 }
 
+/// Reads one sweep or a list of them.
+fn sweeps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Sweep>> {
+    let Some(entry) = reading.optional(table, "sweep") else { return Some(Vec::new()) };
+    let items = if entry.value.is_table() { None } else { reading.items(&entry) };
+    let allowed = "allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them";
+    let items = items.unwrap_or_else(|| vec![entry]);
+    let mut all = Vec::new();
+    for item in &items {
+        let Some(table) = reading.table(item, allowed) else { continue };
+        reading.known(&table, &["amplitude", "from", "to", "duration", "phase", "law"]);
+        all.extend(sweep(reading, &table, values));
+    }
+    (all.len() == items.len()).then_some(all)
+}
+
+fn sweep(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Sweep> {
+    let amplitude = reading.required_number(table, "amplitude", values.kind, values.dimension);
+    let [from, to] =
+        ["from", "to"].map(|key| reading.required_number(table, key, kinds::SWEPT, values.dimension));
+    let duration = reading.required_number(table, "duration", kinds::DURATION, values.dimension);
+    let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
+    let law = match reading.optional(table, "law") {
+        None => Some(SweepLaw::Linear),
+        Some(entry) => {
+            let said = entry.value.as_str();
+            let found = SweepLaw::ALL.iter().find(|own| said == Some(own.1)).map(|own| own.0);
+            if found.is_none() {
+                reading.refuse(&entry, "allowed is \"linear\" or \"logarithmic\"");
+            }
+            found
+        }
+    };
+    Some(Sweep { amplitude: amplitude?, from: from?, to: to?, duration: duration?, phase: phase?, law: law? })
+}
+
 /// Reads a list of pairs of time and value.
 fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> Option<Vec<(f64, f64)>> {
     let Some(items) = reading.items(list) else {
@@ -129,22 +186,20 @@ fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec
 
 /// The record of a signal, if it has one; the outer `None` stands for a problem.
 fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<Record>> {
-    let interpolation = reading.optional(table, "interpolation");
-    let cubic = match interpolation.as_ref().map(|entry| entry.value.as_str()) {
-        None | Some(Some("straight")) => Some(false),
-        Some(Some("cubic")) => Some(true),
-        Some(_) => None,
-    };
-    if let (Some(entry), None) = (&interpolation, cubic) {
-        reading.refuse(entry, "allowed is \"straight\" or \"cubic\"");
-    }
+    let interpolation = interpolation(reading, table);
+    let scale = scale(reading, table, values);
     let Some(found) = reading.optional(table, "table") else {
-        if let Some(entry) = interpolation {
-            reading.refuse(&entry, "there is no table to interpolate; allowed beside table");
-            return None;
+        for key in ["interpolation", "scale"] {
+            if let Some(entry) = reading.optional(table, key) {
+                let what = if key == "scale" { "multiply" } else { "interpolate" };
+                reading.refuse(&entry, format!("there is no table to {what}; allowed beside table"));
+            }
         }
-        return Some(None);
+        let is_sound = !table.has("interpolation") && !table.has("scale");
+        return is_sound.then_some(None);
     };
+    // Beside a scale the values are plain numbers.
+    let values = if table.has("scale") { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {
         Some(path) => {
             let knots = records::read(path, reading.records);
@@ -155,7 +210,35 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
             pairs(reading, &found, values, allowed)
         }
     };
-    Some(Some(Record { knots: knots?, cubic: cubic? }))
+    Some(Some(Record { knots: knots?, scale: scale?, interpolation: interpolation? }))
+}
+
+fn interpolation(reading: &mut Reading, table: &FileTable) -> Option<Interpolation> {
+    let Some(entry) = reading.optional(table, "interpolation") else { return Some(Interpolation::Straight) };
+    let said = entry.value.as_str();
+    let found = Interpolation::ALL.iter().find(|(_, word)| said == Some(*word)).map(|own| own.0);
+    if found.is_none() {
+        reading.refuse(&entry, "allowed is \"straight\", \"cubic\" or \"hold\"");
+    }
+    found
+}
+
+/// The factor of a record's values, if it has one; the outer `None` stands for a problem.
+fn scale(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
+    match reading.optional(table, "scale") {
+        Some(entry) => reading.number(&entry, kinds::scale_of(values.kind), values.dimension).map(Some),
+        None => Some(None),
+    }
+}
+
+/// The period of steps and record, if there is one; the outer `None` stands for a problem.
+fn repeat(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
+    let Some(entry) = reading.optional(table, "repeat") else { return Some(None) };
+    if !table.has("steps") && !table.has("table") {
+        reading.refuse(&entry, "there is nothing to repeat; allowed beside steps or table");
+        return None;
+    }
+    reading.number(&entry, kinds::PERIOD, values.dimension).map(Some)
 }
 
 fn input(reading: &mut Reading, table: &FileTable) -> Option<bool> {

@@ -2,7 +2,7 @@
 
 use super::no_records;
 use super::reading::{self, FileTable, Reading};
-use crate::description::{BodyKind, Description, Dimension};
+use crate::description::{Description, Dimension};
 use crate::kinds;
 use crate::refusal::Refusal;
 use crate::start::{BodyStart, Start};
@@ -67,7 +67,7 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
         let Some(table) = reading.table(&entry, "allowed is a table such as { s = 0.0, v = 0.0 }") else {
             continue;
         };
-        if matches!(body.kind, BodyKind::Prescribed { .. }) {
+        if body.kind.is_prescribed() {
             reading.refuse_table(&table, "its motion is prescribed; allowed are bodies with mass or inertia");
             continue;
         }

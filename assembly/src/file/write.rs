@@ -1,12 +1,12 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, SeriesLaw, Signal,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Level, SeriesLaw, Signal,
     Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
-use crate::slots::of_harmonic;
+use crate::slots::{of_harmonic, of_sweep};
 use std::fmt::Write;
 
 /// Appends a line to a string, which cannot fail.
@@ -66,6 +66,14 @@ fn parameters(text: &mut String, machine: &Description) {
     }
 }
 
+/// The word for a dimension.
+fn word(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Translation => "translation",
+        Dimension::Rotation => "rotation",
+    }
+}
+
 /// The machine whose numbers are written, each as a number or as its expression.
 struct Writing<'a> {
     machine: &'a Description,
@@ -103,14 +111,22 @@ impl Writing<'_> {
                 }
             }
             BodyKind::Prescribed { motion, rate } => {
-                let dimension = match body.dimension {
-                    Dimension::Translation => "translation",
-                    Dimension::Rotation => "rotation",
-                };
-                line!(text, "dimension = {dimension:?}");
+                line!(text, "dimension = {:?}", word(body.dimension));
                 let of = format!("{of}.motion");
                 let mut parts = self.parts(&of, motion);
                 parts.push(format!("rate = {}", self.number(&format!("{of}.rate"), *rate)));
+                line!(text, "motion = {{ {} }}", parts.join(", "));
+            }
+            BodyKind::Integrated(motion) => {
+                line!(text, "dimension = {:?}", word(body.dimension));
+                let (of, key) = (format!("{of}.motion"), motion.level.key());
+                let signal = self.parts(&format!("{of}.{key}"), &motion.signal).join(", ");
+                let number = |key: &str, value| self.number(&format!("{of}.{key}"), value);
+                let mut parts =
+                    vec![format!("{key} = {{ {signal} }}"), format!("s = {}", number("s", motion.s))];
+                if motion.level == Level::Acceleration {
+                    parts.push(format!("v = {}", number("v", motion.v)));
+                }
                 line!(text, "motion = {{ {} }}", parts.join(", "));
             }
         }
@@ -223,6 +239,22 @@ impl Writing<'_> {
         if !signal.harmonics.is_empty() {
             parts.push(format!("harmonics = [{}]", harmonics.collect::<Vec<_>>().join(", ")));
         }
+        let count = signal.sweeps.len();
+        let sweeps = signal.sweeps.iter().enumerate().map(|(i, sweep)| {
+            let of = of_sweep(of, i, count);
+            let numbers = [
+                ("amplitude", sweep.amplitude),
+                ("from", sweep.from),
+                ("to", sweep.to),
+                ("duration", sweep.duration),
+                ("phase", sweep.phase),
+            ];
+            let numbers = numbers.map(|(key, value)| format!("{key} = {}", number(&of, key, value)));
+            format!("{{ {}, law = {:?} }}", numbers.join(", "), sweep.law.word())
+        });
+        if !signal.sweeps.is_empty() {
+            parts.push(format!("sweep = [{}]", sweeps.collect::<Vec<_>>().join(", ")));
+        }
         let steps = signal.steps.iter().enumerate().map(|(i, step)| {
             let of = format!("{of}.steps[{i}]");
             format!("[{}, {}]", number(&of, "time", step.time), number(&of, "height", step.height))
@@ -233,7 +265,13 @@ impl Writing<'_> {
         if let Some(record) = &signal.table {
             let knots = record.knots.iter().map(|(time, value)| format!("[{time:?}, {value:?}]"));
             parts.push(format!("table = [{}]", knots.collect::<Vec<_>>().join(", ")));
-            parts.push(format!("interpolation = {:?}", if record.cubic { "cubic" } else { "straight" }));
+            parts.push(format!("interpolation = {:?}", record.interpolation.word()));
+            if let Some(scale) = record.scale {
+                parts.push(format!("scale = {}", number(&format!("{of}.table"), "scale", scale)));
+            }
+        }
+        if let Some(repeat) = signal.repeat {
+            parts.push(format!("repeat = {}", number(of, "repeat", repeat)));
         }
         if signal.input {
             parts.push("input = true".into());

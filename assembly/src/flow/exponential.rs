@@ -128,6 +128,17 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     weighted(a, one).0
 }
 
+/// The largest factor of the derivatives of sweeps: their angular frequency. Those of other
+/// polynomials have the factor 1.
+pub(crate) fn swept(a: &SparseMatrix, one: usize) -> f64 {
+    let next = |i: usize| a.entry(i, i + 1);
+    (one..a.len().saturating_sub(1))
+        .filter(|&i| a.entry(i + 1, i) == 0.0)
+        .map(next)
+        .filter(|x| *x != 1.0)
+        .fold(0.0, f64::max)
+}
+
 /// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j
 /// / w_i. The weights of the machine's coordinates balance rows and columns; those of signals are
 /// so small that they add at most a quarter.
@@ -159,7 +170,7 @@ fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
         .filter(|&(i, j, _)| one <= j && j < i)
         .map(|(i, j, x)| x.abs().min(a.entry(j, i).abs()))
         .fold(0.0, f64::max);
-    let rate = own.max(omega);
+    let rate = own.max(omega).max(swept(a, one));
     let share = 0.25 * rate / (size - one) as f64;
     let limit = |w: &[f64], j: usize| {
         let terms = columns.row(j).iter().filter(|term| term.0 < one);

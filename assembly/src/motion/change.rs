@@ -6,8 +6,11 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::mode::StopState;
+use crate::signals::Input;
+use crate::system::System;
 use nalgebra::DVector;
 use std::sync::Arc;
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 impl Motion {
     /// The motion that continues from a saved state; `None` where the state does not
@@ -48,7 +51,7 @@ impl Motion {
         let (size, own) = (system.signals.size, system.signals.one);
         let mut z = DVector::zeros(size);
         z.rows_mut(0, own).copy_from(&old.hybrid.z.rows(0, own));
-        system.signals.fill(*time, inputs, z.as_mut_slice());
+        let inputs = old.going_on(system, (*time, inputs), &mut z);
         system.clamp_sliders(z.as_mut_slice());
         let mut sizes = Sizes(DVector::zeros(size));
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
@@ -60,6 +63,7 @@ impl Motion {
             since: time.value(),
             sizes,
             departing,
+            inputs,
             chain: 0,
             carried: 0,
             turns: 0,
@@ -76,6 +80,27 @@ impl Motion {
         motion.open_grown_gaps()?;
         motion.settle(&[], &parted, &mut None)?;
         Ok(motion)
+    }
+
+    /// The inputs with which the integrals of a changed machine go on from where they are; fills in
+    /// its signals.
+    fn going_on(
+        &self,
+        system: &System,
+        (time, inputs): (DoubleDouble, &[(f64, Input)]),
+        z: &mut DVector<f64>,
+    ) -> Vec<(f64, Input)> {
+        let (was, mut inputs) = (&self.assembly.system, inputs.to_vec());
+        system.signals.fill(time, &inputs, z.as_mut_slice());
+        let bodies = self.assembly.description.bodies.iter().enumerate();
+        let prescribed = bodies.filter(|(_, body)| body.kind.is_prescribed()).map(|(i, _)| i);
+        for (signal, body) in prescribed.enumerate() {
+            let (own, old) = (&system.bodies[body], &was.bodies[body]);
+            let moved = [old.s.dot(&self.hybrid.z) - own.s.dot(z), old.v.dot(&self.hybrid.z) - own.v.dot(z)];
+            system.signals.displace(&mut inputs, signal, time.value(), moved);
+        }
+        system.signals.fill(time, &inputs, z.as_mut_slice());
+        inputs
     }
 
     /// Opens closed stops whose gap has grown, and refuses stops whose gap is now less than e.

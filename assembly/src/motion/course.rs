@@ -199,7 +199,10 @@ impl Motion {
 
     /// Sets an input without derivatives in continuous-time mode, from the last accepted point on.
     pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
-        self.hybrid.inputs[i] = (course.event, [value, 0.0, 0.0, 0.0]);
+        // An integral keeps what an input has added up to the accepted point.
+        let signals = &self.assembly.system.signals;
+        let from = if signals.is_integrated(i) { course.time } else { course.event };
+        signals.set_input(&mut self.hybrid.inputs, i, (from, [value, 0.0, 0.0, 0.0]));
         self.refill_on(course);
         if self.time() == course.time {
             // The interpolation from the accepted point uses the solver's accelerations.
@@ -410,6 +413,8 @@ impl Motion {
         signals.fill(event, &self.hybrid.inputs, pieces.as_mut_slice());
         signals.carry(time.minus(event).value(), pieces.as_mut_slice());
         let first = signals.constant_size_until();
+        // What is set anew between knots is a function of the time alone.
+        signals.renewed().for_each(|own| pieces.rows_range_mut(own.clone()).copy_from(&now.rows_range(own)));
         now.as_mut_slice()[first..].copy_from_slice(&pieces.as_slice()[first..]);
         now
     }

@@ -72,7 +72,8 @@ impl Motion {
     fn take_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let stood = self.before_jump();
         for &(i, derivatives) in inputs {
-            self.hybrid.inputs[i] = (self.time(), derivatives);
+            let from = (self.hybrid.time.value(), derivatives);
+            self.assembly.system.signals.set_input(&mut self.hybrid.inputs, i, from);
         }
         self.refill();
         self.apply_jump(stood, &mut None)

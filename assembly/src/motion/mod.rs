@@ -57,6 +57,8 @@ enum Due {
     Passage(Watch),
     /// A signal's knot.
     Knot,
+    /// Coordinates of signals are set anew, which is no event.
+    Renewal,
 }
 
 /// The impacts of a stop since the start.
@@ -275,7 +277,7 @@ impl Motion {
         }
         let time = DoubleDouble::new(time);
         let system = &assembly.system;
-        let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+        let inputs = system.signals.no_inputs();
         let z = Self::state_with_signals(&assembly, time, start, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(z.as_slice());
@@ -371,8 +373,13 @@ impl Motion {
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
-            Some(Due::Knot) | None => None,
+            Some(Due::Knot | Due::Renewal) | None => None,
         }
+    }
+
+    /// Whether only coordinates of signals are to be set anew.
+    pub(crate) fn is_renewal_due(&self) -> bool {
+        self.hybrid.due == Some(Due::Renewal)
     }
 
     /// The present mode.

@@ -28,6 +28,8 @@ enum Pause {
     Never,
     AfterEvent,
     BeforeEvent,
+    /// Before events, and where coordinates of signals are set anew.
+    AtFlightEnd,
 }
 
 impl Motion {
@@ -79,6 +81,21 @@ impl Motion {
         self.advance(end, Pause::BeforeEvent, &mut Some(observer))
     }
 
+    /// Advances to a time or, if it is earlier, to the end of a flight: the next event, before its
+    /// law, or a time at which a sweep goes on by another polynomial. There
+    /// [`apply_event`](Self::apply_event) or any further advance applies what follows, of a sweep
+    /// without an event.
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    pub fn advance_flight(
+        &mut self,
+        end: f64,
+        observer: &mut dyn FnMut(&super::Event),
+    ) -> Result<Reached, Error> {
+        self.advance(end, Pause::AtFlightEnd, &mut Some(observer))
+    }
+
     /// Whether an event is pending: reached, but its law not applied yet.
     pub fn is_event_due(&self) -> bool {
         self.hybrid.due.is_some()
@@ -101,6 +118,10 @@ impl Motion {
                 self.refill();
                 self.apply_knot(stood, observer)
             }
+            Some(Due::Renewal) => {
+                self.refill();
+                Ok(())
+            }
             None => Ok(()),
         }
     }
@@ -121,26 +142,43 @@ impl Motion {
                 self.check_sizes()?;
                 return Ok(Reached::End);
             }
-            let knot = self.assembly.system.signals.next_knot(self.time()).filter(|&t| t <= end);
-            let (goal, at_knot) = knot.map_or((target, false), |t| (DoubleDouble::new(t), true));
+            let knot = self.assembly.system.signals.next_knot_exactly(self.time());
+            let knot = knot.filter(|knot| knot.value() <= end);
+            let (goal, at_knot) = knot.map_or((target, false), |knot| (knot, true));
+            let renewal = self.assembly.system.signals.next_renewal(self.time());
+            let renewal = renewal.filter(|own| own.value() <= end && own.minus(goal).value() < 0.0);
+            let goal = renewal.unwrap_or(goal);
+            let at_knot = at_knot && renewal.is_none();
             if self.hybrid.carried == RENEW && self.long_step(goal) {
                 self.hybrid.due = None;
             } else {
-                self.hybrid.due = self.vectors.dispatch(Substep { motion: self, goal, at_knot })?;
+                self.hybrid.due = self.vectors.dispatch(Substep {
+                    motion: self,
+                    goal,
+                    at: [at_knot, at_knot || renewal.is_some()],
+                })?;
             }
             if self.hybrid.carried == RENEW || self.hybrid.due.is_some() {
                 self.check_sizes()?;
             }
-            let is_knot = self.hybrid.due == Some(Due::Knot);
-            if self.hybrid.due.is_some() {
-                if pause != Pause::BeforeEvent {
+            let is_event = self.hybrid.due.is_some();
+            let is_renewal = renewal.is_some() && !is_event && goal.minus(self.hybrid.time).value() <= 0.0;
+            let is_knot = is_renewal || self.hybrid.due == Some(Due::Knot);
+            if is_renewal {
+                self.hybrid.due = Some(Due::Renewal);
+                match pause {
+                    Pause::AtFlightEnd => return Ok(Reached::Event),
+                    _ => self.pass_event(observer)?,
+                }
+            } else if is_event {
+                if !matches!(pause, Pause::BeforeEvent | Pause::AtFlightEnd) {
                     self.pass_event(observer)?;
                 }
                 if pause != Pause::Never {
                     return Ok(Reached::Event);
                 }
             }
-            // Knots are finite in number and do not count as work.
+            // Knots and renewals are finite in number and do not count as work.
             work -= f64::from(u8::from(!is_knot));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
@@ -151,9 +189,10 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step towards `goal`, or to the event before which it ends.
+    /// A sub-step towards `goal`, or to the event before which it ends. `keeps` leaves the signals at
+    /// the goal as they come there.
     #[inline(always)]
-    fn substep(&mut self, goal: DoubleDouble, at_knot: bool) -> Result<Option<Due>, Error> {
+    fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {
         let Flown { place, dt, whole, reaches } = if self.table().is_dense() {
             self.by_tables(goal, at_knot)
         } else {
@@ -168,7 +207,7 @@ impl Motion {
         self.hybrid.carried = if place.is_some() { 0 } else { carried + u32::from(whole) };
         self.hybrid.turns = self.hybrid.turns % RENEW + 1;
         let carries = whole || place.is_some();
-        if !knot && (!carries || self.hybrid.turns == RENEW) {
+        if !(reaches && keeps) && (!carries || self.hybrid.turns == RENEW) {
             self.refill();
         }
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
@@ -327,7 +366,8 @@ struct Flown {
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,
-    at_knot: bool,
+    /// Whether the goal is a knot, and whether signals are set anew there.
+    at: [bool; 2],
 }
 
 impl pulp::WithSimd for Substep<'_> {
@@ -335,6 +375,6 @@ impl pulp::WithSimd for Substep<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        self.motion.substep(self.goal, self.at_knot)
+        self.motion.substep(self.goal, self.at)
     }
 }

@@ -1,40 +1,40 @@
 //! The derivative of all signals by one parameter (docs/assembly-law.md (A28)).
 
-use super::{Parts, SignalPiece, Signals};
-use crate::description::Signal;
+use super::integral::{Integral, Integrand};
+use super::pieces::{Knots, Pieces};
+use super::sweep::SweepPiece;
+use super::{Course, Parts, SignalPiece, Signals, harmonic};
+use crate::description::{Harmonic, Record};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
-
-/// A signal and the rate that is added to it.
-pub type RatedSignal<'a> = (&'a Signal, f64);
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// The derivative of the signals by one parameter: that of each signal's row, of the coordinates at
 /// a fixed time, and of the times of knots.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SignalTangent {
     /// By signal: the derivative of its row.
     pub rows: Vec<DVector<f64>>,
     /// Place of a cosine, and the derivative of its angular frequency.
     frequencies: Vec<(usize, f64)>,
     pieces: Vec<PieceTangent>,
+    sweeps: Vec<SweepPiece>,
 }
 
-/// The derivative of a piece: of its rate, and of its steps by time.
+/// The derivative of a piece at a fixed time.
 #[derive(Clone, Debug)]
 struct PieceTangent {
     first: usize,
     count: usize,
     rate: f64,
-    steps: Vec<StepTangent>,
-}
-
-/// A step with the derivatives of its height and of its time.
-#[derive(Clone, Copy, Debug)]
-struct StepTangent {
-    time: f64,
-    size: f64,
-    height: f64,
-    later: f64,
+    steps: Option<Pieces<1>>,
+    table: Option<Pieces<4>>,
+    integral: Option<Integral>,
+    /// What is added from a time on: a place and a rate.
+    carried: (f64, [f64; 2]),
+    /// Times of steps that vary, with the steps.
+    knots: Knots,
+    later: Vec<StepTime>,
 }
 
 /// A step whose time varies.
@@ -51,32 +51,42 @@ pub struct StepTime {
 impl Signals {
     /// The derivative of `signals`, which these coordinates were laid out for, along `along`:
     /// signals of the same parts, whose numbers are derivatives.
-    pub(crate) fn tangent(&self, signals: &[RatedSignal], along: &[RatedSignal]) -> SignalTangent {
-        let mut tangent = SignalTangent { rows: Vec::new(), frequencies: Vec::new(), pieces: Vec::new() };
+    pub(crate) fn tangent(&self, signals: &[Course], along: &[Course]) -> SignalTangent {
+        let mut tangent = SignalTangent::default();
         for (parts, (of, along)) in self.parts.iter().zip(signals.iter().zip(along)) {
-            tangent.rows.push(self.row_tangent(parts, of.0, along.0));
-            for (&(place, ..), by) in parts.harmonics.iter().zip(&along.0.harmonics) {
+            let (row, growth) = self.row_tangent(parts, of, along);
+            for (&(place, ..), by) in parts.harmonics.iter().zip(&along.signal.harmonics) {
                 if by.frequency != 0.0 {
                     tangent.frequencies.push((self.one + 1 + 2 * place, TAU * by.frequency));
                 }
             }
-            let piece = parts.piece.map(|p| PieceTangent::of(&self.pieces[p], of.0, *along));
-            tangent.pieces.extend(piece.filter(PieceTangent::is_needed));
+            let piece = parts.piece.map(|p| PieceTangent::of(&self.pieces[p], of, along, growth));
+            let sweeps = tangent.sweeps.len();
+            for (&i, by) in parts.sweeps.iter().zip(&along.signal.sweeps) {
+                let varies = [by.amplitude, by.from, by.to, by.duration, by.phase].iter().any(|x| *x != 0.0);
+                tangent.sweeps.extend(varies.then(|| self.sweeps[i].along(by)));
+            }
+            // An integral may go on from a place that its other parts would move.
+            let is_moved = of.order > 0 && (row.amax() > 0.0 || tangent.sweeps.len() > sweeps);
+            tangent.pieces.extend(piece.filter(|piece| is_moved || piece.is_needed()));
+            tangent.rows.push(row);
         }
         tangent
     }
 
-    fn row_tangent(&self, parts: &Parts, signal: &Signal, along: &Signal) -> DVector<f64> {
-        let mut row = DVector::zeros(self.size);
-        row[self.one] = along.constant;
-        for (&(place, ..), (h, by)) in
-            parts.harmonics.iter().zip(signal.harmonics.iter().zip(&along.harmonics))
-        {
-            let (sine, cosine) = h.phase.sin_cos();
-            row[self.one + 1 + 2 * place] += by.amplitude * sine + h.amplitude * cosine * by.phase;
-            row[self.one + 2 + 2 * place] += by.amplitude * cosine - h.amplitude * sine * by.phase;
+    /// The derivative of a signal's row, and that of what its harmonics let grow with time.
+    fn row_tangent(&self, parts: &Parts, course: &Course, along: &Course) -> (DVector<f64>, f64) {
+        let (mut row, mut growth) = (DVector::zeros(self.size), 0.0);
+        row[self.one] = if course.order == 0 { along.signal.constant } else { along.s };
+        let harmonics = course.signal.harmonics.iter().zip(&along.signal.harmonics);
+        for (&(place, ..), (h, by)) in parts.harmonics.iter().zip(harmonics) {
+            let [cosine, sine, constant, grows] = harmonic_by(h, by, course.order);
+            row[self.one + 1 + 2 * place] += cosine;
+            row[self.one + 2 + 2 * place] += sine;
+            row[self.one] += constant;
+            growth += grows;
         }
-        row
+        (row, growth)
     }
 
     /// By coordinate of the augmented state its place in one with the signals of `other`, which has
@@ -90,6 +100,10 @@ impl Signals {
                     places[self.one + 2 * place + part] = Some(other.one + 2 * there + part);
                 }
             }
+            for (&i, &there) in own.sweeps.iter().zip(&others.sweeps) {
+                let places_of = self.sweeps[i].places().zip(other.sweeps[there].places());
+                places_of.for_each(|(own, there)| places[own] = Some(there));
+            }
             if let (Some(piece), Some(there)) = (own.piece, others.piece) {
                 let (piece, there) = (&self.pieces[piece], &other.pieces[there]);
                 (0..piece.count.min(there.count))
@@ -100,21 +114,86 @@ impl Signals {
     }
 }
 
+/// The derivative of a [`harmonic`]'s integral: of its amplitudes, of what is constant and of what
+/// grows.
+fn harmonic_by(h: &Harmonic, by: &Harmonic, order: usize) -> [f64; 4] {
+    let (sine, cosine) = h.phase.sin_cos();
+    let first = by.amplitude * sine + h.amplitude * cosine * by.phase;
+    let second = by.amplitude * cosine - h.amplitude * sine * by.phase;
+    if order == 0 {
+        return [first, second, 0.0, 0.0];
+    }
+    // By amplitude and phase at the same frequency, then by the powers of 1/ω.
+    let turned = Harmonic { amplitude: first.hypot(second), phase: first.atan2(second), ..*h };
+    let (by_size, whole) = (harmonic(&turned, order), harmonic(h, order));
+    let powers = [order as f64, order as f64, order as f64, 1.0];
+    let relative = by.frequency / h.frequency;
+    std::array::from_fn(|k| by_size[k] - powers[k] * relative * whole[k])
+}
+
+/// The derivative of a record by the factor of its values, in the direction `along`.
+fn record_by(record: Option<&Record>, along: Option<&Record>, repeat: Option<f64>) -> Option<Pieces<4>> {
+    let factor = along.and_then(|along| along.scale).filter(|factor| *factor != 0.0)?;
+    record.map(|record| Pieces::of_record(record, factor, repeat))
+}
+
 impl PieceTangent {
-    fn of(piece: &SignalPiece, signal: &Signal, (along, rate): RatedSignal) -> Self {
-        let steps = signal.steps.iter().zip(&along.steps);
-        let steps = steps.map(|(s, by)| StepTangent {
-            time: s.time,
-            size: s.height,
-            height: by.height,
+    fn of(piece: &SignalPiece, course: &Course, along: &Course, growth: f64) -> Self {
+        let (signal, by, repeat) = (course.signal, along.signal, course.signal.repeat);
+        let table = record_by(signal.table.as_ref(), by.table.as_ref(), repeat);
+        let raised = by.steps.iter().any(|by| by.height != 0.0);
+        let mut heights = by.steps.clone();
+        heights.iter_mut().zip(&signal.steps).for_each(|(by, step)| by.time = step.time);
+        let steps = raised.then(|| Pieces::of_steps(&heights, repeat));
+        let moved: Vec<_> = signal.steps.iter().zip(&by.steps).filter(|(_, by)| by.time != 0.0).collect();
+        let order = course.order;
+        let later = moved.iter().map(|(step, by)| StepTime {
+            place: piece.first + order,
+            height: step.height,
             later: by.time,
         });
-        let steps = steps.filter(|s| s.height != 0.0 || s.later != 0.0).collect();
-        Self { first: piece.first, count: piece.count, rate, steps }
+        let later = later.collect();
+        let knots = Knots { times: moved.iter().map(|(step, _)| step.time).collect(), repeat };
+        let mut own = Self {
+            first: piece.first,
+            count: piece.count,
+            rate: along.v + growth,
+            steps,
+            table,
+            integral: None,
+            carried: (0.0, [0.0; 2]),
+            knots,
+            later,
+        };
+        if order > 0 {
+            // A step that comes later by δt takes its height times δt from the first integral.
+            let kicks: Vec<_> = moved.iter().map(|(step, by)| (step.time, -step.height * by.time)).collect();
+            let (steps, table) = (own.steps.take(), own.table.take());
+            if by.constant != 0.0 || steps.is_some() || table.is_some() || !kicks.is_empty() {
+                let of = Integrand { constant: by.constant, table, steps, kicks, repeat };
+                own.integral = Some(Integral::of(order, &of));
+            }
+        }
+        own
     }
 
     fn is_needed(&self) -> bool {
-        self.rate != 0.0 || !self.steps.is_empty()
+        let parts = self.steps.is_some() || self.table.is_some() || self.integral.is_some();
+        self.rate != 0.0 || parts || !self.later.is_empty()
+    }
+
+    /// Value and derivatives just after a time.
+    fn at(&self, time: f64) -> [f64; 6] {
+        let exact = DoubleDouble::new(time);
+        let mut d = self.integral.as_ref().map_or([0.0; 6], |integral| integral.at(exact));
+        if let Some(table) = &self.table {
+            d[..4].copy_from_slice(&table.at(exact));
+        }
+        d[0] += self.rate * time + self.steps.as_ref().map_or(0.0, |steps| steps.sum(time));
+        let (from, [place, rate]) = self.carried;
+        d[0] += place + rate * (time - from);
+        d[1] += self.rate + rate;
+        d
     }
 }
 
@@ -128,22 +207,28 @@ impl SignalTangent {
             to[cosine + 1] = omega * time * z[cosine];
         }
         for piece in &self.pieces {
-            let steps = piece.steps.iter().filter(|s| s.time <= time);
-            to[piece.first] += piece.rate * time + steps.map(|s| s.height).sum::<f64>();
-            if piece.count > 1 {
-                to[piece.first + 1] += piece.rate;
-            }
+            let place = piece.first..piece.first + piece.count;
+            to[place].copy_from_slice(&piece.at(time)[..piece.count]);
+        }
+        self.sweeps.iter().for_each(|sweep| sweep.fill(DoubleDouble::new(time), to));
+    }
+
+    /// Lets the integral whose coordinates begin at `first` go on from where it is at a time, however
+    /// its numbers vary: takes a derivative of its place and, of order two, of its rate back.
+    pub(crate) fn go_on(&mut self, first: usize, time: f64, [place, rate]: [f64; 2]) {
+        for piece in self.pieces.iter_mut().filter(|piece| piece.first == first) {
+            piece.carried = (time, [-place, -rate]);
         }
     }
 
     /// Whether the coordinates vary.
     pub fn varies(&self) -> bool {
-        !(self.frequencies.is_empty() && self.pieces.is_empty())
+        !self.frequencies.is_empty() || self.varies_pieces()
     }
 
-    /// Whether steps or rates vary.
+    /// Whether steps, records, rates or sweeps vary.
     pub fn varies_pieces(&self) -> bool {
-        !self.pieces.is_empty()
+        !(self.pieces.is_empty() && self.sweeps.is_empty())
     }
 
     /// The part of the derivative of the row of a signal's time derivative that comes from
@@ -171,8 +256,8 @@ impl SignalTangent {
     /// The steps at `time` whose times vary: several where they follow from one parameter.
     pub fn all_later(&self, time: f64) -> impl Iterator<Item = StepTime> {
         self.pieces.iter().filter_map(move |piece| {
-            let step = piece.steps.iter().find(|s| s.time == time && s.later != 0.0)?;
-            Some(StepTime { place: piece.first, height: step.size, later: step.later })
+            let (turn, place) = piece.knots.last(time)?;
+            (piece.knots.at((turn, place)).value() == time).then(|| piece.later[place])
         })
     }
 }

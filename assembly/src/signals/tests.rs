@@ -1,7 +1,8 @@
 //! Signals from the clock against their definition, and carried along against those from the clock.
 
 use super::*;
-use crate::description::Harmonic;
+use crate::description::Interpolation;
+use crate::description::{Harmonic, Record, Step};
 
 /// Roundings of values of order one, and of some hundreds of turns.
 const ROUNDING: f64 = 1e-12;
@@ -12,7 +13,7 @@ const ACROSS: f64 = 1e-6;
 const KNOTS: [(f64, f64); 5] = [(0.5, 1.0), (0.75, -2.0), (1.5, -2.5), (2.0, 0.5), (3.0, 0.25)];
 
 /// A signal of every kind at once, with its own rate and an input, and one of steps alone.
-fn signals(cubic: bool) -> (Signals, Vec<DVector<f64>>) {
+fn signals(interpolation: Interpolation) -> (Signals, Vec<DVector<f64>>) {
     let harmonic = |amplitude, frequency, phase| Harmonic { amplitude, frequency, phase };
     let step = |time, height| Step { time, height };
     let mut builder = Builder::new(4, Layout::default());
@@ -20,12 +21,14 @@ fn signals(cubic: bool) -> (Signals, Vec<DVector<f64>>) {
         constant: 0.7,
         harmonics: vec![harmonic(2.0, 1.5, 0.4), harmonic(0.5, 3.0, -1.0), harmonic(1.0, 1.5, 2.0)],
         steps: vec![step(0.4, -0.8), step(1.1, 0.3)],
-        table: Some(Record { knots: KNOTS.to_vec(), cubic }),
+        table: Some(Record::new(KNOTS.to_vec(), interpolation)),
+        repeat: None,
+        sweeps: Vec::new(),
         input: true,
     };
-    builder.add_motion(&all, 0.6);
+    builder.add_motion(&Course { v: 0.6, ..Course::from(&all) });
     builder.add(&Signal { steps: vec![step(0.9, 5.0)], ..Signal::default() });
-    builder.add_motion(&Signal::default(), -0.25);
+    builder.add_motion(&Course { v: -0.25, ..Course::from(&Signal::default()) });
     builder.finish()
 }
 
@@ -39,8 +42,8 @@ fn at(signals: &Signals, time: f64) -> DVector<f64> {
 
 #[test]
 fn closed_form_each_part_of_a_signal_from_the_clock() {
-    for cubic in [false, true] {
-        let (signals, rows) = signals(cubic);
+    for (interpolation, word) in Interpolation::ALL {
+        let (signals, rows) = signals(interpolation);
         assert_eq!((signals.inputs, signals.constant_size_until()), (1, 4 + 1 + 4));
         for time in [0.2, 0.4, 0.45, 0.5, 0.75, 1.1, 1.2, 1.5, 2.0, 2.5, 3.0, 7.0] {
             let z = at(&signals, time);
@@ -59,8 +62,10 @@ fn closed_form_each_part_of_a_signal_from_the_clock() {
             if after == 0 || after == KNOTS.len() || KNOTS[after - 1].0 == time {
                 // At a knot its value, outside the first or the last one's.
                 let exact = KNOTS[after.max(1) - 1].1;
-                assert!((table - exact).abs() < ROUNDING, "{cubic} {time}: {table}");
-            } else if !cubic {
+                assert!((table - exact).abs() < ROUNDING, "{word} {time}: {table}");
+            } else if interpolation == Interpolation::Hold {
+                assert!((table - KNOTS[after - 1].1).abs() < ROUNDING, "{time}: {table}");
+            } else if interpolation == Interpolation::Straight {
                 let ((t0, y0), (t1, y1)) = (KNOTS[after - 1], KNOTS[after]);
                 let exact = y0 + (y1 - y0) * (time - t0) / (t1 - t0);
                 assert!((table - exact).abs() < ROUNDING, "{time}: {table}");
@@ -73,11 +78,11 @@ fn closed_form_each_part_of_a_signal_from_the_clock() {
 
 #[test]
 fn invariant_a_cubic_record_is_smooth_and_meets_its_knots_from_both_sides() {
-    let table = Cubics::of(&Record { knots: KNOTS.to_vec(), cubic: true });
+    let table = Pieces::of_record(&Record::new(KNOTS.to_vec(), Interpolation::Cubic), 1.0, None);
     let slopes = vibro_impact::load::monotone_slopes(&KNOTS);
     for (i, &(time, value)) in KNOTS.iter().enumerate() {
         for beside in [time - BESIDE, time + BESIDE] {
-            let [y, slope, ..] = table.at(beside);
+            let [y, slope, ..] = table.at(DoubleDouble::new(beside));
             assert!((y - value).abs() < ACROSS, "{beside}: {y}");
             let is_outside = beside < KNOTS[0].0 || beside > KNOTS[KNOTS.len() - 1].0;
             let exact = if is_outside { 0.0 } else { slopes[i] };
@@ -88,8 +93,8 @@ fn invariant_a_cubic_record_is_smooth_and_meets_its_knots_from_both_sides() {
 
 #[test]
 fn second_method_signals_carried_on_and_their_derivatives() {
-    for cubic in [false, true] {
-        let (signals, rows) = signals(cubic);
+    for (interpolation, word) in Interpolation::ALL {
+        let (signals, rows) = signals(interpolation);
         // Between two knots, by less than frequencies turn SMALL rad.
         for (time, dt) in [(0.55, 0.02), (0.8, 0.015), (1.7, 0.0201), (4.0, 0.021)] {
             let (from, exact) = (at(&signals, time), at(&signals, time + dt));
@@ -99,7 +104,7 @@ fn second_method_signals_carried_on_and_their_derivatives() {
                 let size = exact[j].abs().max(1.0);
                 assert!(
                     (to[j] - exact[j]).abs() < ROUNDING * size,
-                    "{cubic} {time} {j}: {} {}",
+                    "{word} {time} {j}: {} {}",
                     to[j],
                     exact[j]
                 );
@@ -112,7 +117,7 @@ fn second_method_signals_carried_on_and_their_derivatives() {
                     power *= dt / f64::from(k);
                     derivative = signals.derivative(&derivative);
                 }
-                assert!((sum - row.dot(&exact)).abs() < ROUNDING, "{cubic} {time}: {sum}");
+                assert!((sum - row.dot(&exact)).abs() < ROUNDING, "{word} {time}: {sum}");
             }
         }
         // All knots in order, each once passed when it is there.
@@ -121,7 +126,9 @@ fn second_method_signals_carried_on_and_their_derivatives() {
             knots.push(next);
             time = next;
         }
-        assert_eq!(knots, [0.4, 0.5, 0.75, 0.9, 1.1, 1.5, 2.0, 3.0]);
+        // A value that is held from before the first knot on is no change.
+        let first = if interpolation == Interpolation::Hold { &[0.4][..] } else { &[0.4, 0.5] };
+        assert_eq!(knots, [first, &[0.75, 0.9, 1.1, 1.5, 2.0, 3.0]].concat());
         let first = signals.place_of_input(0).unwrap();
         assert_eq!((rows[0][first], signals.place_of_input(1)), (1.0, None));
     }

@@ -264,7 +264,7 @@ impl Norm {
             let on_rates = term.by.terms().iter().filter(|(place, _)| *place < 2 * n);
             on_rates.for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
-        let mut lowest = crate::flow::LEAST_RATE;
+        let mut lowest = crate::flow::LEAST_RATE.max(crate::flow::swept(base, one));
         for k in 0..n {
             added.fill(0.0);
             let mut stiffness = 0.0;

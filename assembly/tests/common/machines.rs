@@ -35,7 +35,8 @@ fn record(size: f64) -> impl Strategy<Value = Option<Record>> {
                 time += dt;
                 (time, value)
             });
-            Record { knots: knots.collect(), cubic }
+            let kind = if cubic { Interpolation::Cubic } else { Interpolation::Straight };
+            Record::new(knots.collect(), kind)
         })
     })
 }

@@ -43,7 +43,7 @@ fn closed_form_every_key_lands_in_its_place_in_si() {
     let force = &m.loads[0].force;
     assert_eq!(force.harmonics, [Harmonic { amplitude: 150.0, frequency: 10.0, phase: 0.0 }]);
     assert_eq!(force.steps, [Step { time: 0.4, height: 20.0 }, Step { time: 0.9, height: -20.0 }]);
-    assert_eq!(force.table, Some(Record { knots: vec![(0.0, 0.0), (1.0, 2.5)], cubic: false }));
+    assert_eq!(force.table, Some(Record::new(vec![(0.0, 0.0), (1.0, 2.5)], Interpolation::Straight)));
     assert_eq!(
         m.links[0].arms,
         Arms { terms: vec![(2, 1.0), (3, -3.0)], dimension: Dimension::Rotation, levers: true }

@@ -42,15 +42,37 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn sweep()(
+        amplitude in any_number(),
+        from in 1e-3..1e3_f64,
+        to in 1e-3..1e3_f64,
+        duration in 1e-3..10.0_f64,
+        phase in any_number(),
+        law in 0..2_usize,
+    ) -> Sweep {
+        Sweep { amplitude, from, to, duration, phase, law: SweepLaw::ALL[law].0 }
+    }
+}
+
+prop_compose! {
     fn signal()(
         constant in any_number(),
         harmonics in vec(harmonic(), 0..3),
+        sweeps in vec(sweep(), 0..3),
         steps in pairs(0),
-        table in proptest::option::of((pairs(2), any::<bool>())),
+        table in proptest::option::of((pairs(2), 0..3_usize, proptest::option::of(any_number()))),
+        repeats in any::<bool>(),
         input in any::<bool>(),
     ) -> Signal {
         let steps = steps.into_iter().map(|(time, height)| Step { time, height }).collect();
-        Signal { constant, harmonics, steps, table: table.map(|(knots, cubic)| Record { knots, cubic }), input }
+        let record = |(knots, kind, scale): (_, usize, _)| Record { knots, scale, interpolation: Interpolation::ALL[kind].0 };
+        let mut signal = Signal { constant, harmonics, sweeps, steps, table: table.map(record), repeat: None, input };
+        if repeats && (!signal.steps.is_empty() || signal.table.is_some()) {
+            signal.steps.iter_mut().for_each(|step| step.time += 3.0);
+            signal.table.iter_mut().flat_map(|table| &mut table.knots).for_each(|knot| knot.0 += 3.0);
+            signal.repeat = Some(50.0);
+        }
+        signal
     }
 }
 
@@ -69,10 +91,16 @@ prop_compose! {
         start in (any_number(), any_number()),
         motion in signal(),
         rate in any_number(),
+        integrated in 0..3_u8,
     ) -> Body {
         let dimension = if rotation { Dimension::Rotation } else { Dimension::Translation };
         let gravity = if rotation { 0.0 } else { gravity };
         let kind = match prescribed {
+            true if integrated > 0 => {
+                let level = if integrated == 1 { Level::Rate } else { Level::Acceleration };
+                let v = if integrated == 1 { 0.0 } else { start.1 };
+                BodyKind::Integrated(Integrated { level, signal: motion, s: start.0, v })
+            }
             true => BodyKind::Prescribed { motion, rate },
             false => BodyKind::Free(Free { inertia, gravity, s: start.0, v: start.1 }),
         };

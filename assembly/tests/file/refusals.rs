@@ -62,7 +62,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("start = { s = \"2 mm\", v = 0.0 }", "start = { x = \"2 mm\", v = 0.0 }", "m.toml:8: body.block.start.x = \"2 mm\": no such key; the nearest is `s`"),
     ("phase = 0.0 }]", "fase = 0.0 }]", "m.toml:36: load.shaker.harmonics[0].fase = 0.0: no such key; the nearest is `phase`"),
     ("law = \"no-pull\"", "law = \"nopull\"", "m.toml:29: stop.buffer.law = \"nopull\": allowed is \"no-pull\", \"elastogap\", \"pull\" or \"undamped-rebound\""),
-    ("motion = { rate = \"0.5 m/s\" }", "motion = { ratee = \"0.5 m/s\" }", "m.toml:14: body.belt.motion.ratee = \"0.5 m/s\": no such key; the nearest is `rate`\nm.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, steps, table, input, offset, rate"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { ratee = \"0.5 m/s\" }", "m.toml:14: body.belt.motion.ratee = \"0.5 m/s\": no such key; the nearest is `rate`\nm.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, sweep, steps, table, input, offset, rate, acceleration"),
     // Bodies.
     ("mass = \"12 kg\"", "gravity = 1.0", "m.toml:3: body.box: has no inertia; allowed is one of mass, inertia, motion"),
     ("mass = \"12 kg\"", "mass = \"12 kg\"\ninertia = \"1 kg m2\"", "m.toml:3: body.box: has mass and inertia; allowed is one of mass, inertia, motion"),
@@ -80,7 +80,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("inertia = \"0.02 kg m2\"", "inertia = \"0.02 kg m2\"\ngravity = 1.0", "m.toml:11: body.wheel.gravity = 1.0: no such key; valid are inertia, start"),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\nmass = \"1 kg\"", "m.toml:13: body.belt: has mass and motion; allowed is one of mass, inertia, motion"),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\nstart = { s = 1.0 }", "m.toml:15: body.belt.start: no such key; valid are motion, dimension"),
-    ("motion = { rate = \"0.5 m/s\" }", "motion = {}", "m.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, steps, table, input, offset, rate"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = {}", "m.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, sweep, steps, table, input, offset, rate, acceleration"),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\", amplitude = \"1 rad\", frequency = 1.0 }", "m.toml:14: body.belt.motion.amplitude = \"1 rad\": allowed is a finite number, in m, cm, mm, um"),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { constant = 1.0, offset = 1.0 }", "m.toml:14: body.belt.motion.offset = 1.0: stands beside constant, which is the same; allowed is one of them"),
     ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\ndimension = \"radial\"", "m.toml:15: body.belt.dimension = \"radial\": allowed is \"translation\" or \"rotation\""),
@@ -168,7 +168,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("table = \"record.csv\"", "table = [[0, 1], [0, 2]]", "m.toml:38: load.shaker.table[1] = [0, 2]: allowed is a time after 0.0 s, that of the knot before"),
     ("table = \"record.csv\"", "table = [[0, 1]]", "m.toml:38: load.shaker.table: has 1 knots; allowed are 2 to 1000000"),
     ("table = \"record.csv\"", "table = 3", "m.toml:38: load.shaker.table = 3: allowed is a file such as \"record.csv\", or a list of [time, value]"),
-    ("table = \"record.csv\"", "table = \"record.csv\"\ninterpolation = \"spline\"", "m.toml:39: load.shaker.interpolation = \"spline\": allowed is \"straight\" or \"cubic\""),
+    ("table = \"record.csv\"", "table = \"record.csv\"\ninterpolation = \"spline\"", "m.toml:39: load.shaker.interpolation = \"spline\": allowed is \"straight\", \"cubic\" or \"hold\""),
     ("table = \"record.csv\"", "interpolation = \"cubic\"", "m.toml:38: load.shaker.interpolation = \"cubic\": there is no table to interpolate; allowed beside table"),
     ("table = \"record.csv\"", "input = \"yes\"", "m.toml:38: load.shaker.input = \"yes\": allowed is true or false"),
     // Links and starts.

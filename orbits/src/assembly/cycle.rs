@@ -62,7 +62,7 @@ pub(super) struct Derivatives {
 
 /// The augmented state with the signals of a time.
 pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
-    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+    let inputs = system.signals.no_inputs();
     system.signals.fill(DoubleDouble::new(time), &inputs, z);
 }
 

@@ -13,7 +13,7 @@ use vibro_assembly::mode::Mode;
 pub struct Place {
     /// The machine with its matrices.
     pub assembly: Arc<Assembly>,
-    /// The common period of all harmonics, s; `None` for an autonomous machine.
+    /// The common period of all signals, s; `None` for an autonomous machine.
     pub period: Option<f64>,
     flows: Mutex<Flows>,
 }

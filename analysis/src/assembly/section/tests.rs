@@ -28,6 +28,30 @@ fn closed_form_common_periods() {
 }
 
 #[test]
+fn closed_form_what_repeats_counts_in_the_common_period_and_a_sweep_has_none() {
+    let with = |signal: &str| text(&OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", signal));
+    for (signal, period) in [
+        // Exactly the period that is written, not one over its frequency.
+        ("steps = [[0.1, 1.0]]\nrepeat = 0.49", Some(0.49)),
+        ("steps = [[0.1, 1.0]]\nrepeat = 0.49\namplitude = 1.0\nfrequency = 5.0", Some(9.8)),
+        ("table = [[0.1, 0.0], [0.2, 1.0]]\nrepeat = 0.3\namplitude = 1.0\nfrequency = 5.0", Some(0.6)),
+    ] {
+        let machine = with(signal);
+        let found = common_period(&machine.description);
+        assert_eq!(found.map(|t| (t * 1e12).round()), period.map(|t: f64| t * 1e12), "{signal}");
+        assert!(!is_steady(&machine.description));
+    }
+    assert_eq!(common_period(&with("steps = [[0.1, 1.0]]\nrepeat = 0.49").description), Some(0.49));
+    let swept = with("sweep = { amplitude = 1.0, from = 1.0, to = 5.0, duration = 2.0 }").description;
+    assert!(common_period(&swept).is_none() && !is_steady(&swept));
+    let error = Section::of(&swept, &SectionRule::Auto).unwrap_err().to_string();
+    assert!(
+        error.contains("load.f is a sweep, with which there is no common period; give a period (--period)"),
+        "{error}"
+    );
+}
+
+#[test]
 fn closed_form_a_period_ends_at_the_next_whole_multiple() {
     for (section, times) in [
         (Section::Period(0.2), &[(0.0, 0.2), (0.05, 0.2), (0.2, 0.4), (0.2 - 1e-12, 0.4), (0.39, 0.4)][..]),
@@ -73,6 +97,11 @@ fn only_what_no_signal_changes_is_steady() {
         "[body.belt]\nmotion = { rate = 0.1 }\n[friction.g]\nbetween = [\"belt\", \"a\"]\nforce = 0.1\n";
     let machine = text(&format!("{}{turned}", file.replace("SIGNAL", "constant = 3.0")));
     assert!(is_steady(&machine.description), "it moves evenly");
+    for (motion, steady) in [("rate = { constant = 0.1 }", true), ("acceleration = 0.1", false)] {
+        let turned = turned.replace("rate = 0.1", motion);
+        let machine = text(&format!("{}{turned}", file.replace("SIGNAL", "constant = 3.0")));
+        assert_eq!(is_steady(&machine.description), steady, "{motion}");
+    }
 }
 
 #[test]

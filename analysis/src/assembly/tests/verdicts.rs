@@ -357,3 +357,27 @@ fn a_section_is_found_by_its_elements_name() {
         assert_eq!(Section::of(&machine.description, &machine.section).unwrap(), Section::Friction(place));
     }
 }
+
+/// Pulses that repeat drive a motion of their period, which decays to it by the oscillator's own
+/// c/(2m) = 2 1/s; so does a sweep that has ended, at the period that is given.
+#[test]
+fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
+    const EXACT: f64 = 1e-9;
+    let with = |signal: &str| text(&OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", signal));
+    let hold = "table = [[0.0, 5.0], [0.05, -5.0], [0.12, 0.0]]\ninterpolation = \"hold\"\nrepeat = 0.2";
+    let cubic = "table = [[0.05, 5.0], [0.1, -5.0], [0.15, 0.0]]\ninterpolation = \"cubic\"\nrepeat = 0.2";
+    let steps = "steps = [[0.0, 5.0], [0.07, -5.0]]\nrepeat = 0.2";
+    let sweep = "sweep = { amplitude = 10.0, from = 1.0, to = 5.0, duration = 1.9 }";
+    for signal in [hold, cubic, steps, sweep] {
+        let mut machine = with(signal);
+        if signal == sweep {
+            machine.section = SectionRule::Period(0.2);
+        }
+        let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+        settle(&mut motion, &section, 400).unwrap();
+        let found = settled(&mut motion, &section, Some(16)).unwrap();
+        assert_eq!(found.period, Some(1), "{signal}");
+        let exponent = found.exponent.unwrap().value;
+        assert!((exponent + 2.0).abs() < EXACT, "{signal}: {exponent}");
+    }
+}

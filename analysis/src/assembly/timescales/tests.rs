@@ -118,6 +118,12 @@ fn the_last_change_is_the_latest_of_all_signals() {
         (load, 6.0, "load.g has a step at 6 s"),
         (&format!("{body}{load}{force}"), 7.0, "body.p.motion has a step at 7 s"),
         (&format!("{force}{load}"), 6.0, "load.g has a step at 6 s"),
+        (
+            "[load.g]\non = \"a\"\nsweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 6.0 }\n\
+             steps = [[1.0, 1.0]]\nrepeat = 9.0\n",
+            6.0,
+            "load.g is a sweep up to 6 s",
+        ),
     ] {
         let d = with(more).description;
         assert_eq!(runs_on(&d, end - 0.1).as_deref(), Some(words));

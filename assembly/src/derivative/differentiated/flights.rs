@@ -23,7 +23,7 @@ impl Differentiated {
     /// Follows the motion to a time or to the next event, before its law.
     pub(super) fn follow(&mut self, end: f64, extremes: &mut [Extremes]) -> Result<Reached, Error> {
         let begin = self.motion.time();
-        let outcome = self.motion.advance_before_event(end, &mut |_| ());
+        let outcome = self.motion.advance_flight(end, &mut |_| ());
         let (mut from, now) = (begin, self.motion.time());
         for touch in self.motion.take_touches() {
             let time = touch.time.clamp(from, now);

@@ -36,7 +36,9 @@ impl Differentiated {
         let (assembly, motion) = (motion.assembly().clone(), motion.noting_touches());
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
         columns.iter().try_for_each(|by| by.check(&assembly))?;
-        let machine = Arc::new(Machine::new(assembly, columns)?);
+        let machine = Machine::new(assembly, columns)?;
+        let begun = machine.widened(motion.state()).into_owned();
+        let machine = Arc::new(machine.under_way(motion.time(), &begun));
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state()).into_owned();
@@ -65,7 +67,13 @@ impl Differentiated {
     /// # Errors
     /// As [`Motion::advance_before_event`].
     pub fn advance_before_event(&mut self, end: f64) -> Result<Reached, Error> {
-        self.follow(end, &mut [])
+        loop {
+            let outcome = self.follow(end, &mut [])?;
+            if !self.motion.is_renewal_due() {
+                return Ok(outcome);
+            }
+            self.pass(&mut [], &mut |_, _| ())?;
+        }
     }
 
     /// Applies the law of the event that is due.

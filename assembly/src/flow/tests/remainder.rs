@@ -121,7 +121,7 @@ fn mode(machine: &Arc<Assembly>, draw: &mut Draw) -> Mode {
 /// decades of it.
 fn state(system: &System, table: &FlowTable, draw: &mut Draw) -> Vec<f64> {
     let mut z = vec![0.0; system.signals.size];
-    let inputs = vec![(0.0, [0.0; 4]); system.signals.inputs];
+    let inputs = system.signals.no_inputs();
     system.signals.fill(DoubleDouble::new(draw.between(0.0, 10.0)), &inputs, &mut z);
     let size = (system.signals.one..z.len()).map(|j| z[j].abs() * table.weights[j]).fold(0.0, f64::max);
     let (size, spread) = (size * 10f64.powf(draw.between(-3.0, 3.0)), draw.of(&[0.0, 3.0]));

@@ -151,13 +151,14 @@ impl Labelled for assembly::Machine {
     }
 
     fn caption_of_all(&self, names: &[String]) -> Option<String> {
-        let is_frequency = |name: &String| self.si_unit(name) == "Hz";
+        let is_frequency = |name: &String| self.si_unit(name) == "Hz" || name.ends_with(".repeat");
         let section = assembly::Section::of(&self.description, &self.section);
         let varies = self.section == assembly::SectionRule::Auto
             && matches!(section, Ok(assembly::Section::Period(_)))
             && names.iter().any(is_frequency);
         let name = &self.description.name;
-        varies.then(|| format!("{name}, looked at after each common period of its harmonics, which varies"))
+        let what = crate::subject::periodic_parts(&self.description);
+        varies.then(|| format!("{name}, looked at after each common period of its {what}, which varies"))
     }
 
     fn words(measure: &assembly::Measure) -> String {

@@ -1,0 +1,206 @@
+//! Functions of time in pieces: records and staircases, once or over and over.
+
+use super::shifted;
+use crate::description::{Interpolation, Record, Step};
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// A knot of a repeated function: whole periods before it, and its place in the period.
+pub(super) type Place = (f64, usize);
+
+/// Times in order, in each period where there is one. Knot i of turn k is at k·period + tᵢ, rounded
+/// once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Knots {
+    pub times: Vec<f64>,
+    pub repeat: Option<f64>,
+}
+
+/// The exact time of a knot.
+fn exactly(period: f64, turn: f64, time: f64) -> DoubleDouble {
+    DoubleDouble::new(period).times(DoubleDouble::new(turn)).plus(time)
+}
+
+impl Knots {
+    /// The time of a knot, exactly.
+    pub fn at(&self, (turn, place): Place) -> DoubleDouble {
+        match self.repeat {
+            Some(period) => exactly(period, turn, self.times[place]),
+            None => DoubleDouble::new(self.times[place]),
+        }
+    }
+
+    /// The last knot up to a time; `None` before the first.
+    pub fn last(&self, time: f64) -> Option<Place> {
+        let Some(period) = self.repeat else {
+            let after = self.times.partition_point(|&t| t <= time);
+            return after.checked_sub(1).map(|place| (0.0, place));
+        };
+        let turns = (time / period).floor();
+        // A rounded quotient may be one off, and a rounded knot may belong to the next turn.
+        [turns + 1.0, turns, turns - 1.0].into_iter().find_map(|turn| {
+            let after = self.times.partition_point(|&t| exactly(period, turn, t).value() <= time);
+            after.checked_sub(1).map(|place| (turn, place))
+        })
+    }
+
+    /// The first knot after a time.
+    pub fn next(&self, time: f64) -> Option<DoubleDouble> {
+        let after = match (self.last(time), self.repeat) {
+            (None, None) => (0.0, 0),
+            (Some((turn, place)), _) if place + 1 < self.times.len() => (turn, place + 1),
+            (Some((turn, _)), Some(_)) => (turn + 1.0, 0),
+            _ => return None,
+        };
+        (after.1 < self.times.len()).then(|| self.at(after))
+    }
+
+    /// The number of knots at a time.
+    pub fn count_at(&self, time: f64) -> usize {
+        let Some(mut place) = self.last(time) else { return 0 };
+        let mut count = 0;
+        while self.at(place).value() == time {
+            count += 1;
+            place = match (place, self.repeat) {
+                ((turn, at), _) if at > 0 => (turn, at - 1),
+                ((turn, _), Some(_)) => (turn - 1.0, self.times.len() - 1),
+                _ => break,
+            };
+        }
+        count
+    }
+}
+
+/// A function that is a polynomial from each knot to the next: value and derivatives at its begin.
+#[derive(Clone, Debug)]
+pub(super) struct Pieces<const D: usize> {
+    pub knots: Knots,
+    pub starts: Vec<[f64; D]>,
+    /// Before the first knot.
+    pub before: [f64; D],
+}
+
+impl<const D: usize> Pieces<D> {
+    /// The piece in which a time lies, and the time since its begin; `None` before the first.
+    #[inline]
+    pub fn piece(&self, time: DoubleDouble) -> Option<(Place, f64)> {
+        let place = self.knots.last(time.value())?;
+        let since = match self.knots.repeat {
+            // Where the knot's time is rounded the piece still begins at its exact time.
+            Some(_) => time.minus(self.knots.at(place)).value(),
+            None => time.value() - self.knots.times[place.1],
+        };
+        Some((place, since))
+    }
+}
+
+impl Pieces<4> {
+    /// A record, whose period is `repeat`.
+    pub fn of_record(record: &Record, scale: f64, repeat: Option<f64>) -> Self {
+        let mut knots: Vec<(f64, f64)> = record.knots.iter().map(|&(t, y)| (t, scale * y)).collect();
+        if let Some(period) = repeat {
+            close(&mut knots, period);
+        }
+        let starts = match record.interpolation {
+            Interpolation::Hold => knots.iter().map(|&(_, y)| [y, 0.0, 0.0, 0.0]).collect(),
+            Interpolation::Straight => between(&knots, None, repeat),
+            Interpolation::Cubic => between(&knots, Some(slopes(&knots, repeat)), repeat),
+        };
+        let before = [knots[0].1, 0.0, 0.0, 0.0];
+        let times = knots.into_iter().map(|(t, _)| t).collect();
+        Self { knots: Knots { times, repeat }, starts, before }
+    }
+
+    /// Value and derivatives just after a time.
+    pub fn at(&self, time: DoubleDouble) -> [f64; 4] {
+        match self.piece(time) {
+            None => self.before,
+            // Behind the last knot it is constant.
+            Some(((_, last), _)) if self.knots.repeat.is_none() && last + 1 == self.starts.len() => {
+                self.starts[last]
+            }
+            Some(((_, place), since)) => shifted(&self.starts[place], since),
+        }
+    }
+}
+
+/// Puts the last knot of a period at its begin, if it is at its end.
+fn close(knots: &mut Vec<(f64, f64)>, period: f64) {
+    if let Some(&(last, value)) = knots.last()
+        && last == period
+    {
+        knots.pop();
+        if knots.first().is_none_or(|first| first.0 > 0.0) {
+            knots.insert(0, (0.0, value));
+        }
+    }
+}
+
+/// Slopes at the knots. In a period those at its ends are as others, with their neighbours across
+/// the turn.
+fn slopes(knots: &[(f64, f64)], repeat: Option<f64>) -> Vec<f64> {
+    let Some(period) = repeat else { return vibro_impact::load::monotone_slopes(knots) };
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
+    let mut all = vec![(last.0 - period, last.1)];
+    all.extend(knots);
+    all.push((first.0 + period, first.1));
+    vibro_impact::load::monotone_slopes(&all)[1..=knots.len()].to_vec()
+}
+
+/// Value and derivatives at the begin of each piece, straight or by slopes at the knots.
+fn between(knots: &[(f64, f64)], slopes: Option<Vec<f64>>, repeat: Option<f64>) -> Vec<[f64; 4]> {
+    let last = knots[knots.len() - 1];
+    let piece = |i: usize| {
+        let next = knots.get(i + 1).copied();
+        let next = next.or_else(|| repeat.map(|period| (knots[0].0 + period, knots[0].1)));
+        let ((t0, y0), Some((t1, y1))) = (knots[i], next) else { return [last.1, 0.0, 0.0, 0.0] };
+        let h = t1 - t0;
+        let chord = (y1 - y0) / h;
+        let Some(slopes) = &slopes else { return [y0, chord, 0.0, 0.0] };
+        let (a, b) = (slopes[i], slopes[(i + 1) % knots.len()]);
+        [y0, a, 2.0 * (3.0 * chord - 2.0 * a - b) / h, 6.0 * (a + b - 2.0 * chord) / (h * h)]
+    };
+    (0..knots.len()).map(piece).collect()
+}
+
+impl Pieces<1> {
+    /// Steps, added up in their order. In a period they begin anew at each turn, from those at time
+    /// 0 on.
+    pub fn of_steps(steps: &[Step], repeat: Option<f64>) -> Self {
+        let mut times: Vec<f64> = steps.iter().map(|step| step.time).collect();
+        let mut heights: Vec<f64> = steps.iter().map(|step| step.height).collect();
+        let none: f64 = [0.0; 0].iter().sum();
+        if repeat.is_some() && times.first().is_some_and(|first| *first > 0.0) {
+            times.insert(0, 0.0);
+            heights.insert(0, 0.0);
+        }
+        let sum = |sum: &mut f64, height: f64| {
+            *sum += height;
+            Some([*sum])
+        };
+        let starts = heights.into_iter().scan(none, sum).collect();
+        Self { knots: Knots { times, repeat }, starts, before: [none] }
+    }
+
+    /// The sum of the heights up to a time.
+    pub fn sum(&self, time: f64) -> f64 {
+        self.knots.last(time).map_or(self.before[0], |(_, place)| self.starts[place][0])
+    }
+}
+
+impl<const D: usize> Pieces<D> {
+    /// The knots at which something changes: of a function that is constant in between those at
+    /// which it jumps; `all`, where each knot counts that begins no such piece by itself.
+    pub fn changes(&self, all: bool) -> Knots {
+        let count = self.starts.len();
+        let jumps = |i: &usize| {
+            let before = match (i.checked_sub(1), self.knots.repeat) {
+                (Some(before), _) => self.starts[before][0],
+                (None, Some(_)) => self.starts[count - 1][0],
+                (None, None) => self.before[0],
+            };
+            all || self.starts[*i][0] != before
+        };
+        let times = (0..count).filter(jumps).map(|i| self.knots.times[i]).collect();
+        Knots { times, repeat: self.knots.repeat }
+    }
+}
