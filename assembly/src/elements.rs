@@ -6,8 +6,7 @@
 
 use crate::description::{
     Arms, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Series, Signal, Spring,
-    Stop,
-    StopLaw,
+    Stop, StopLaw,
 };
 
 /// An element of a machine.

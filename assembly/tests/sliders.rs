@@ -7,6 +7,7 @@ use common::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use vibro_assembly::derivative::{By, Gradient};
+use vibro_assembly::description::{Series, SeriesLaw};
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::mode::SliderState;
 use vibro_assembly::motion::{Event, EventKind, Reached};
@@ -389,4 +390,45 @@ fn invariant_saved_states_have_the_sliders() {
     let d = m.assembly().description.under_way([("spring.d.slip", 1.0)]).unwrap();
     let changed = m.changed(Arc::new(Assembly::new(d).unwrap())).unwrap();
     assert!(of(&changed, 3, What::F).abs() <= 1.0 + ROUNDING);
+}
+
+/// The random machines of tests/second_method.rs with partners behind their springs: energy is
+/// balanced, no force is above its level, and lone events are those of the general law.
+#[test]
+fn invariant_random_machines_with_partners() {
+    const MACHINES: &str = include_str!("data/motions.txt");
+    let (mut slips, mut count) = (0, 0);
+    for block in MACHINES.split("## machine ").skip(1) {
+        let (name, text) = block.split_once('\n').unwrap();
+        let toml: String = text.lines().filter(|l| !l.starts_with("##")).flat_map(|l| [l, "\n"]).collect();
+        let mut d = machine(&toml);
+        for (i, spring) in d.springs.iter_mut().enumerate().filter(|(_, spring)| spring.stiffness > 0.0) {
+            let law = match i % 2 {
+                0 => SeriesLaw::Slider { slip: 0.05 * spring.stiffness },
+                _ => SeriesLaw::Dashpot { damping: 0.1 * spring.stiffness },
+            };
+            (spring.preload, spring.series) = (0.0, Some(Series { law, slider: 0.0 }));
+        }
+        let Ok(assembly) = Assembly::new(d) else { continue };
+        let assembly = Arc::new(assembly);
+        let Ok(mut m) = Motion::new(assembly.clone()) else { continue };
+        let mut general = m.clone().by_general_law();
+        let begin = energy(&m);
+        let found = events(&mut m, 0.6);
+        slips += found.iter().filter(|event| matches!(event.kind, EventKind::Yield { .. })).count();
+        count += 1;
+        let size = m.state().iter().fold(1.0, |most: f64, x| most.max(x.abs()));
+        for (i, branch) in assembly.system().branches.iter().enumerate() {
+            if let SeriesLaw::Slider { slip } = branch.law {
+                let force = branch.force.at(m.state().as_slice());
+                assert!(force.abs() <= slip * (1.0 + 1e-9), "{name} {i}: {force} {slip}");
+            }
+        }
+        let stored = m.kinetic_and_stored().1.abs().max(size * size);
+        assert!((energy(&m) - begin).abs() < 1e-8 * stored, "{name}: {} {begin}", energy(&m));
+        general.advance_to(0.6).unwrap();
+        let apart = m.states().iter().zip(general.states()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-6 * size, "{name}: {apart}");
+    }
+    assert!(count > 80 && slips > 50, "{count} {slips}");
 }

@@ -1,8 +1,8 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Level, SeriesLaw, Signal,
-    Spring, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Level, SeriesLaw,
+    Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
