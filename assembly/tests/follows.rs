@@ -91,7 +91,7 @@ fn closed_form_a_pull_makes_no_friction() {
 /// drag at which it slips is μ_s N.
 #[test]
 fn closed_form_a_pressed_plate_sticks_up_to_its_static_level() {
-    let ramp = Record { knots: vec![(0.0, 0.0), (10.0, 100.0)], cubic: false };
+    let ramp = Record::new(vec![(0.0, 0.0), (10.0, 100.0)], Interpolation::Straight);
     let mut m = motion(Description {
         name: "Plate".into(),
         bodies: vec![body("press", 1.0, 0.02, 0.0), body("plate", 2.0, 0.0, 0.0)],
