@@ -20,6 +20,9 @@ DEFINITIONS: Dict[int, str] = {
     11: "says how a motion leaves zero; a second method in 50 digits chooses modes by it (assembly/tests/data)",
     12: "a choice of the law: what falls from its static level",
     14: "a choice of the code: what counts as zero",
+    37: "says what a state of first order is",
+    38: "the force of a spring in series, from its inner place",
+    47: "a choice of the law: the levels of a friction that follows a stop",
 }
 
 ROUNDING = mpf(10) ** -30
@@ -66,7 +69,8 @@ def checked() -> Set[int]:
 def test_every_equation_is_checked_or_a_definition() -> None:
     page = PAGE.read_text(encoding="utf-8")
     there = [int(n) for n in re.findall(r"\\tag\{A(\d+)\}", page)]
-    assert there == list(range(1, len(there) + 1)), there
+    # Numbers are given once and stay, since code and tests cite them.
+    assert sorted(there) == list(range(1, len(there) + 1)), there
     assert set(there) == checked() | set(DEFINITIONS), set(there) ^ (checked() | set(DEFINITIONS))
     assert not checked() & set(DEFINITIONS)
 
@@ -687,3 +691,143 @@ def test_law_36_backwards_over_an_impact() -> None:
         before = mu - w(0) * matrix([pi[j] * (1 + eps(0)[j]) for j in range(2)])
         exact = by_parameter(lambda p: matrix([dot(mu, of(p)[1])]))  # noqa: B023
         assert close(matrix([found + dot(before, v_by)]), exact)
+
+
+def test_law_39_a_spring_in_series_with_a_dashpot() -> None:
+    r = random.Random(39)
+    for _ in range(20):
+        k, c, e, x, rate = mpf(r.randint(1, 99)), mpf(r.randint(1, 99)), number(r), number(r), number(r)
+        b = k * (e - x)
+        moves = k / c * (e - x)
+        assert mp.almosteq(k * (rate - moves), k * rate - k / c * b)
+        # The rate of b²/2k is b b'/k.
+        assert mp.almosteq(b * k * (rate - moves) / k, b * rate - b * b / c)
+
+
+def test_law_40_the_loop_of_a_slider() -> None:
+    # Corners of a cycle of the amplitude X: held over 2 R/k, then slipping at the level.
+    r = random.Random(40)
+    for _ in range(20):
+        k, level = mpf(r.randint(1, 99)), mpf(r.randint(1, 99)) / 10
+        most = level / k * mpf(r.randint(11, 40)) / 10
+        held = 2 * level / k
+        loop = [(most, level), (most - held, -level), (-most, -level), (-most + held, level)]
+        pairs = zip(loop, loop[1:] + loop[:1])
+        area = mp.fsum(a * d - c * b for (a, b), (c, d) in pairs) / 2
+        assert mp.almosteq(abs(area), 4 * level * (most - level / k))
+
+
+def test_law_41_integrals_of_a_harmonic() -> None:
+    r = random.Random(41)
+    for _ in range(5):
+        a, omega, phase, t = number(r), mpf(r.randint(1, 50)) / 10, number(r), mpf(r.randint(1, 30)) / 10
+        f = lambda x: a * mp.sin(omega * x + phase)  # noqa: E731
+        once = a / omega * (mp.cos(phase) - mp.cos(omega * t + phase))
+        twice = a / omega**2 * (mp.sin(phase) - mp.sin(omega * t + phase)) + a * mp.cos(phase) / omega * t
+        assert mp.almosteq(mp.quad(f, [0, t]), once, 1e-25)
+        assert mp.almosteq(mp.quad(lambda x: (t - x) * f(x), [0, t]), twice, 1e-25)
+
+
+def test_law_42_integrals_over_turns() -> None:
+    r = random.Random(42)
+    for _ in range(10):
+        # A held signal: values over parts of the period.
+        parts = [(mpf(r.randint(1, 9)) / 10, number(r)) for _ in range(4)]
+        period = mp.fsum(span for span, _ in parts)
+
+        def over(turns: int) -> Tuple[mpf, mpf]:
+            q = p = mpf(0)
+            for _ in range(turns):
+                for span, value in parts:
+                    p, q = p + q * span + value * span**2 / 2, q + value * span
+            return q, p
+
+        (once, twice), turns = over(1), r.randint(2, 9)
+        q, p = over(turns)
+        assert mp.almosteq(q, turns * once)
+        assert mp.almosteq(p, turns * twice + mpf(turns * (turns - 1)) / 2 * period * once)
+
+
+def swept(law: str, begin: mpf, end: mpf, span: mpf, t: mpf) -> mpf:
+    """The phase of (A43) over 2π, without its start."""
+    if law == "linear":
+        return begin * t + (end - begin) / (2 * span) * t**2
+    growth = mp.log(end / begin)
+    return begin * span * (mp.exp(growth * t / span) - 1) / growth
+
+
+def test_law_43_phases_of_sweeps() -> None:
+    r = random.Random(43)
+    for law in ["linear", "logarithmic"]:
+        for _ in range(5):
+            begin, end, span = (mpf(r.randint(1, 90)) / 10 for _ in range(3))
+            t = span * r.randint(1, 9) / 10
+            frequency = mp.diff(lambda x: swept(law, begin, end, span, x), t)
+            part = t / span
+            exact = begin + (end - begin) * part if law == "linear" else begin * (end / begin) ** part
+            assert mp.almosteq(frequency, exact, 1e-20)
+
+
+def test_law_44_bounds_of_derivatives_of_sweeps() -> None:
+    r = random.Random(44)
+    for law in ["linear", "logarithmic"]:
+        for _ in range(3):
+            begin, end, span = (mpf(r.randint(5, 40)) / 10 for _ in range(3))
+            t = span * r.randint(0, 8) / 10
+            wave = lambda x: mp.exp(2j * mp.pi * swept(law, begin, end, span, x))  # noqa: E731
+            found = [abs(c) * mp.factorial(n) for n, c in enumerate(mp.taylor(wave, t, 12))]
+            speed = 2 * mp.pi * mp.diff(lambda x: swept(law, begin, end, span, x), t)
+            bounds = [mpf(1)]
+            for n in range(12):
+                if law == "linear":
+                    turn = 2 * mp.pi * abs(end - begin) / span
+                    last = n * turn * bounds[n - 1] if n else mpf(0)
+                    bounds.append(speed * bounds[n] + last)
+                else:
+                    growth = abs(mp.log(end / begin)) / span
+                    bounds.append(
+                        mp.fsum(mp.binomial(n, k) * speed * growth**k * bounds[n - k] for k in range(n + 1))
+                    )
+            assert all(size <= bound * (1 + mpf(10) ** -10) for size, bound in zip(found, bounds))
+
+
+def lines(r: random.Random, count: int) -> Tuple[List[mpf], List[mpf]]:
+    """Points of a force: rising elongations, any forces."""
+    places = [number(r)]
+    for _ in range(count - 1):
+        places.append(places[-1] + mpf(r.randint(1, 99)) / 50)
+    return places, [number(r) for _ in places]
+
+
+def of_points(e: List[mpf], f: List[mpf], x: mpf) -> mpf:
+    """Straight lines through points, the first and the last going on."""
+    j = min(max(sum(1 for place in e if place <= x), 1), len(e) - 1)
+    return f[j - 1] + (f[j] - f[j - 1]) / (e[j] - e[j - 1]) * (x - e[j - 1])
+
+
+def test_law_45_lines_as_a_spring_and_corners() -> None:
+    r = random.Random(45)
+    for _ in range(20):
+        e, f = lines(r, r.randint(2, 6))
+        slopes = [(f[j] - f[j - 1]) / (e[j] - e[j - 1]) for j in range(1, len(e))]
+        for x in [*e, e[0] - 1, e[-1] + 1, (e[0] + e[1]) / 2]:
+            corners = mp.fsum(
+                (slopes[j] - slopes[j - 1]) * max(mpf(0), x - e[j]) for j in range(1, len(slopes))
+            )
+            whole = f[0] + slopes[0] * (x - e[0]) + corners
+            assert abs(whole - of_points(e, f, x)) < ROUNDING * 100
+
+
+def test_law_46_lines_as_bounded_forces() -> None:
+    r = random.Random(46)
+    for _ in range(20):
+        e, f = lines(r, r.randint(3, 6))
+        slopes = [(f[j] - f[j - 1]) / (e[j] - e[j - 1]) for j in range(1, len(e))]
+        least = min(slopes)
+        for x in [*e, e[0] - 1, e[-1] + 1, (e[0] + e[1]) / 2]:
+            # The first line is everything below its end, the last one everything beyond its begin.
+            whole = f[1] + least * (x - e[1]) + (slopes[0] - least) * min(mpf(0), x - e[1])
+            for j in range(2, len(e)):
+                way = (x if j == len(e) - 1 else min(x, e[j])) - e[j - 1]
+                whole += (slopes[j - 1] - least) * max(mpf(0), way)
+            assert abs(whole - of_points(e, f, x)) < ROUNDING * 100

@@ -26,6 +26,9 @@ const WAYS: [Way; 4] = [
     Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
     Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
 ];
+/// Starts beside the given one, within a part of the values, that are tried where no way leaves noise
+/// alone.
+const BESIDE: (u32, f64) = (8, 0.3);
 /// Most horizons of a fit.
 const HORIZONS: u32 = 200;
 /// Rows by free number with which the first horizon begins at least.
@@ -161,8 +164,8 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     }
 }
 
-/// The values reached from a start, with their cost, by the first way that leaves noise alone, else by
-/// the best one.
+/// The values reached from a start, with their cost, by the first way that leaves noise alone, else
+/// from the first start beside it that does, else the best ones.
 fn from(
     model: &Model,
     bounds: &Bounds,
@@ -171,8 +174,11 @@ fn from(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Vec<f64>, f64)> {
     let mut best: Option<(Vec<f64>, f64)> = None;
-    for way in WAYS {
-        let found = over_horizons(model, bounds, loss, start, way, go_on)?;
+    let ways = WAYS.into_iter().map(|way| (start.to_vec(), way));
+    let is_small = start.len() <= sobol::DIMENSIONS;
+    let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| (bounds.beside(start, k, BESIDE.1), WAYS[1]));
+    for (begin, way) in ways.chain(beside) {
+        let Ok(found) = over_horizons(model, bounds, loss, &begin, way, go_on) else { continue };
         let is_done = model.is_noise(&found.0)? || !go_on();
         if best.as_ref().is_none_or(|best| found.1 < best.1) {
             best = Some(found);
@@ -181,7 +187,8 @@ fn from(
             break;
         }
     }
-    best.ok_or_else(|| Error::Described { problem: "no fit: no horizon was tried".into() })
+    // The reason for none at all is that of the given start.
+    best.map_or_else(|| over_horizons(model, bounds, loss, start, WAYS[0], go_on), Ok)
 }
 
 /// The values reached from a start over growing horizons, with their cost.

@@ -54,7 +54,7 @@ pub(super) struct Model<'a> {
     sigma: Vec<f64>,
     /// Whether these are given.
     pub has_sigma: bool,
-    /// Noise of each column, by its second differences.
+    /// Noise of each column, by its differences.
     noise: Vec<f64>,
     simulations: AtomicU32,
 }
@@ -76,12 +76,22 @@ struct Beside {
     contacts: Vec<Vec<(f64, Vec<Option<f64>>)>>,
 }
 
-/// Standard deviation of noise on a smooth signal: the median of the second differences' sizes is
-/// 0.6745 √6 of it.
+/// Standard deviation of noise on a signal: the least that its differences of several orders say. A
+/// quarter of normal numbers are below 0.3186 standard deviations, and those of order m have √C(2m, m)
+/// of them. Coarse samples of a motion raise low orders, its contacts most of high ones.
 fn noise(values: &[f64]) -> f64 {
-    let mut all: Vec<f64> = values.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).map_or(0.0, |median| median / (0.6745 * 6f64.sqrt()))
+    let (mut all, mut least, mut variance) = (values.to_vec(), f64::INFINITY, 1.0);
+    for order in 1..=6 {
+        all = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        variance *= f64::from(2 * (2 * order - 1)) / f64::from(order);
+        let mut sizes: Vec<f64> = all.iter().map(|x| x.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let quarter = sizes.get(sizes.len() / 4).map_or(0.0, |size| size / (0.3186 * variance.sqrt()));
+        if order > 1 {
+            least = least.min(quarter);
+        }
+    }
+    least
 }
 
 /// Standard deviation of the values up to each place.

@@ -132,6 +132,15 @@ impl Bounds {
         (0..self.begin.len()).map(at).collect()
     }
 
+    /// Point `k` of the Sobol sequence around a start, within a part of its values and the bounds.
+    pub fn beside(&self, start: &[f64], k: u32, part: f64) -> Vec<f64> {
+        let at = |i: usize| {
+            let moved = start[i] * (1.0 + part * (2.0 * sobol::coordinate(k, i) - 1.0));
+            moved.clamp(self.low[i], self.high[i])
+        };
+        (0..start.len()).map(at).collect()
+    }
+
     /// Whether a number lies at a bound beyond which a step would lead.
     fn holds(&self, i: usize, value: f64, step: f64) -> bool {
         (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)

@@ -51,6 +51,7 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
                     "sweep",
                     "bifurcation",
                     "lyapunov",
+                    "fit",
                     "orbit",
                     "orbits",
                     "response",
