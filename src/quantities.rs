@@ -62,19 +62,27 @@ impl Unit {
     }
 }
 
+/// An inch, m, and the weight of a pound, N: 0.45359237 kg times the standard acceleration.
+const INCH: f64 = 0.0254;
+const POUND_FORCE: f64 = 0.453_592_37 * 9.806_65;
+
 /// All known units, the SI unit of each dimension first. The dimension `rad/s` is that of angular
 /// frequencies and velocities, in which a hertz is a revolution per second; the dimension `Hz` is
 /// that of frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
-pub static UNITS: [Unit; 101] = [
+pub static UNITS: [Unit; 109] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
+    unit("kg", "lb", 0.453_592_37, 1.0),
     unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
     unit("N/m", "kN/mm", 1e6, 1.0), unit("N/m", "MN/m", 1e6, 1.0), unit("N/m", "N/cm", 1e2, 1.0),
+    unit("N/m", "N/um", 1e6, 1.0), unit("N/m", "GN/m", 1e9, 1.0), unit("N/m", "lbf/in", POUND_FORCE, INCH),
     unit("N.s/m", "N.s/m", 1.0, 1.0), unit("N.s/m", "kN.s/m", 1e3, 1.0), unit("N.s/m", "N.s/mm", 1e3, 1.0),
-    unit("N.s/m", "kg/s", 1.0, 1.0),
+    unit("N.s/m", "kg/s", 1.0, 1.0), unit("N.s/m", "N/(m/s)", 1.0, 1.0),
     unit("m", "m", 1.0, 1.0), unit("m", "cm", 1.0, 1e2), unit("m", "mm", 1.0, 1e3), unit("m", "um", 1.0, 1e6),
+    unit("m", "in", INCH, 1.0),
     unit("1", "1", 1.0, 1.0), unit("1", "%", 1.0, 1e2),
     unit("N", "N", 1.0, 1.0), unit("N", "mN", 1.0, 1e3), unit("N", "kN", 1e3, 1.0), unit("N", "MN", 1e6, 1.0),
+    unit("N", "lbf", POUND_FORCE, 1.0),
     unit("rad/s", "rad/s", 1.0, 1.0), unit("rad/s", "1/s", 1.0, 1.0), unit("rad/s", "Hz", 2.0 * PI, 1.0),
     unit("rad/s", "mHz", 2.0 * PI, 1e3), unit("rad/s", "kHz", 2e3 * PI, 1.0), unit("rad/s", "rpm", PI, 30.0),
     unit("rad/s", "1/min", PI, 30.0), unit("rad/s", "deg/s", PI, 180.0),
@@ -84,6 +92,7 @@ pub static UNITS: [Unit; 101] = [
     unit("s", "h", 3600.0, 1.0),
     unit("m/s", "m/s", 1.0, 1.0), unit("m/s", "cm/s", 1.0, 1e2), unit("m/s", "mm/s", 1.0, 1e3),
     unit("m/s2", "m/s2", 1.0, 1.0), unit("m/s2", "mm/s2", 1.0, 1e3), unit("m/s2", "cm/s2", 1.0, 1e2),
+    unit("m/s2", "g", 9.806_65, 1.0),
     unit("rad/s2", "rad/s2", 1.0, 1.0), unit("rad/s2", "1/s2", 1.0, 1.0), unit("rad/s2", "deg/s2", PI, 180.0),
     unit("Hz", "Hz", 1.0, 1.0), unit("Hz", "mHz", 1.0, 1e3), unit("Hz", "kHz", 1e3, 1.0), unit("Hz", "MHz", 1e6, 1.0),
     unit("Hz", "rpm", 1.0, 60.0), unit("Hz", "1/min", 1.0, 60.0), unit("Hz", "rad/s", 1.0, 2.0 * PI),
@@ -183,6 +192,13 @@ mod tests {
     #[test]
     fn closed_form_units_of_rotation_and_of_gravity() {
         let cases = [
+            ("m", "2 in", 0.0508),
+            ("kg", "1 lb", 0.45359237),
+            ("N", "1 lbf", 4.4482216152605),
+            ("N/m", "1 lbf/in", 175.12683524647636),
+            ("N/m", "3 N/um", 3e6),
+            ("N.s/m", "3 N/(m/s)", 3.0),
+            ("m/s2", "2 g", 19.6133),
             ("kg.m2", "3 kg m2", 3.0),
             ("kg.m2", "3 kg m²", 3.0),
             ("kg.m2", "3 kg·m^2", 3.0),

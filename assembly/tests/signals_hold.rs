@@ -159,7 +159,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\nscale = \"2 m\""),
-        "r.toml:7: load.l.scale = \"2 m\": allowed is a finite number, in N, mN, kN, MN"
+        "r.toml:7: load.l.scale = \"2 m\": allowed is a finite number, in N, mN, kN, MN, lbf"
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\ninterpolation = \"held\""),

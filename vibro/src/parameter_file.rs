@@ -214,7 +214,7 @@ mod tests {
         );
         assert!(
             error("[si]\nbox.m = \"12 mm\"")
-                .contains("box.m: `mm` is no unit of it; allowed are kg, g, mg, t")
+                .contains("box.m: `mm` is no unit of it; allowed are kg, g, mg, t, lb")
         );
         assert!(error("[groups\nf10 = 1").contains("line 1"));
     }

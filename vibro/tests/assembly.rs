@@ -194,6 +194,13 @@ fn times_from_a_file_are_the_rows() {
         rows.iter().map(|r| r["time"].as_str()).collect::<Vec<_>>(),
         ["0", "0.1", "0.1", "0.30000000000000004"]
     );
+    // Beside an end the motion goes on to it.
+    let out = folder("assembly-times-until");
+    drawn(&out, &["run", &machine("bouncing_ball.toml"), "--times", &times, "--until", "0.4"]);
+    assert_eq!(table(&out, "states.csv").last().map(|row| row["time"].as_str()), Some("0.4"));
+    let early = ["run", &machine("bouncing_ball.toml"), "--times", &times, "--until", "0.2"];
+    let (code, error) = refused(&early);
+    assert!(code == 2 && error.contains("allowed are times up to --until, 0.2 s"), "{error}");
     let times = file("assembly-falling.txt", "0\n2\n1\n").display().to_string();
     let (code, error) = refused(&["run", &machine("bouncing_ball.toml"), "--times", &times]);
     assert!(code == 2 && error.contains("line 3: 1: allowed is a time in s, not before 2.0"), "{error}");

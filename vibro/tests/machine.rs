@@ -298,7 +298,7 @@ fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
         (
             vec!["steady", "--set", "stop.gap=2kg"],
-            "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um",
+            "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um, in",
         ),
         (vec!["steady", "--set", "speed=2"], "no parameter is named `speed`; valid are"),
         (vec!["bifurcation", "--vary", "drive.frequency=9:11Hz"], "a unit at every number or at none"),

@@ -105,7 +105,7 @@ fn golden_reading_a_value_of_a_parameter() {
     let gap = sound().parameter("stop.upper.gap").unwrap();
     assert_eq!(gap.read("7 mm"), Ok(0.007));
     let refused = gap.read("7 N").unwrap_err().to_string();
-    assert_eq!(refused, "stop.upper.gap = \"7 N\": allowed is a finite number, in m, cm, mm, um");
+    assert_eq!(refused, "stop.upper.gap = \"7 N\": allowed is a finite number, in m, cm, mm, um, in");
 }
 
 proptest! {

@@ -74,7 +74,16 @@ fn follow(
     let machine = read(file, common)?;
     let start = start_of(&machine, start)?;
     let times = match (&a.times, a.until) {
-        (Some(path), _) => assembly::times_of(path, start.time)?,
+        (Some(path), until) => {
+            let mut times = assembly::times_of(path, start.time)?;
+            let (last, end) = (times.last().copied(), until.unwrap_or(f64::INFINITY));
+            if let Some(last) = last.filter(|last| *last > end) {
+                let problem = format!("has the time {last} s; allowed are times up to --until, {end} s");
+                return Err(Error::Refused { what: format!("--times {}", path.display()), problem });
+            }
+            times.extend(until.filter(|end| last.is_none_or(|last| last < *end)));
+            times
+        }
         (None, Some(until)) => assembly::even_times((start.time, until), *samples as usize)?,
         (None, None) => {
             let problem = "needs the end of the motion, --until TIME, or --times FILE".into();

@@ -46,8 +46,9 @@ pub struct RunOfFile {
     /// End of the motion, in s or with a unit (2s, 500 ms)
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub until: Option<f64>,
-    /// Times of the rows instead: a number in s a line
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["samples", "until"])]
+    /// Times of the rows instead: a number in s a line; beside --until the motion goes on to that
+    /// time, in a last row
+    #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
     /// List the knots of signals in events.csv too: a record has one at each of its times
     #[arg(long)]
