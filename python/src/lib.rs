@@ -13,6 +13,7 @@
 //! | `steady.rs` | closed forms |
 //! | `orbits.rs` | periodic orbits and branches of them |
 //! | `assembly.rs` | described machines: their motions, measures and diagrams |
+//! | `assembly_fit.rs` | their fits to records |
 //! | `assembly_orbits.rs` | their periodic orbits and branches of them |
 //! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
@@ -21,6 +22,7 @@
 
 mod arrays;
 mod assembly;
+mod assembly_fit;
 mod assembly_motion;
 mod assembly_orbits;
 mod assembly_settled;
@@ -39,6 +41,8 @@ mod _native {
 
     #[pymodule_export]
     use super::assembly::{Described, assembly_diagram, measure_assemblies};
+    #[pymodule_export]
+    use super::assembly_fit::fit_assembly;
     #[pymodule_export]
     use super::assembly_motion::{
         assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,

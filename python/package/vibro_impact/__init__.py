@@ -15,6 +15,7 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._assembly import Assembly
+from ._assembly_fit import AssemblyFit, fit
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition, Sketch
 from ._assembly_start import AssemblyStart
@@ -45,6 +46,7 @@ __all__ = [
     "AssemblyDiagram",
     "AssemblyDirection",
     "AssemblyEnds",
+    "AssemblyFit",
     "AssemblyOrbit",
     "AssemblyRun",
     "AssemblySection",
@@ -71,6 +73,7 @@ __all__ = [
     "__version__",
     "basins",
     "bifurcation",
+    "fit",
     "fmu_path",
     "measure_many",
     "simulate_many",

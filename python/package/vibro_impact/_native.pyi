@@ -31,6 +31,7 @@ __all__ = [
     "basins",
     "bifurcation",
     "find",
+    "fit_assembly",
     "follow",
     "follow_assemblies",
     "follow_assembly_orbit",
@@ -124,6 +125,18 @@ def follow_assemblies(
 def simulate_assemblies(
     machines: Sequence[Described], starts: Sequence[_Numbers], until: float, progress: _Progress = None
 ) -> _Floats: ...
+def fit_assembly(
+    machine: Described,
+    start: _Numbers,
+    times: _Floats,
+    columns: Sequence[tuple[str, _Floats]],
+    contacts: Sequence[tuple[str, Sequence[float]]],
+    free: Sequence[tuple[str, tuple[float, float] | None]],
+    sigma: Sequence[float] | None,
+    loss: str,
+    starts: int,
+    progress: _Progress = None,
+) -> _Parts: ...
 @final
 class AssemblyOrbit:
     @property

@@ -1,0 +1,187 @@
+"""Fits of machines of your own to records."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats, number, whole
+from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._progress import Bar
+from ._result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._assembly import Assembly
+
+_LOSSES = ("linear", "soft_l1", "huber")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class AssemblyFit(Result):
+    """A machine of your own fitted to a record; all numbers in SI."""
+
+    machine: Assembly
+    "The machine with the fitted numbers."
+    start: AssemblyStart
+    "The start of its motion; empty for the machine's own."
+    values: dict[str, float]
+    "The fitted numbers by name."
+    errors: dict[str, Optional[float]]
+    "Standard error of each; none where the record does not determine it."
+    white_errors: dict[str, Optional[float]]
+    "Standard error of each if the residuals were white noise."
+    correlation: Floats
+    "Correlations of the numbers, shape (n, n); 0 beside one that is not determined."
+    undetermined: list[dict[str, float]]
+    "Combinations of relative changes that the record does not determine, by name."
+    rms: dict[str, float]
+    "Root mean square of the residuals of each column, and of the times of each stop's contacts."
+    t: Floats
+    "Times of the record, shape (m,), s."
+    residuals: dict[str, Floats]
+    "By column the fitted motion less the record, shape (m,)."
+    contacts: dict[str, Floats]
+    "By stop the times of the fitted motion's contacts less those of the record, s."
+    simulations: int
+    "Number of motions that were followed."
+    near_until: float
+    "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
+    persistence: float
+    "Correlation of a residual with the next one of its column."
+
+
+def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, list[tuple[str, Floats]]]:
+    """The times and the columns of a record."""
+    if not isinstance(record, Mapping):
+        raise TypeError(f"record is of type {type(record).__name__}: allowed is a dictionary such as {{'box.s': (t, s)}}")
+    t: Optional[Floats] = None
+    columns = []
+    for name, pair in record.items():
+        if not isinstance(name, str) or not isinstance(pair, tuple) or len(pair) != 2:
+            raise TypeError(f"record[{name!r}]: allowed is a name such as 'box.s' with a pair of times and values")
+        times, values = (np.ascontiguousarray(part, dtype=np.float64) for part in pair)
+        if times.ndim != 1 or times.shape != values.shape:
+            raise ValueError(f"record[{name!r}] has shapes {times.shape} and {values.shape}: allowed are two of one length")
+        if t is not None and not np.array_equal(t, times):
+            raise ValueError(f"record[{name!r}] has other times than the column before: allowed are columns at the same times")
+        t = times
+        columns.append((name, values))
+    return np.empty(0) if t is None else t, columns
+
+
+def fit(
+    machine: Assembly,
+    record: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    *,
+    free: Iterable[str],
+    within: Optional[Mapping[str, tuple[float, float]]] = None,
+    events: Optional[Mapping[str, ArrayLike]] = None,
+    sigma: Optional[Mapping[str, float]] = None,
+    loss: str = "linear",
+    starts: int = 0,
+    start: Start = None,
+    progress: bool = False,
+) -> AssemblyFit:
+    """Numbers of a machine of your own fitted to a record, with their errors: ``vibro fit FILE``.
+
+    >>> import vibro_impact as vi
+    >>> slide = vi.Assembly({
+    ...     "name": "Slide", "body": {"a": {"mass": 1.0, "start": {"s": 0.001}}},
+    ...     "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
+    ... })
+    >>> run = slide.simulate(until=0.2)
+    >>> found = vi.fit(slide.replace({"spring.k.stiffness": 9e3}), {"a.s": (run.t, run["a.s"])}, free=["spring.k.stiffness"])
+    >>> abs(found.values["spring.k.stiffness"] - 1e4) < 1e-3
+    True
+
+    Parameters
+    ----------
+    machine
+        The machine with the values from which the fit begins.
+    record
+        By column, such as ``box.s``, times (s) and values (SI); all columns at the same times.
+    free
+        The numbers that are fitted: parameters, numbers of the start, ``record.shift``, ``record.offset.COLUMN``.
+    within
+        Least and largest value of a free number, SI.
+    events
+        By stop the times of its impacts or first touches, s.
+    sigma
+        Standard deviation of the noise of each column, SI, and of the times of ``events`` as ``"contacts"``; by the residuals without it.
+    loss
+        ``linear``, ``soft_l1`` or ``huber``: how residuals count.
+    starts
+        Number of further starts of the fit, spread over ``within``.
+    start
+        As of :meth:`Assembly.simulate`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arguments out of their range, unknown names, and records that are empty or not finite.
+    RuntimeError
+        Where no motion of the machine covers the record.
+    """
+    from ._assembly import Assembly
+
+    if not isinstance(machine, Assembly):
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is a machine of your own (Assembly)")
+    names = [free] if isinstance(free, str) else list(free)
+    t, columns = _record(record)
+    contacts = [(stop, [float(time) for time in np.asarray(times)]) for stop, times in (events or {}).items()]
+    ranges = {name: (number("within", low), number("within", high)) for name, (low, high) in (within or {}).items()}
+    unknown = [name for name in ranges if name not in names]
+    if unknown:
+        raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
+    if loss not in _LOSSES:
+        raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
+    with Bar(progress, 1, "fit") as bar:
+        found = _native.fit_assembly(
+            machine._described,
+            numbers_of(machine, start),
+            t,
+            columns,
+            contacts,
+            [(name, ranges.get(name)) for name in names],
+            _sigma(sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
+            loss,
+            whole("starts", starts, 0, 10_000),
+            bar.report,
+        )
+    return _fitted(names, t, [name for name, _ in columns], found)
+
+
+def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[list[float]]:
+    if sigma is None:
+        return None
+    missing: Union[set[str], Any] = set(names) ^ set(sigma)
+    if missing:
+        raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or no column: needed are {', '.join(names)}")
+    return [number("sigma", sigma[name]) for name in names]
+
+
+def _fitted(names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:
+    from ._assembly import Assembly
+
+    return AssemblyFit(
+        machine=Assembly(found["machine"]),
+        start=AssemblyStart(dict(found["start"])),
+        values=dict(zip(names, found["values"])),
+        errors=dict(zip(names, found["errors"])),
+        white_errors=dict(zip(names, found["white_errors"])),
+        correlation=np.array(found["correlation"]),
+        undetermined=[dict(parts) for parts, _ in found["undetermined"]],
+        rms=dict(found["rms"]),
+        t=t,
+        residuals=dict(zip(columns, found["residuals"])),
+        contacts={stop: np.array(times) for stop, times in found["contacts"]},
+        simulations=found["simulations"],
+        near_until=found["near_until"],
+        persistence=found["persistence"],
+    )

@@ -1,0 +1,76 @@
+"""Fits of machines of your own to made records."""
+
+import numpy as np
+import pytest
+import vibro_impact as vi
+
+# Standard errors within which an estimate lies but for one in some ten thousand.
+FAR = 4.0
+NOISE = 5e-6
+
+
+def slide(**numbers: float) -> vi.Assembly:
+    return vi.Assembly(
+        {
+            "name": "Slide",
+            "body": {"a": {"mass": 1.0, "start": {"s": "0.85 mm"}}},
+            "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
+            "friction": {"f": {"between": ["ground", "a"], "force": 1.0}},
+        }
+    ).replace(numbers)
+
+
+def made() -> "tuple[np.ndarray, np.ndarray]":
+    run = slide().simulate(until=0.2, samples=200)
+    return run.t, run["a.s"] + NOISE * np.random.default_rng(5).standard_normal(len(run.t))
+
+
+def test_made_record_and_its_errors() -> None:
+    t, s = made()
+    begin = slide(**{"spring.k.stiffness": 8e3, "friction.f.force": 1.2})
+    free = ["spring.k.stiffness", "friction.f.force"]
+    found = vi.fit(begin, {"a.s": (t, s)}, free=free)
+    for name, truth in zip(free, [1e4, 1.0]):
+        error = found.errors[name]
+        assert error is not None and abs(found.values[name] - truth) < FAR * error < 0.1 * truth
+        assert found.machine[name] == found.values[name]
+    assert abs(found.rms["a.s"] / NOISE - 1) < 0.2
+    assert found.correlation.shape == (2, 2) and found.undetermined == []
+    # The residuals are those of the fitted machine's own motion.
+    run = found.machine.simulate(times=t)
+    assert np.allclose(run["a.s"] - s, found.residuals["a.s"], atol=1e-15)
+    same = vi.fit(begin, {"a.s": (t, s)}, free=free, sigma={"a.s": NOISE}, within={"friction.f.force": (0.5, 2.0)})
+    assert np.allclose([same.values[name] for name in free], [found.values[name] for name in free], rtol=1e-6)
+
+
+def test_only_ratios_are_determined() -> None:
+    t, s = made()
+    free = ["body.a.mass", "spring.k.stiffness", "friction.f.force"]
+    found = vi.fit(slide(), {"a.s": (t, s)}, free=free)
+    assert found.errors == {name: None for name in free}
+    (combination,) = found.undetermined
+    assert np.allclose(np.abs(list(combination.values())), 3**-0.5, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"free": ["spring.k.stifness"]}, "spring.k.stiffness"),
+        ({"free": ["spring.k.stiffness"], "within": {"friction.f.force": (0, 1)}}, "is not free"),
+        ({"free": ["spring.k.stiffness"], "loss": "cubic"}, "allowed are linear, soft_l1, huber"),
+        ({"free": ["spring.k.stiffness"], "sigma": {"b.s": 1.0}}, "missing or no column"),
+        ({"free": ["spring.k.stiffness"], "events": {"a": [1.0]}}, "no stop is named"),
+    ],
+)
+def test_what_is_refused(arguments: "dict[str, object]", words: str) -> None:
+    t, s = made()
+    with pytest.raises(ValueError, match=words):
+        vi.fit(slide(), {"a.s": (t, s)}, **arguments)  # type: ignore[arg-type]
+
+
+def test_records_that_are_refused() -> None:
+    t, s = made()
+    with pytest.raises(ValueError, match="row 3 is NaN"):
+        vi.fit(slide(), {"a.s": (t, np.where(np.arange(len(s)) == 2, np.nan, s))}, free=["friction.f.force"])
+    with pytest.raises(TypeError, match="Machine"):
+        vi.fit(vi.Machine.from_groups(), {"a.s": (t, s)}, free=["friction.f.force"])  # type: ignore[arg-type]
