@@ -9,7 +9,7 @@ FAR = 4.0
 NOISE = 5e-6
 
 
-def slide(**numbers: float) -> vi.Assembly:
+def slide() -> vi.Assembly:
     return vi.Assembly(
         {
             "name": "Slide",
@@ -17,7 +17,7 @@ def slide(**numbers: float) -> vi.Assembly:
             "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
             "friction": {"f": {"between": ["ground", "a"], "force": 1.0}},
         }
-    ).replace(numbers)
+    )
 
 
 def made() -> "tuple[np.ndarray, np.ndarray]":
@@ -27,7 +27,7 @@ def made() -> "tuple[np.ndarray, np.ndarray]":
 
 def test_made_record_and_its_errors() -> None:
     t, s = made()
-    begin = slide(**{"spring.k.stiffness": 8e3, "friction.f.force": 1.2})
+    begin = slide().replace({"spring.k.stiffness": 8e3, "friction.f.force": 1.2})
     free = ["spring.k.stiffness", "friction.f.force"]
     found = vi.fit(begin, {"a.s": (t, s)}, free=free)
     for name, truth in zip(free, [1e4, 1.0]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -69,8 +69,8 @@ class AssemblyDescription:
         """All measures by name: SI unit (``1`` for none) and meaning."""
         return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
 
-    def replace(self, **parameters: Value) -> Self:
-        """The machine with other values: ``replace(**{"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``.
+    def replace(self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Value) -> Self:
+        """The machine with other values: ``replace({"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``, or as keywords.
 
         A number is in SI, independent of the file's units: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
         refused where the parameter has a unit.
@@ -80,14 +80,15 @@ class AssemblyDescription:
         ValueError, TypeError
             For an unknown name (the message gives the nearest one), or a value not allowed in a file either.
         """
+        parameters = {**(changes or {}), **parameters}
         units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
         for name, value in parameters.items():
             if not isinstance(value, str):
                 number(name, value)
             elif is_number(value) and units.get(name, "1") != "1":
                 raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
-        changes = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
-        return self._of(self._described.replace(changes))
+        new = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
+        return self._of(self._described.replace(new))
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
         """The values in SI: texts with units are converted, numbers are returned unchanged."""
