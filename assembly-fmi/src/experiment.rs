@@ -5,6 +5,7 @@ use fmi_doors::description::Experiment;
 use std::f64::consts::{PI, TAU};
 use vibro_assembly::Assembly;
 use vibro_assembly::description::{BodyKind, Signal};
+use vibro_assembly::mode::StopState;
 use vibro_assembly::system::StopRows;
 
 /// Length of the run in periods of the slowest harmonic or natural oscillation.
@@ -75,7 +76,13 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
     let system = assembly.system();
     let (n, factor) = (system.coordinates, system.inertia.l_dirty());
     // L⁻¹ K L⁻ᵀ, where the forces of springs are -K q.
-    let half = factor.solve_lower_triangular(&(-system.forces.columns(0, n)));
+    let mut stiffness = -system.forces.columns(0, n).into_owned();
+    // Of stiffness that steps its first level.
+    for level in system.stops.iter().filter(|own| own.is_gapless() && own.state_apart() == StopState::Pressed)
+    {
+        stiffness.ger(level.stiffness(), &level.elongation.w, &level.elongation.w, 1.0);
+    }
+    let half = factor.solve_lower_triangular(&stiffness);
     let squares = half.and_then(|half| factor.solve_lower_triangular(&half.transpose()));
     let Some(squares) = squares.filter(|squares| n > 0 && squares.iter().all(|x| x.is_finite())) else {
         return Vec::new();

@@ -17,7 +17,9 @@ use fmi_doors::description::Unknown;
 use groups::{Group, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{Arms, BodyKind, Description, Friction, Interpolation, Signal};
+use vibro_assembly::description::{
+    Arms, BodyKind, Description, Friction, Interpolation, Signal, Spring, Stop,
+};
 use vibro_assembly::elements::Action;
 use vibro_assembly::{Element, Owner, What};
 
@@ -160,7 +162,7 @@ impl<'a> Structure<'a> {
         }
         self.of_section(&section, &mut knowns);
         if let Element::Friction(Friction { follows: Some(follows), .. }) = element {
-            let stop = self.elastic(Element::Stop(&self.machine.stops[follows.stop]), Discrete);
+            let stop = self.force(Element::Stop(&self.machine.stops[follows.stop]));
             join(&mut knowns, &stop, Dependent);
         }
         knowns
@@ -219,7 +221,11 @@ impl<'a> Structure<'a> {
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
             Action::Linear => self.elastic(element, Tunable),
-            Action::Switching => self.elastic(element, Discrete),
+            Action::Switching => {
+                let mut knowns = self.elastic(element, Discrete);
+                self.steps(element, &mut knowns);
+                knowns
+            }
             Action::Hitting => self.holding(element),
             Action::Rubbing => {
                 let mut knowns = self.holding(element);
@@ -240,6 +246,15 @@ impl<'a> Structure<'a> {
         join(&mut knowns, &own, times);
         self.of_section(&element.dotted(), &mut knowns);
         knowns
+    }
+
+    /// Adds what tells the stiffness that steps, which is the time.
+    fn steps(&self, element: Element, knowns: &mut Knowns) {
+        if let Element::Spring(Spring { stepped: Some(_), .. })
+        | Element::Stop(Stop { stepped: Some(_), .. }) = element
+        {
+            put(knowns, self.references[&Quantity::Time], Dependent);
+        }
     }
 
     /// Adds the inner place of a spring in series.
@@ -367,13 +382,14 @@ impl<'a> Structure<'a> {
                     for &element in self.elements.iter().filter(stores) {
                         let mut own = self.of_element(element, 0);
                         self.slider(element, &mut own);
+                        self.steps(element, &mut own);
                         join(knowns, &own, Dependent);
                         self.of_section(&element.dotted(), knowns);
                     }
                 }
             }
             // The accounts depend on the whole motion.
-            Energy::Work | Energy::Lost | Energy::Residual => {
+            Energy::Work | Energy::Lost | Energy::Switched | Energy::Residual => {
                 for [state, _] in &self.plan.states {
                     put(knowns, self.references[&Quantity::Column(*state)], Dependent);
                 }

@@ -83,6 +83,8 @@ pub enum Energy {
     Work,
     /// Energy lost in dashpots, stops and friction since the start.
     Lost,
+    /// What steps of stiffness have put in since the start.
+    Switched,
     /// Mechanical energy less its value by work and losses: rounding.
     Residual,
 }
@@ -179,7 +181,7 @@ impl VariableTable {
             table.inputs.push(table.rows.len() as u32);
         }
         table.columns(machine);
-        table.energies();
+        table.energies(machine);
         table.indicators(machine);
         table
     }
@@ -262,14 +264,17 @@ impl VariableTable {
         }
     }
 
-    fn energies(&mut self) {
-        for (what, meaning, energy) in [
+    fn energies(&mut self, machine: &Description) {
+        let all = [
             ("kinetic", "Kinetic energy", Energy::Kinetic),
             ("stored", "Energy in springs, compliant stops and weight", Energy::Stored),
             ("work", "Work of loads and prescribed motions since the start", Energy::Work),
             ("lost", "Lost in dashpots, stops and friction since the start", Energy::Lost),
+            ("switched", "Put in by steps of stiffness since the start", Energy::Switched),
             ("residual", "Energy that work and losses do not account for: rounding", Energy::Residual),
-        ] {
+        ];
+        let is_there = |energy| energy != Energy::Switched || machine.steps_stiffness();
+        for (what, meaning, energy) in all.into_iter().filter(|own| is_there(own.2)) {
             self.push(format!("energy.{what}"), meaning, "J", Role::Output, Quantity::Energy(energy));
         }
     }

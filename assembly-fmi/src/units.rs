@@ -117,7 +117,8 @@ pub(crate) fn stop_state(state: StopState) -> f64 {
     match state {
         StopState::Open => 1.0,
         StopState::Closed => 2.0,
-        StopState::Below => 3.0,
+        // A stop has the state of the part whose level holds.
+        StopState::Below | StopState::Off => 3.0,
         StopState::Pressed => 4.0,
         StopState::Free => 5.0,
         StopState::Capped => 6.0,

@@ -17,6 +17,7 @@ fn plans() -> Vec<Plan> {
     plans.push(Plan::new(include_str!("../../assembly/tests/data/laws.toml").into(), "laws.toml").unwrap());
     plans.push(Plan::new(include_str!("common/joint.toml").into(), "joint.toml").unwrap());
     plans.push(Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }
@@ -70,6 +71,29 @@ fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     }
     assert_eq!(row("body.belt.motion.rate.input").unit, "m/s");
     assert_eq!(row("body.table.motion.acceleration.input").unit, "m/s2");
+}
+
+/// Heights and times of a stiffness that steps are tunable, its period is fixed; what its steps put in
+/// is a variable of such a machine alone.
+#[test]
+fn golden_stiffness_that_steps_and_what_it_puts_in() {
+    let plan = Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap();
+    let row =
+        |name: &str| plan.table.reference(name).map(|reference| &plan.table.rows[reference as usize - 1]);
+    for (name, role) in [
+        ("spring.mesh.stiffness.constant", Some(Role::Tunable)),
+        ("spring.mesh.stiffness.steps[0].height", Some(Role::Tunable)),
+        ("spring.mesh.stiffness.steps[1].time", Some(Role::Tunable)),
+        ("spring.mesh.stiffness.repeat", Some(Role::Parameter)),
+        ("spring.mesh.stiffness", None),
+        ("stop.pad.stiffness.table.scale", Some(Role::Tunable)),
+        ("energy.switched", Some(Role::Output)),
+    ] {
+        assert_eq!(row(name).map(|row| row.role), role, "{name}");
+    }
+    assert_eq!(row("spring.mesh.stiffness.steps[0].height").unwrap().unit, "N/m");
+    let other = Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap();
+    assert_eq!(other.table.reference("energy.switched"), None);
 }
 
 #[test]

@@ -66,7 +66,7 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
         }
         Element::Spring(spring) => {
             let dashpot = spring.damping > 0.0;
-            let acts = spring.stiffness > 0.0 || !spring.points.is_empty();
+            let acts = spring.stiffness > 0.0 || !spring.points.is_empty() || spring.stepped.is_some();
             Symbol::Spring { zigzag: acts || !dashpot, dashpot }
         }
         Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },

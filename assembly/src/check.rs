@@ -3,6 +3,7 @@
 mod links;
 mod names;
 mod starts;
+mod stepped;
 
 pub(crate) use names::problem_of as problem_of_name;
 
@@ -74,6 +75,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     check_integrated(machine, &mut problems);
     loads(machine, &mut problems);
     series(machine, &mut problems);
+    stepped::check(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
     }

@@ -168,6 +168,9 @@ pub struct Spring {
     pub arms: Arms,
     /// N/m or N m/rad, not negative.
     pub stiffness: f64,
+    /// The stiffness where it steps in time, by constant and steps or a held record; `stiffness` is
+    /// then 0.
+    pub stepped: Option<Signal>,
     /// N s/m or N m s/rad, not negative.
     pub damping: f64,
     /// The force at e = 0, N or N m; 0 beside `series`.
@@ -211,6 +214,8 @@ pub struct Stop {
     pub gap: f64,
     /// Rigid or compliant.
     pub law: StopLaw,
+    /// The stiffness where it steps in time, as a spring's; that of `law` is then 0.
+    pub stepped: Option<Signal>,
 }
 
 /// The law of a stop.

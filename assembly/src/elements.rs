@@ -108,7 +108,7 @@ impl<'a> Element<'a> {
     /// How its force follows from the state.
     pub fn action(self) -> Action {
         match self {
-            Self::Spring(spring) if spring.points.len() > 2 => Action::Switching,
+            Self::Spring(spring) if spring.points.len() > 2 || spring.stepped.is_some() => Action::Switching,
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
             Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
@@ -132,7 +132,10 @@ impl<'a> Element<'a> {
                 std::iter::once((".force", &friction.force)).chain(largest).collect()
             }
             Self::Load(load) => vec![("", &load.force)],
-            Self::Spring(_) | Self::Damper(_) | Self::Stop(_) | Self::Link(_) => Vec::new(),
+            Self::Spring(Spring { stepped, .. }) | Self::Stop(Stop { stepped, .. }) => {
+                stepped.iter().map(|signal| (".stiffness", signal)).collect()
+            }
+            Self::Damper(_) | Self::Link(_) => Vec::new(),
         }
     }
 }
@@ -159,6 +162,11 @@ impl Description {
         let links = self.links.iter().map(Element::Link);
         let springs = springs.chain(self.dampers.iter().map(Element::Damper));
         springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
+    }
+
+    /// Whether the stiffness of any element steps in time.
+    pub fn steps_stiffness(&self) -> bool {
+        crate::stepped::all(self).next().is_some()
     }
 
     /// Counts of the bodies and of the elements of each section, with plurals.

@@ -36,6 +36,8 @@ pub struct Accounts {
     pub branches: Vec<DoubleDouble>,
     /// Loss at impacts.
     pub impacts: DoubleDouble,
+    /// What steps of stiffnesses have put in.
+    pub switched: DoubleDouble,
 }
 
 impl Accounts {
@@ -51,6 +53,7 @@ impl Accounts {
             frictions: zero(system.frictions.len()),
             branches: zero(system.branches.len()),
             impacts: DoubleDouble::default(),
+            switched: DoubleDouble::default(),
         }
     }
 
@@ -60,10 +63,10 @@ impl Accounts {
         self
     }
 
-    /// Work less losses, J, which equals the change of the mechanical energy since the start.
+    /// Work and what steps of stiffnesses put in less losses, J, which equals the change of the mechanical energy since the start.
     pub fn balance(&self) -> f64 {
         let minus = |sum: DoubleDouble, x: &DoubleDouble| sum.minus(*x);
-        let put_in = self.loads.iter().fold(self.motions, |sum, x| sum + *x);
+        let put_in = self.loads.iter().fold(self.motions + self.switched, |sum, x| sum + *x);
         let dashpots = self.dashpots.iter().fold(put_in, minus);
         let stops = self.stops.iter().fold(dashpots, minus);
         let frictions = self.frictions.iter().fold(stops, minus);
@@ -75,6 +78,11 @@ impl Accounts {
     pub fn impact(&mut self, lost: f64, work: f64) {
         self.impacts = self.impacts.plus(lost);
         self.motions = self.motions.plus(work);
+    }
+
+    /// Adds what steps of stiffnesses put in.
+    pub(crate) fn switch(&mut self, work: f64) {
+        self.switched = self.switched.plus(work);
     }
 
     /// Adds the loss of a slider that is moved at once.
@@ -134,14 +142,13 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         let force = branch.force.dot(z);
         stored += 0.5 * force * force / branch.stiffness;
     }
-    let (stops, corners) = system.stops.split_at(system.first_corner);
-    for stop in stops {
+    let (stops, others) = system.stops.split_at(system.first_corner);
+    for stop in stops.iter().filter(|stop| !stop.is_off(z)) {
         let excess = stop.excess.dot(z).max(0.0);
         stored += 0.5 * stop.spring.dot(z).max(0.0) * excess;
     }
-    for corner in corners {
-        let excess = corner.excess.dot(z).max(0.0);
-        stored += 0.5 * corner.stiffness() * excess * excess;
+    for other in others.iter().filter(|other| !other.is_off(z)) {
+        stored += other.stored(z);
     }
     (kinetic, stored - system.stored_at_zero)
 }

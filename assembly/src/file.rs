@@ -35,6 +35,7 @@ mod records;
 mod series;
 mod signals;
 mod start;
+mod stepped;
 mod write;
 
 pub use records::{no_records, records_beside};

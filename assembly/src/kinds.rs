@@ -40,6 +40,8 @@ pub const START: NumberKind = kind("Coordinate at time 0", "m", "rad", Range::FI
 pub const RATE: NumberKind = kind("Rate of the even motion", "m/s", "rad/s", Range::FINITE);
 pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
+/// A part of a stiffness that steps in time.
+pub const STEPPED: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::FINITE);
 pub const SERIES_STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE);
 pub const SLIP: NumberKind = kind("Force at which the slider slips", "N", "N.m", Range::POSITIVE);
 pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::FINITE);

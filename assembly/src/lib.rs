@@ -34,6 +34,7 @@ pub mod rest;
 pub mod signals;
 mod slots;
 pub mod start;
+mod stepped;
 pub mod system;
 mod vectors;
 

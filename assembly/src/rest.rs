@@ -152,7 +152,7 @@ fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
     let of = |(rows, own): (&FrictionRows, &Friction)| match &own.follows {
         None => [rows.levels[0].level.dot(z), rows.levels[0].static_level.dot(z)],
         Some(follows) => {
-            let normal = system.stops[follows.stop].spring.dot(z).max(0.0);
+            let normal = system.stops[system.present_at(follows.stop, z)].spring.dot(z).max(0.0);
             let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
             [follows.coefficient * normal, largest * normal]
         }
@@ -225,7 +225,8 @@ impl Holding {
         let mut force = &system.forces * z;
         let mut sizes = system.forces.abs() * z.abs();
         let mut contacts = Vec::new();
-        for stop in &system.stops[..system.first_corner] {
+        let is_stop = |i: &usize| !system.is_corner(*i) && !system.stops[*i].is_off(z);
+        for stop in (0..system.stops.len()).filter(is_stop).map(|i| &system.stops[i]) {
             let compliance = match stop.law {
                 StopLaw::Rigid { .. } => 0.0,
                 StopLaw::Compliant { stiffness, .. } if stiffness > 0.0 => 1.0 / stiffness,
@@ -260,7 +261,15 @@ impl Holding {
             stiffness: s.stiffness,
             spring,
         };
-        let springs = system.springs.iter().enumerate().map(spring).filter(|s| s.stiffness != 0.0).collect();
+        let mut springs: Vec<_> =
+            system.springs.iter().enumerate().map(spring).filter(|s| s.stiffness != 0.0).collect();
+        for level in system.stops.iter().filter(|own| own.is_gapless() && !own.is_off(z)) {
+            let (w, stiffness, own) = (&level.elongation.w, level.stiffness(), level.spring.dot(z));
+            force.axpy(-own, w, 1.0);
+            sizes += w.abs() * own.abs();
+            springs.push(RestSpring { w: direction(w), stiffness, spring: usize::MAX });
+        }
+        springs.retain(|s| s.stiffness != 0.0);
         Self { contacts, springs, force, sizes }
     }
 

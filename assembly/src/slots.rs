@@ -87,7 +87,10 @@ impl<'a> Slots<'a> {
             return;
         }
         let stiffness = if spring.series.is_some() { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
-        self.push(format!("{of}.stiffness"), stiffness, &mut spring.stiffness);
+        match &mut spring.stepped {
+            Some(signal) => self.signal(&format!("{of}.stiffness"), signal, kinds::STEPPED),
+            None => self.push(format!("{of}.stiffness"), stiffness, &mut spring.stiffness),
+        }
         self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
         let Some(series) = &mut spring.series else {
             return self.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
@@ -103,13 +106,16 @@ impl<'a> Slots<'a> {
         }
     }
 
-    fn law(&mut self, of: &str, law: &'a mut StopLaw) {
+    fn law(&mut self, of: &str, law: &'a mut StopLaw, stepped: &'a mut Option<Signal>) {
         match law {
             StopLaw::Rigid { restitution } => {
                 self.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
             }
             StopLaw::Compliant { stiffness, damping, .. } => {
-                self.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness);
+                match stepped {
+                    Some(signal) => self.signal(&format!("{of}.stiffness"), signal, kinds::STEPPED),
+                    None => self.push(format!("{of}.stiffness"), kinds::STIFFNESS, stiffness),
+                }
                 self.push(format!("{of}.damping"), kinds::DAMPING, damping);
             }
         }
@@ -180,7 +186,7 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     for stop in &mut machine.stops {
         let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
         slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);
-        slots.law(&of, &mut stop.law);
+        slots.law(&of, &mut stop.law, &mut stop.stepped);
     }
     for friction in &mut machine.frictions {
         let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);

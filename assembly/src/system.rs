@@ -4,6 +4,7 @@
 
 mod first_order;
 mod further;
+mod levels;
 mod parts;
 mod rows;
 mod split;
@@ -11,6 +12,7 @@ mod stiff;
 
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};
+pub use levels::StopLevel;
 pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
@@ -22,6 +24,7 @@ use crate::error::Error;
 use crate::flow::DENSE;
 use crate::polyline::Polyline;
 use crate::signals::{Builder, Layout, Signals};
+use crate::stepped;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::sync::OnceLock;
 
@@ -171,6 +174,7 @@ impl System {
             .iter()
             .map(|f| (builder.add(&f.force), f.static_force.as_ref().map(|s| builder.add(s))))
             .collect();
+        let counters: Vec<usize> = stepped::all(d).map(|own| builder.add(&stepped::counter(own))).collect();
         let (signals, rows) = builder.finish();
         let bodies = bodies(d, &reduction, &signals, &motions, &rows);
         let inertias: Vec<f64> = d
@@ -224,7 +228,7 @@ impl System {
             inertias,
             weights,
         };
-        system.add_elements(d, &levels, &rows);
+        system.add_elements(d, &levels, (&rows, rows.len() - counters.len()));
         system.add_forces();
         Ok(system)
     }
@@ -278,10 +282,20 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility, reach }
     }
 
-    /// Adds the parts of all elements.
-    fn add_elements(&mut self, d: &Description, levels: &[(usize, Option<usize>)], rows: &[StateRow]) {
+    /// Adds the parts of all elements. Behind the `first` rows of signals stand those of counters of
+    /// levels.
+    fn add_elements(
+        &mut self,
+        d: &Description,
+        levels: &[(usize, Option<usize>)],
+        (rows, first): (&[StateRow], usize),
+    ) {
         let mut loads = 0;
+        let up_to_stops = d.springs.len() + d.dampers.len() + d.stops.len();
         for element in d.elements() {
+            if self.parts.len() == up_to_stops {
+                self.add_levels(d, &rows[first..]);
+            }
             let parts = match element {
                 Element::Spring(Spring { arms, stiffness, damping, series: Some(series), .. }) => {
                     let mut parts = self.add_spring(arms, 0.0, *damping, 0.0);
@@ -314,6 +328,9 @@ impl System {
             };
             self.parts.push(parts);
         }
+        if self.parts.len() == up_to_stops {
+            self.add_levels(d, &rows[first..]);
+        }
         self.add_corners(d);
     }
 
@@ -334,7 +351,7 @@ impl System {
         let spring = stiffness * &excess;
         let force = &spring + damping * &*elongation.rate;
         let [excess, force, spring] = [excess, force, spring].map(Functional::of);
-        self.stops.push(StopRows { elongation, excess, law, force, spring, is_followed: false });
+        self.stops.push(StopRows { elongation, excess, law, force, spring, is_followed: false, level: None });
         vec![Part::Stop(self.stops.len() - 1)]
     }
 

@@ -103,9 +103,14 @@ fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion()
         ("gear_backlash", 0.05, 1e-5, 1),
         ("cradle", 1.0, 1e-4, 1),
         ("laws", 0.7, 1e-4, 6),
+        ("stepped", 0.8, 2e-5, 20),
     ];
     for (name, end, step, events) in machines {
-        let assembly = if name == "laws" { Arc::new(Assembly::new(laws()).unwrap()) } else { example(name) };
+        let assembly = match name {
+            "laws" => Arc::new(Assembly::new(laws()).unwrap()),
+            "stepped" => Arc::new(Assembly::new(stepped()).unwrap()),
+            _ => example(name),
+        };
         let mut solver = Solver::new(&assembly);
         let origin = {
             let (k, s) = solver.motion.kinetic_and_stored();

@@ -56,8 +56,9 @@ impl ContactRecorder {
         let current = vec![None; motion.mode().stops.len()];
         let mut contacts = Self { all: Vec::new(), current, acting: Vec::new() };
         contacts.meet(motion.assembly().system(), told, Some(motion.energy().impacts.value()));
-        for (i, state) in motion.mode().stops.iter().enumerate() {
-            let is_corner = motion.assembly().system().is_corner(i);
+        for (part, state) in motion.mode().stops.iter().enumerate() {
+            let (system, i) = (motion.assembly().system(), motion.assembly().system().stop_of(part));
+            let is_corner = system.is_corner(part);
             if holds(*state) && !is_corner && contacts.current[i].is_none() {
                 let speed = if *state == StopState::Closed { 0.0 } else { motion.stop(i)[1] };
                 contacts.begin(i, motion.time(), speed);
@@ -134,6 +135,7 @@ impl ContactRecorder {
                 let beyond = force.iter().zip(rows.spring.iter()).map(|(f, k)| f - k);
                 (Sparse::of(beyond), Sparse::of(rows.elongation.rate.iter().copied()))
             });
+            let stop = system.stop_of(stop);
             self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), loss });
         }
     }

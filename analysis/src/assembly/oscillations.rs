@@ -2,19 +2,16 @@
 
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
-use vibro_assembly::mode::{FrictionState, Mode, StopState};
-use vibro_assembly::system::System;
+use vibro_assembly::mode::{FrictionState, Mode};
+use vibro_assembly::system::{StopRows, System};
 
 /// Frequency relative to the fastest below which an oscillation is rounding.
 const ROUNDING: f64 = 1e-7;
 
 /// Frequencies of the machine's own oscillations, Hz, with all stops open and all friction off,
-/// with damping.
+/// with damping; stiffness that steps has its first level.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
-    let open = |stop: &vibro_assembly::system::StopRows| {
-        if stop.restitution().is_some() { StopState::Open } else { StopState::Below }
-    };
-    let stops = system.stops.iter().map(open).collect();
+    let stops = system.stops.iter().map(StopRows::state_apart).collect();
     let frictions = vec![FrictionState::Off; system.frictions.len()];
     let linear = system.linear(&Mode { stops, frictions, sliders: system.held_sliders(), basis: Vec::new() });
     let size = system.states();

@@ -180,12 +180,12 @@ impl Moving {
     /// Stops' states, impacts and last impulses, and frictions' states.
     pub(super) fn discrete(&self) -> Shown {
         let mode = self.motion.mode();
-        let stop = |(i, state)| {
+        let stop = |i: usize| {
             let StopRecord { count, impulse } = self.motion.impacts(i);
-            (stop_state(state), count as f64, impulse)
+            (stop_state(self.motion.stop_state(i)), count as f64, impulse)
         };
         Shown {
-            stops: mode.stops.iter().copied().enumerate().map(stop).collect(),
+            stops: (0..mode.stops.len()).map(stop).collect(),
             frictions: mode.frictions.iter().copied().map(friction_state).collect(),
             lines: (0..self.motion.assembly().description.springs.len()).map(|i| self.line(i)).collect(),
             sliders: mode.sliders.iter().copied().map(slider_state).collect(),
@@ -204,7 +204,7 @@ impl Moving {
         let motion = &self.motion;
         match quantity {
             Quantity::Energy(energy) => self.energy(energy),
-            Quantity::StopState(i) => stop_state(motion.mode().stops[i]),
+            Quantity::StopState(i) => stop_state(motion.stop_state(i)),
             Quantity::Impacts(i) => motion.impacts(i).count as f64,
             Quantity::Impulse(i) => motion.impacts(i).impulse,
             Quantity::FrictionState(i) => friction_state(motion.mode().frictions[i]),
@@ -230,8 +230,9 @@ impl Moving {
             Energy::Work => work(&self.accounts()),
             Energy::Lost => {
                 let accounts = self.accounts();
-                work(&accounts) - accounts.balance()
+                work(&accounts) + accounts.switched.value() - accounts.balance()
             }
+            Energy::Switched => self.accounts().switched.value(),
             Energy::Residual => self.unaccounted() - self.origin,
         }
     }

@@ -28,6 +28,32 @@ fn balance(machine: &mut Machine, plan: &Plan) -> (f64, f64) {
     (kinetic + stored, residual)
 }
 
+/// Steps of stiffness between and within a host's steps, one of which it changes.
+#[test]
+fn invariant_what_steps_of_stiffness_put_in_is_accounted_for() {
+    let plan = Arc::new(Plan::new(include_str!("../common/stepped.toml").into(), FILE).unwrap());
+    let mut machine =
+        Machine::new(plan.clone(), Life::new(Interface::CoSimulation, EventHandling::default()));
+    machine.set_experiment(None, 0.0, None).unwrap();
+    machine.enter_initialization();
+    machine.exit_initialization(&mut Silent).unwrap();
+    let names = ["energy.work", "energy.lost", "energy.switched", "spring.mesh.stiffness.steps[0].height"];
+    let [work, lost, switched, height] = named(&plan, names);
+    let (first, _) = balance(&mut machine, &plan);
+    for k in 0..30 {
+        machine.advance(0.1 * f64::from(k), 0.1, &mut Silent).unwrap();
+        let (energy, residual) = balance(&mut machine, &plan);
+        assert!(residual.abs() < ROUNDING, "{k}: {residual} of {energy}");
+        if k < 15 {
+            let [work, lost, switched] = [work, lost, switched].map(|own| get(&mut machine, own).unwrap());
+            assert!((energy - first - work - switched + lost).abs() < ROUNDING, "{k}");
+            assert!(k < 1 || switched.abs() > 1e-4, "{switched}");
+        } else if k == 15 {
+            assert!(set(&mut machine, height, 25.0));
+        }
+    }
+}
+
 #[test]
 fn invariant_energy_is_accounted_for_whatever_a_host_sets_between_steps() {
     let plan = plan();

@@ -23,6 +23,7 @@ fn plans() -> Vec<Arc<Plan>> {
         include_str!("../common/everything.toml"),
         include_str!("../common/joint.toml"),
         include_str!("../common/signals.toml"),
+        include_str!("../common/stepped.toml"),
         include_str!("../../../assembly/tests/data/laws.toml"),
     ];
     examples.chain(texts.map(|text| Plan::new(text.into(), FILE).unwrap())).map(Arc::new).collect()

@@ -2,11 +2,12 @@
 
 use super::bodies::{BodyTangent, bodies};
 use super::branches::BranchTangent;
-use crate::description::{Arms, BodyKind, Description, Follows, StopLaw};
+use crate::description::{Arms, BodyKind, Description, Follows, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
+use crate::stepped;
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
@@ -95,19 +96,22 @@ fn direction(d: &Description, name: &str) -> Description {
     along
 }
 
-/// All signals in the order of the system's.
-fn signals(d: &Description) -> Vec<Course<'_>> {
+/// All signals in the order of the system's, the last of them counters of levels.
+fn signals<'a>(d: &'a Description, counters: &'a [Signal]) -> Vec<Course<'a>> {
     let motions = d.bodies.iter().filter_map(|body| body.kind.course());
     let loads = d.loads.iter().map(|load| Course::from(&load.force));
     let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
-    motions.chain(loads).chain(levels.map(Course::from)).collect()
+    motions.chain(loads).chain(levels.chain(counters).map(Course::from)).collect()
 }
 
 impl Tangent {
     /// The derivative of the matrices `system` of `d` by the parameter `name`.
     pub fn new(system: &System, d: &Description, name: &str) -> Self {
         let along = direction(d, name);
-        let signals = system.signals.tangent(&signals(d), &signals(&along));
+        let counters: Vec<Signal> = stepped::all(d).map(stepped::counter).collect();
+        let both = stepped::all(d).zip(stepped::all(&along));
+        let moved: Vec<Signal> = both.map(|(own, by)| stepped::counter_along(own, by)).collect();
+        let signals = system.signals.tangent(&signals(d, &counters), &signals(&along, &moved));
         let start = |&body: &usize| match along.bodies[body].kind {
             BodyKind::Free(free) => (free.s, free.v),
             _ => (0.0, 0.0),
@@ -215,6 +219,7 @@ impl Tangent {
             let force = &spring + dc * &*rows.elongation.rate + c * &own.rate;
             self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution });
         }
+        self.put_levels(system, d, along);
         let springs = d.springs.iter().zip(&along.springs).filter(|(spring, _)| !spring.points.is_empty());
         for (spring, by) in springs {
             for (gap, steeper) in Polyline::derivative(&spring.points, &by.points).corners {
@@ -229,18 +234,47 @@ impl Tangent {
         }
     }
 
+    /// The levels of stiffnesses that step: (k x)' = k' x + k x'.
+    fn put_levels(&mut self, system: &System, d: &Description, along: &Description) {
+        for (i, (stop, by)) in d.stops.iter().zip(&along.stops).enumerate() {
+            let (Some(signal), Some(by)) = (&stop.stepped, &by.stepped) else { continue };
+            let all: Vec<usize> = system.levels_of(i).collect();
+            for (part, dk) in all.into_iter().zip(stepped::along(signal, by)) {
+                if part != i {
+                    self.stops.push(self.stops[i].clone());
+                }
+                let (rows, own) = (&system.stops[part], &mut self.stops[part]);
+                // What the force has so far is another level's share, or none, and the dashpot's.
+                let spring = dk * &*rows.excess + rows.stiffness() * &own.excess;
+                own.force += &spring - &own.spring;
+                own.spring = spring;
+            }
+        }
+        for (spring, by) in d.springs.iter().zip(&along.springs) {
+            let (Some(signal), Some(moved)) = (&spring.stepped, &by.stepped) else { continue };
+            for dk in stepped::along(signal, moved) {
+                let rows = &system.stops[self.stops.len()];
+                let elongation = self.elongation(system, &spring.arms, &by.arms);
+                let excess = elongation.e.clone();
+                let force = dk * &*rows.excess + rows.stiffness() * &excess;
+                let spring = force.clone();
+                self.stops.push(StopTangent { elongation, excess, force, spring, restitution: 0.0 });
+            }
+        }
+    }
+
     fn put_frictions(&mut self, system: &System, d: &Description, along: &Description) {
         let given: usize = d.frictions.iter().map(|f| 1 + usize::from(f.static_force.is_some())).sum();
-        let first = self.signals.rows.len() - given;
+        let first = self.signals.rows.len() - given - stepped::all(d).count();
         let mut place = first;
-        for (friction, by) in d.frictions.iter().zip(&along.frictions) {
+        for (i, (friction, by)) in d.frictions.iter().zip(&along.frictions).enumerate() {
             let level = self.signals.rows[place].clone();
             place += usize::from(friction.static_force.is_some());
             let static_level = self.signals.rows[place].clone();
             place += 1;
             let elongation = self.elongation(system, &friction.arms, &by.arms);
             let levels = match (&friction.follows, &by.follows) {
-                (Some(own), Some(by)) => self.following(system, own, by),
+                (Some(own), Some(by)) => self.following(system, i, (own, by)),
                 _ => vec![LevelTangent { level, static_level }],
             };
             self.frictions.push(FrictionTangent { elongation, levels });
@@ -248,18 +282,17 @@ impl Tangent {
     }
 
     /// The derivatives of levels that follow a stop: (μ N)' = μ' N + μ N'.
-    fn following(&self, system: &System, own: &Follows, by: &Follows) -> Vec<LevelTangent> {
-        let states = system.stops[own.stop].states_with_force();
+    fn following(&self, system: &System, i: usize, (own, by): (&Follows, &Follows)) -> Vec<LevelTangent> {
         let largest = own.static_coefficient.unwrap_or(own.coefficient);
         let by_largest = by.static_coefficient.unwrap_or(by.coefficient);
-        let of_state = |state: StopState| {
-            let (force, varied) = (system.stop_force(own.stop, state)?, self.stop_force(own.stop, state)?);
+        let of_state = |&(stop, state): &(usize, StopState)| {
+            let (force, varied) = (system.stop_force(stop, state)?, self.stop_force(stop, state)?);
             Some(LevelTangent {
                 level: by.coefficient * &force + own.coefficient * &varied,
                 static_level: by_largest * &force + largest * &varied,
             })
         };
-        states.into_iter().filter_map(of_state).collect()
+        system.frictions[i].follows.iter().flatten().filter_map(of_state).collect()
     }
 
     pub(super) fn elongation(&self, system: &System, arms: &Arms, along: &Arms) -> ElongationTangent {

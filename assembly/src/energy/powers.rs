@@ -164,7 +164,7 @@ impl Losses {
                 for (place, own) in friction.levels.iter().enumerate() {
                     let when = match &friction.follows {
                         None => When::Friction(i, state),
-                        Some((stop, states)) => When::Following((i, state), (*stop, states[place])),
+                        Some(all) => When::Following((i, state), all[place]),
                     };
                     put(when, account, state.direction(), &own.level, rate);
                 }

@@ -6,6 +6,7 @@ use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
 use super::series;
 use super::signals::{self, Values};
+use super::stepped;
 use crate::description::{
     Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
 };
@@ -65,24 +66,24 @@ fn with_arms<T>(
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     let own = ["between", "arms", "stiffness", "damping", "preload", "points"];
     reading.known(table, &[&own, &series::KEYS[..]].concat());
-    let (arms, (stiffness, damping, preload, points, series)) =
+    let (arms, ((stiffness, stepped), damping, preload, points, series)) =
         with_arms(reading, table, names, |reading, dimension| {
             let points = points::read(reading, table, dimension);
             let series = series::read(reading, table, dimension);
             let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
             if table.has("points") {
-                return Some((0.0, damping?, 0.0, points?, series?));
+                return Some(((0.0, None), damping?, 0.0, points?, series?));
             }
             let is_in_series = series::is_given(table);
             let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
-            let stiffness = reading.required_number(table, "stiffness", kind, dimension);
+            let stiffness = stepped::read(reading, table, kind, dimension);
             let preload = match is_in_series {
                 true => Some(0.0),
                 false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
             };
             Some((stiffness?, damping?, preload?, points?, series?))
         })?;
-    Some(Spring { name, arms, stiffness, damping, preload, points, series })
+    Some(Spring { name, arms, stiffness, stepped, damping, preload, points, series })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
@@ -95,15 +96,15 @@ fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
 
 fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {
     reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
-    let (arms, (gap, law)) = with_arms(reading, table, names, |reading, dimension| {
+    let (arms, (gap, (law, stepped))) = with_arms(reading, table, names, |reading, dimension| {
         let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
         let law = law(reading, table, dimension);
         Some((gap?, law?))
     })?;
-    Some(Stop { name, arms, gap, law })
+    Some(Stop { name, arms, gap, law, stepped })
 }
 
-fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<StopLaw> {
+fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<(StopLaw, Option<Signal>)> {
     if !table.has("restitution") && !table.has("stiffness") {
         let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
         reading.refuse_table(table, text);
@@ -119,9 +120,9 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
             }
         }
         let restitution = reading.number(&restitution, kinds::RESTITUTION, dimension)?;
-        return alone.then_some(StopLaw::Rigid { restitution });
+        return alone.then_some((StopLaw::Rigid { restitution }, None));
     }
-    let stiffness = reading.required_number(table, "stiffness", kinds::STIFFNESS, dimension);
+    let stiffness = stepped::read(reading, table, kinds::STIFFNESS, dimension);
     let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
     let limit = match reading.optional(table, "law") {
         None => Some(DampingLimit::NoPull),
@@ -137,7 +138,8 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
             }
         },
     };
-    Some(StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit: limit? })
+    let (stiffness, stepped) = stiffness?;
+    Some((StopLaw::Compliant { stiffness, damping: damping?, limit: limit? }, stepped))
 }
 
 fn friction(

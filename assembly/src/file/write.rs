@@ -169,7 +169,7 @@ impl Writing<'_> {
             self.line(text, of, "damping", spring.damping);
             return self.points(text, of, &spring.points);
         }
-        self.line(text, of, "stiffness", spring.stiffness);
+        self.stiffness(text, of, spring.stiffness, spring.stepped.as_ref());
         self.line(text, of, "damping", spring.damping);
         let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
         match series.law {
@@ -181,12 +181,23 @@ impl Writing<'_> {
         }
     }
 
+    /// A stiffness as a number or as an inline table.
+    fn stiffness(&self, text: &mut String, of: &str, stiffness: f64, stepped: Option<&Signal>) {
+        match stepped {
+            None => self.line(text, of, "stiffness", stiffness),
+            Some(signal) => {
+                let parts = self.parts(&format!("{of}.stiffness"), signal).join(", ");
+                line!(text, "stiffness = {{ {parts} }}");
+            }
+        }
+    }
+
     fn stop(&self, text: &mut String, of: &str, stop: &Stop) {
         self.line(text, of, "gap", stop.gap);
         match stop.law {
             StopLaw::Rigid { restitution } => self.line(text, of, "restitution", restitution),
             StopLaw::Compliant { stiffness, damping, limit } => {
-                self.line(text, of, "stiffness", stiffness);
+                self.stiffness(text, of, stiffness, stop.stepped.as_ref());
                 self.line(text, of, "damping", damping);
                 let law = match limit {
                     DampingLimit::NoPull => "no-pull",

@@ -195,6 +195,10 @@ impl System {
             StopState::Open => vec![(Watch::Meets(i), (*stop.excess).clone())],
             StopState::Closed => Vec::new(),
             StopState::Below => vec![(Watch::Presses(i), (*stop.excess).clone())],
+            StopState::Off => Vec::new(),
+            StopState::Pressed if stop.is_gapless() => Vec::new(),
+            // Of stiffness 0 the force does not tell where it ends.
+            StopState::Pressed if stop.level.is_some() && !damped => vec![leaves()],
             StopState::Pressed if stop.turns() => vec![(Watch::Turns(i), -&*stop.elongation.rate)],
             StopState::Pressed if !stop.is_limited() => vec![leaves()],
             StopState::Pressed => {

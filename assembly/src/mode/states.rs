@@ -21,6 +21,8 @@ pub enum StopState {
     Capped,
     /// A stop with the law `undamped-rebound` whose e falls: its spring's force alone.
     Rebounding,
+    /// A part of an element whose stiffness, which steps in time, has another level.
+    Off,
 }
 
 impl StopState {
@@ -31,7 +33,7 @@ impl StopState {
             Self::Pressed => Some(linear.clone()),
             Self::Capped => Some(2.0 * spring),
             Self::Rebounding => Some(spring.clone()),
-            Self::Open | Self::Closed | Self::Below | Self::Free => None,
+            Self::Open | Self::Closed | Self::Below | Self::Free | Self::Off => None,
         }
     }
 

@@ -145,12 +145,17 @@ impl Motion {
         stood: Option<BeforeJump>,
         observer: &mut Observer,
     ) -> Result<(), Error> {
-        let mut parted = Parted::default();
-        if let Some(stood) = stood {
-            parted = self.jump(&stood);
+        let (mut parted, mut switched) = (Parted::default(), 0.0);
+        let moved = stood.as_ref().map(|stood| self.jump(stood));
+        if self.assembly.system.has_levels() {
+            switched = self.assembly.system.switched(&self.hybrid.mode.stops, &self.hybrid.z);
+            self.hybrid.energy.switch(switched);
+        }
+        if let (Some(stood), Some(moved)) = (stood, moved) {
+            parted = moved;
             self.check_jump(&stood)?;
             let lost = self.slide();
-            let work = self.work_of_jump(&stood) + lost;
+            let work = self.work_of_jump(&stood) - switched + lost;
             self.hybrid.energy.impact(0.0, work);
         }
         self.settle(&[], &parted, observer)

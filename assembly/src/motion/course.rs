@@ -69,9 +69,12 @@ impl System {
     }
 
     fn first_indicator_of_stop(&self, i: usize) -> usize {
+        let i = if i < self.stops.len() { self.stop_of(i) } else { i };
         let stops = self.stops[..i].iter().enumerate();
-        let of = |(i, stop): (usize, &StopRows)| {
-            if stop.restitution().is_some() || self.is_corner(i) { 1 } else { 2 }
+        let of = |(i, stop): (usize, &StopRows)| match stop.level {
+            Some(level) if level.stop != Some(i) => 0,
+            _ if stop.restitution().is_some() || self.is_corner(i) => 1,
+            _ => 2,
         };
         stops.map(of).sum()
     }

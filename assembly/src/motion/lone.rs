@@ -166,7 +166,8 @@ impl Motion {
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
         let (z, sizes) = (hybrid.z.as_slice(), hybrid.sizes.0.as_slice());
         let stops = hybrid.mode.stops.iter().zip(&self.assembly.system.stops).enumerate();
-        let mut pressing = stops.filter(|(i, (state, _))| state.is_inside() && Some(*i) != entered);
+        let mut pressing =
+            stops.filter(|(i, (state, own))| state.is_inside() && Some(*i) != entered && !own.is_gapless());
         if pressing.any(|(_, (_, s))| s.excess.at(z) <= ZERO * s.excess.size(sizes)) {
             return false;
         }

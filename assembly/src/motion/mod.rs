@@ -228,6 +228,8 @@ impl Motion {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
             Some(_) => StopState::Open,
+            None if stop.is_off(z) => StopState::Off,
+            None if stop.is_gapless() => StopState::Pressed,
             None if stop.excess.dot(z) > 0.0 => stop.entered(),
             None => StopState::Below,
         };

@@ -24,7 +24,16 @@ impl Motion {
     pub(super) fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
         for (i, &was) in before.stops.iter().enumerate() {
             let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
-            self.report_change(ElementState::Stop(i, was), left, observer);
+            match (was, self.hybrid.mode.stops[i]) {
+                // At a step the part that begins to act tells of the change.
+                (_, StopState::Off) => {}
+                (StopState::Off, now) => {
+                    let stop = self.assembly.system.stop_of(i);
+                    let was = before.stops[self.assembly.system.present(stop, &before.stops)];
+                    self.report_stop(i, was, now, left, observer);
+                }
+                _ => self.report_change(ElementState::Stop(i, was), left, observer),
+            }
         }
         for (i, &was) in before.frictions.iter().enumerate() {
             self.report_change(ElementState::Friction(i, was), 0.0, observer);
@@ -57,12 +66,13 @@ impl Motion {
     }
 
     fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
+        let stop = self.assembly.system.stop_of(i);
         let press = || EventKind::Press {
-            stop: i,
+            stop,
             speed: self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice()),
         };
         let kind = match (was, now) {
-            (a, b) if a == b => return,
+            (a, b) if a == b || self.assembly.system.stops[i].is_gapless() => return,
             _ if self.assembly.system.is_corner(i) => {
                 // Equal slopes are no corner.
                 if self.assembly.system.stops[i].stiffness() == 0.0 {
@@ -76,10 +86,10 @@ impl Motion {
             }
             (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
             (StopState::Below, _) => press(),
-            (_, StopState::Below | StopState::Free) => EventKind::Free { stop: i },
+            (_, StopState::Below | StopState::Free) => EventKind::Free { stop },
             (StopState::Free, _) => press(),
-            (StopState::Pressed, StopState::Capped) => EventKind::Cap { stop: i, acts: true },
-            (StopState::Capped, StopState::Pressed) => EventKind::Cap { stop: i, acts: false },
+            (StopState::Pressed, StopState::Capped) => EventKind::Cap { stop, acts: true },
+            (StopState::Capped, StopState::Pressed) => EventKind::Cap { stop, acts: false },
             _ => return,
         };
         report(observer, self.time(), kind);

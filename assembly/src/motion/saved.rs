@@ -50,6 +50,7 @@ impl Hybrid {
             let law = match state {
                 StopState::Free | StopState::Capped => stop.is_limited(),
                 StopState::Rebounding => stop.may_rebound(),
+                StopState::Off => stop.level.is_some(),
                 _ => true,
             };
             rigid == matches!(stop.law, StopLaw::Rigid { .. }) && law

@@ -40,10 +40,23 @@ impl Motion {
 
     /// A stop's elongation, its rate and its force.
     pub fn stop(&self, i: usize) -> [f64; 3] {
-        let [e, rate, force] = self.stop_varied(i);
+        let present = self.assembly.system.present(i, &self.hybrid.mode.stops);
+        let [e, rate, _] = self.stop_varied(i);
+        [e, rate, self.part_force(present)]
+    }
+
+    /// The state of a stop, at the present level of its stiffness.
+    pub fn stop_state(&self, i: usize) -> StopState {
+        let stops = &self.hybrid.mode.stops;
+        stops[self.assembly.system.present(i, stops)]
+    }
+
+    /// The force of a part.
+    fn part_force(&self, i: usize) -> f64 {
+        let [_, _, force] = self.stop_varied(i);
         // Of most stops the force is never a pull, by (A13); where it vanishes, rounding has either
         // sign.
-        [e, rate, if self.assembly.system.stops[i].may_pull() { force } else { force.max(0.0) }]
+        if self.assembly.system.stops[i].may_pull() { force } else { force.max(0.0) }
     }
 
     /// A stop's elongation, its rate and its force as linear functions of the state, so that the
@@ -73,7 +86,7 @@ impl Motion {
 
     /// The value of a quantity of the machine, SI.
     pub fn value(&self, quantity: Quantity) -> f64 {
-        self.value_by(quantity, |i| self.stop(i)[2])
+        self.value_by(quantity, |i| self.part_force(i))
     }
 
     /// The value of a quantity in a motion that represents a derivative, where a stop's force may

@@ -19,29 +19,30 @@ impl System {
         }
     }
 
-    /// Whether a stop is a corner of a spring's force.
+    /// Whether a stop is a corner of a spring's force, or one of its levels.
     pub fn is_corner(&self, stop: usize) -> bool {
-        stop >= self.first_corner
+        stop >= self.first_corner && self.stops[stop].level.is_none_or(|own| own.stop.is_none())
     }
 
     /// Adds a friction whose levels follow the force of a stop.
     pub(super) fn add_following(&mut self, arms: &Arms, follows: &Follows) -> Vec<Part> {
-        let stop = &self.stops[follows.stop];
-        let states = stop.states_with_force();
+        let all = self.levels_of(follows.stop);
+        let states: Vec<_> =
+            all.flat_map(|i| self.stops[i].states_with_force().into_iter().map(move |s| (i, s))).collect();
         let largest = follows.static_coefficient.unwrap_or(follows.coefficient);
-        let levels = states.iter().filter_map(|&state| {
-            let force = self.stop_force(follows.stop, state)?;
+        let levels = states.iter().filter_map(|&(i, state)| {
+            let force = self.stop_force(i, state)?;
             let (level, largest) = (follows.coefficient * &force, largest * &force);
             Some(LevelRows { level, static_level: Functional::of(largest) })
         });
         let rows = FrictionRows {
             elongation: self.elongation(arms),
             levels: levels.collect(),
-            passes: stop.may_pull(),
-            follows: Some((follows.stop, states)),
+            passes: self.stops[follows.stop].may_pull(),
+            follows: Some(states.clone()),
             has_static: follows.static_coefficient.is_some(),
         };
-        self.stops[follows.stop].is_followed = true;
+        states.iter().for_each(|own| self.stops[own.0].is_followed = true);
         self.frictions.push(rows);
         vec![Part::Friction(self.frictions.len() - 1)]
     }

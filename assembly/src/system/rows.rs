@@ -1,5 +1,6 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
+use super::StopLevel;
 use crate::description::{DampingLimit, StopLaw};
 use crate::kernel::Sparse;
 use crate::mode::states::StopState;
@@ -118,6 +119,8 @@ pub struct StopRows {
     pub spring: Functional,
     /// Whether a friction follows its force.
     pub is_followed: bool,
+    /// The level at which it acts, of a stiffness that steps in time.
+    pub level: Option<StopLevel>,
 }
 
 impl StopRows {
@@ -193,8 +196,9 @@ pub struct FrictionRows {
     /// Its levels: one, or of one that follows a stop one for each state in which the stop has a
     /// force.
     pub levels: Vec<LevelRows>,
-    /// The stop that it follows, with these states.
-    pub follows: Option<(usize, Vec<StopState>)>,
+    /// By level the stop that it follows, with its state: one or, where the stop's stiffness steps,
+    /// several.
+    pub follows: Option<Vec<(usize, StopState)>>,
     /// Whether its levels may pass zero while they act.
     pub passes: bool,
     /// Whether the static level is given separately.
@@ -217,7 +221,7 @@ impl FrictionRows {
     pub fn place(&self, stops: &[StopState]) -> Option<usize> {
         match &self.follows {
             None => Some(0),
-            Some((stop, states)) => states.iter().position(|state| Some(state) == stops.get(*stop)),
+            Some(all) => all.iter().position(|(stop, state)| Some(state) == stops.get(*stop)),
         }
     }
 

@@ -31,7 +31,7 @@ pub struct Split {
     /// By friction and its levels, in the states of [`LEVELS`].
     frictions: Vec<Vec<[Term; 4]>>,
     /// By friction: the stop that it follows, with the states in which it has levels.
-    follows: Vec<Option<(usize, Vec<StopState>)>>,
+    follows: Vec<Option<Vec<(usize, StopState)>>>,
     /// By stop and state what is watched.
     watched_stops: Vec<[Vec<Known>; STATES.len()]>,
     /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
@@ -69,7 +69,7 @@ const LEVELS: [FrictionState; 4] =
 const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
 
 /// The places of the states in [`Split::watched_stops`].
-const STATES: [StopState; 7] = [
+const STATES: [StopState; 8] = [
     StopState::Open,
     StopState::Closed,
     StopState::Below,
@@ -77,6 +77,7 @@ const STATES: [StopState; 7] = [
     StopState::Free,
     StopState::Capped,
     StopState::Rebounding,
+    StopState::Off,
 ];
 
 fn place_of(state: StopState) -> usize {
@@ -193,7 +194,7 @@ impl Split {
     fn levels_of(&self, i: usize, mode: &Mode) -> Option<usize> {
         match &self.follows[i] {
             None => Some(0),
-            Some((stop, states)) => states.iter().position(|state| *state == mode.stops[*stop]),
+            Some(all) => all.iter().position(|(stop, state)| *state == mode.stops[*stop]),
         }
     }
 

@@ -14,6 +14,11 @@ pub fn laws() -> Description {
     file::parse(include_str!("../data/laws.toml"), "laws.toml", &file::no_records).unwrap()
 }
 
+/// A machine with stiffness that steps.
+pub fn stepped() -> Description {
+    file::parse(include_str!("../data/stepped.toml"), "stepped.toml", &file::no_records).unwrap()
+}
+
 /// A free body.
 pub fn body(name: &str, inertia: f64, s: f64, v: f64) -> Body {
     let free = Free { inertia, gravity: 0.0, s, v };
@@ -39,12 +44,13 @@ pub fn arms(terms: &[(usize, f64)]) -> Arms {
 /// A spring.
 pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
     let name = format!("spring{}", terms[0].0);
-    Spring { name, arms: arms(terms), stiffness, damping, preload: 0.0, points: Vec::new(), series: None }
+    let (points, stepped, series) = (Vec::new(), None, None);
+    Spring { name, arms: arms(terms), stiffness, stepped, damping, preload: 0.0, points, series }
 }
 
 /// A rigid stop.
 pub fn rigid(name: &str, terms: &[(usize, f64)], gap: f64, restitution: f64) -> Stop {
-    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Rigid { restitution } }
+    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Rigid { restitution }, stepped: None }
 }
 
 /// A compliant stop.
@@ -56,7 +62,8 @@ pub fn compliant(
     damping: f64,
     limit: DampingLimit,
 ) -> Stop {
-    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Compliant { stiffness, damping, limit } }
+    let law = StopLaw::Compliant { stiffness, damping, limit };
+    Stop { name: name.into(), arms: arms(terms), gap, law, stepped: None }
 }
 
 /// Friction of a constant level.

@@ -9,3 +9,4 @@ mod parameters;
 mod random;
 mod refusals;
 mod round_trip;
+mod stepped;

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 #: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
 EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
-#: Energies, J: kinetic, stored, and work put in less losses since the start; kinetic + stored - balance is constant.
+#: Energies, J: kinetic, stored, and what work and steps of stiffness put in less losses since the start;
+#: kinetic + stored - balance is constant.
 ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 
 

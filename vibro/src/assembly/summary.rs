@@ -140,8 +140,8 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
         let state = match (element.action(), m.assembly().system().parts[i].first()) {
             (Action::Tying, _) => return format!("  {name}: holds"),
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
-            (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.mode().stops[i])),
-            (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.mode().stops[i])),
+            (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.stop_state(i))),
+            (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.stop_state(i))),
             (_, Some(&Part::Spring(_))) if matches!(element, Element::Spring(s) if s.points.len() > 2) => {
                 let system = m.assembly().system();
                 let corner = |part: &Part| match *part {
@@ -169,6 +169,7 @@ fn of_stop(state: StopState) -> &'static str {
         StopState::Free => "beyond its gap without force",
         StopState::Capped => "pressed at its cap",
         StopState::Rebounding => "pressed without its dashpot",
+        StopState::Off => "at another stiffness",
     }
 }
 
@@ -305,5 +306,8 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         short(energy.impacts.value()),
         end - record.energy - energy.balance()
     ));
+    if record.motion.assembly().description.steps_stiffness() {
+        lines.push(format!("steps of stiffness put in {} J", short(energy.switched.value())));
+    }
     lines
 }

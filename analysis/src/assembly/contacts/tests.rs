@@ -174,3 +174,20 @@ fn second_method_contacts_one_by_one_are_what_a_watcher_sees() {
         }
     }
 }
+
+/// A step of a stop's stiffness ends no contact: the force jumps within it.
+#[test]
+fn closed_form_a_contact_goes_on_where_the_stiffness_steps() {
+    let machine = text(
+        "name = \"B\"\n[body.ball]\nmass = 1.0\nstart = { v = 2.0 }\n[stop.pad]\nbetween = [\"ground\", \"ball\"]\ngap = 0.1\n\
+         stiffness = { constant = 100.0, steps = [[0.1, 300.0]] }\n",
+    );
+    let contacts = followed(&mut machine.motion(&Start::default()).unwrap().0, 1.0).all();
+    let [one] = contacts[..] else { panic!("{contacts:?}") };
+    // From 0.05 s on 0.2 sin 10 t; then ½ v² + ½ · 400 x² stays.
+    let (sine, cosine) = 0.5f64.sin_cos();
+    let (x, v) = (0.2 * sine, 2.0 * cosine);
+    let away = (v * v + 400.0 * x * x).sqrt();
+    assert!((one.begin - 0.05).abs() < ROUNDING && (one.impulse.unwrap() - 2.0 - away).abs() < ROUNDING);
+    assert!((one.peak.unwrap() - 20.0 * away).abs() < 1e-9 && one.lost.unwrap().abs() < ROUNDING, "{one:?}");
+}

@@ -381,3 +381,36 @@ fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
         assert!((exponent + 2.0).abs() < EXACT, "{signal}: {exponent}");
     }
 }
+
+/// The period of a stiffness that steps counts, and its turn's multipliers are those of the product of
+/// two cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
+#[test]
+fn closed_form_the_exponent_of_a_gear_mesh_within_its_tongue_and_outside() {
+    const EXACT: f64 = 1e-9;
+    let (c, k) = (0.5_f64, [1.4_f64, 0.6]);
+    for period in [2.2_f64, std::f64::consts::PI] {
+        let machine = text(&format!(
+            "name = \"Mesh\"\n[body.gear]\nmass = 1.0\nstart = {{ s = 0.3 }}\n[spring.mesh]\nbetween = [\"ground\", \"gear\"]\n\
+             damping = {c}\nstiffness = {{ constant = 1.4, steps = [[{:?}, -0.8]], repeat = {period:?} }}\n\
+             [load.f]\non = \"gear\"\nconstant = 1.0\n",
+            0.5 * period
+        ));
+        assert_eq!(common_period(&machine.description), Some(period));
+        let half = |k: f64| {
+            let (omega, (sine, cosine)) =
+                ((k - 0.25 * c * c).sqrt(), ((k - 0.25 * c * c).sqrt() * 0.5 * period).sin_cos());
+            [[cosine, sine / omega], [-omega * sine, cosine]]
+        };
+        let [a, b] = k.map(half);
+        let trace: f64 = (0..2).map(|i| (0..2).map(|j| a[i][j] * b[j][i]).sum::<f64>()).sum();
+        let grows = trace.abs() > 2.0;
+        assert_eq!(grows, period > 3.0);
+        let growth =
+            if grows { (0.5 * (trace.abs() + (trace * trace - 4.0).sqrt())).ln() / period } else { 0.0 };
+        let (mut motion, section) = machine.motion(&Start::default()).unwrap();
+        settle(&mut motion, &section, 400).unwrap();
+        let found = settled(&mut motion, &section, Some(16)).unwrap();
+        assert_eq!(found.period, Some(1), "{period}");
+        assert!((exponent_of(&found) - growth + 0.5 * c).abs() < EXACT, "{period}: {found:?} {growth}");
+    }
+}

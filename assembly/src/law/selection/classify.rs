@@ -14,6 +14,12 @@ impl Selection<'_> {
 
     pub(super) fn classify_stop(&self, i: usize, verdict: &EventVerdict) -> Stop {
         let stop = &self.system.stops[i];
+        if stop.is_off(&self.derivatives[0]) {
+            return Stop::Is(StopState::Off);
+        }
+        if stop.is_gapless() {
+            return Stop::Is(StopState::Pressed);
+        }
         let excess = self.sign(&stop.excess, 0);
         let rate = self.sign(&stop.elongation.rate, 0);
         if let StopLaw::Rigid { .. } = stop.law {
@@ -38,6 +44,10 @@ impl Selection<'_> {
         }
         if excess < 0.0 {
             return Stop::Is(StopState::Below);
+        }
+        // Of stiffness 0 the force does not tell where it ends.
+        if stop.level.is_some() && !stop.is_damped() {
+            return Stop::Is(StopState::Pressed);
         }
         if !stop.is_limited() {
             return match rate {

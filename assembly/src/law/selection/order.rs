@@ -82,8 +82,8 @@ impl Selection<'_> {
                 continue;
             }
             let Some(own) = friction.at(&self.pressing) else {
-                let stop = friction.follows.as_ref().map(|own| self.stops[own.0]);
-                if matches!(stop, Some(Stop::Is(_))) {
+                let mut stops = friction.follows.iter().flatten();
+                if stops.all(|own| matches!(self.stops[own.0], Stop::Is(_))) {
                     (self.ends[i], self.frictions[i]) = (true, Friction::Is(FrictionState::Off));
                 }
                 continue;

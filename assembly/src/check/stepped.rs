@@ -1,0 +1,99 @@
+//! Problems of stiffnesses that step in time.
+
+use super::refused;
+use crate::description::{Description, Interpolation, Signal, StopLaw};
+use crate::polyline::slopes;
+use crate::refusal::Problem;
+use crate::stepped::{MOST_LEVELS, count, given, zero};
+
+/// What a stiffness that steps may be, in words.
+const ALLOWED: &str = "allowed in a stiffness are constant, steps or a table with interpolation = \"hold\", and repeat: it is constant between its steps";
+
+/// Problems of all of them.
+pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
+    let mut any = false;
+    for spring in &machine.springs {
+        let Some(signal) = &spring.stepped else { continue };
+        let name = format!("spring.{}.stiffness", spring.name);
+        any = true;
+        if spring.series.is_some() || !spring.points.is_empty() {
+            problems.push(Problem::new(
+                &name,
+                None,
+                "steps beside points or a partner in series; allowed is a number",
+            ));
+        }
+        check_signal(&name, signal, spring.stiffness, problems);
+    }
+    for stop in &machine.stops {
+        let Some(signal) = &stop.stepped else { continue };
+        let name = format!("stop.{}.stiffness", stop.name);
+        any = true;
+        match stop.law {
+            StopLaw::Rigid { .. } => {
+                problems.push(Problem::new(&name, None, "steps beside restitution; allowed is one of them"));
+            }
+            StopLaw::Compliant { stiffness, .. } => check_signal(&name, signal, stiffness, problems),
+        }
+    }
+    let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
+    if let (true, true, Some(spring)) = (any, machine.starts_at_rest, falls) {
+        let text =
+            "a line falls, and a stiffness steps; allowed is one of them in a machine that starts at rest";
+        problems.push(Problem::new(format!("spring.{}.points", spring.name), None, text));
+    }
+}
+
+fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Problem>) {
+    let is_held = signal.table.as_ref().is_none_or(|own| own.interpolation == Interpolation::Hold);
+    let kinds = [
+        ("harmonics", !signal.harmonics.is_empty()),
+        ("sweep", !signal.sweeps.is_empty()),
+        ("input", signal.input),
+        ("table", !is_held),
+    ];
+    let count_before = problems.len();
+    for (key, _) in kinds.iter().filter(|own| own.1) {
+        problems.push(Problem::new(format!("{name}.{key}"), None, ALLOWED));
+    }
+    if signal.table.is_some() && !signal.steps.is_empty() {
+        let text = "stand beside a table; allowed is one of them in a stiffness";
+        problems.push(Problem::new(format!("{name}.steps"), None, text));
+    }
+    if beside != 0.0 {
+        problems.push(refused(name, beside, "allowed is 0 beside a stiffness that steps"));
+    }
+    if problems.len() > count_before {
+        return;
+    }
+    if signal.steps.is_empty() && signal.table.is_none() {
+        let text =
+            "does not step; allowed are steps or a table with interpolation = \"hold\", or a number alone";
+        problems.push(Problem::new(name, None, text));
+        return;
+    }
+    let count = count(signal);
+    if count > MOST_LEVELS {
+        let text = format!(
+            "has {count} levels; allowed are {MOST_LEVELS}, one before the first step and one behind each, or one for each value of a table"
+        );
+        problems.push(Problem::new(name, None, text));
+        return;
+    }
+    check_levels(name, signal, problems);
+}
+
+/// Each level is 0 or more, but for rounding. Before a step at the begin of a period there is none.
+fn check_levels(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    let all = given(signal);
+    let is_unused = signal.repeat.is_some() && signal.steps.first().is_some_and(|step| step.time == 0.0);
+    let negative = |(i, k): &(usize, &f64)| **k < -zero(&all) && !(*i == 0 && is_unused);
+    if let Some((i, k)) = all.iter().enumerate().find(negative) {
+        let text = match (&signal.table, i) {
+            (Some(_), _) => "a value of the table with the constant; allowed is a stiffness >= 0".to_owned(),
+            (None, 0) => "the stiffness before the first step; allowed is a number >= 0".to_owned(),
+            (None, i) => format!("the stiffness behind steps[{}]; allowed is a number >= 0", i - 1),
+        };
+        problems.push(refused(name, *k, text));
+    }
+}

@@ -1,0 +1,27 @@
+//! Reading of a stiffness, which is a number or steps in time.
+
+use super::reading::{FileTable, Reading};
+use super::series;
+use super::signals::{self, Values};
+use crate::description::{Dimension, Signal};
+use crate::kinds::{self, NumberKind};
+
+/// Reads `stiffness`: a number of this kind, or 0 and the signal of one that steps.
+pub(super) fn read(
+    reading: &mut Reading,
+    table: &FileTable,
+    kind: NumberKind,
+    dimension: Dimension,
+) -> Option<(f64, Option<Signal>)> {
+    let allowed = kind.allowed(dimension);
+    let entry = reading.required(table, "stiffness", &allowed)?;
+    if !entry.value.is_table() {
+        return Some((reading.number(&entry, kind, dimension)?, None));
+    }
+    if series::is_given(table) {
+        reading.refuse(&entry, format!("steps beside series_damping or slip; {allowed}"));
+        return None;
+    }
+    let values = Values { kind: kinds::STEPPED, alone: kind, dimension };
+    Some((0.0, Some(signals::value(reading, &entry, values)?)))
+}
