@@ -14,7 +14,7 @@ use crate::table::{Energy, Quantity, Role, slides};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
-use groups::{Group, groups, holds, is_free};
+use groups::{Group, bodies_of, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
 use vibro_assembly::description::{
@@ -105,8 +105,17 @@ impl<'a> Structure<'a> {
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
+    /// The section of a body's numbers.
+    fn section_of(&self, body: usize) -> String {
+        let body = &self.machine.bodies[body];
+        match body.name.split_once('.') {
+            Some((of, _)) if body.is_inner() => format!("modal.{of}"),
+            _ => format!("body.{}", body.name),
+        }
+    }
+
     fn of_body_section(&self, body: usize, into: &mut Knowns) {
-        self.of_section(&format!("body.{}", self.machine.bodies[body].name), into);
+        self.of_section(&self.section_of(body), into);
         if is_free(self.machine, body) {
             self.of_section("gravity", into);
         }
@@ -133,7 +142,7 @@ impl<'a> Structure<'a> {
         let mut knowns = Knowns::new();
         let name = &self.machine.bodies[body].name;
         match &self.machine.bodies[body].kind {
-            BodyKind::Free(_) => return knowns,
+            BodyKind::Free(_) | BodyKind::Node(_) => return knowns,
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
             }
@@ -170,6 +179,9 @@ impl<'a> Structure<'a> {
 
     /// The knowns of a body's coordinate (`order` 0) or rate (1).
     fn coordinate(&self, body: usize, order: usize) -> Knowns {
+        if let BodyKind::Node(_) = self.machine.bodies[body].kind {
+            return self.of_node(body, |coordinate| self.coordinate(coordinate, order));
+        }
         if !is_free(self.machine, body) {
             return self.prescribed(body, order);
         }
@@ -186,6 +198,15 @@ impl<'a> Structure<'a> {
         knowns
     }
 
+    /// The knowns of a node's quantity by those of the coordinates behind it.
+    fn of_node(&self, node: usize, of: impl Fn(usize) -> Knowns) -> Knowns {
+        let mut knowns = Knowns::new();
+        for coordinate in self.machine.behind(node) {
+            join(&mut knowns, &of(coordinate), Constant);
+        }
+        knowns
+    }
+
     /// Adds the knowns of the coordinate or rate of a body that follows from others by links.
     fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
         let own = self.linked[body];
@@ -194,10 +215,10 @@ impl<'a> Structure<'a> {
         }
         for &link in self.elements.iter().filter(|element| element.action() == Action::Tying) {
             let Some(arms) = link.arms() else { continue };
-            let mut bodies = arms.terms.iter().map(|term| term.0);
+            let mut bodies = bodies_of(self.machine, arms);
             if bodies.any(|body| is_free(self.machine, body) && self.linked[body] == own) {
                 self.of_section(&link.dotted(), knowns);
-                let all = arms.terms.iter().map(|term| term.0);
+                let all = bodies_of(self.machine, arms);
                 for other in all.filter(|&body| !is_free(self.machine, body)) {
                     join(knowns, &self.prescribed(other, order), Fixed);
                 }
@@ -232,7 +253,7 @@ impl<'a> Structure<'a> {
                 join(&mut knowns, &self.signals(element), Discrete);
                 knowns
             }
-            Action::Tying | Action::Driving => self.signals(element),
+            Action::Flexing | Action::Tying | Action::Driving => self.signals(element),
         }
     }
 
@@ -286,7 +307,7 @@ impl<'a> Structure<'a> {
     /// The knowns of a constraint force: those of the accelerations of the bodies on which it acts.
     fn holding(&self, element: Element) -> Knowns {
         let mut knowns = Knowns::new();
-        for &(body, _) in element.arms().iter().flat_map(|arms| &arms.terms) {
+        for body in element.arms().into_iter().flat_map(|arms| bodies_of(self.machine, arms)) {
             match self.groups.get(&self.group_of[body]) {
                 Some(group) => join(&mut knowns, &group.forces, Discrete),
                 None => join(&mut knowns, &self.prescribed(body, 2), Discrete),
@@ -352,7 +373,12 @@ impl<'a> Structure<'a> {
             (Owner::Body(body), What::A) if is_free(self.machine, body) => {
                 self.groups[&self.group_of[body]].forces.clone()
             }
-            (Owner::Body(body), What::A) => self.prescribed(body, 2),
+            (Owner::Body(body), What::A) => match self.machine.bodies[body].kind {
+                BodyKind::Node(_) => {
+                    self.of_node(body, |own| self.groups[&self.group_of[own]].forces.clone())
+                }
+                _ => self.prescribed(body, 2),
+            },
             (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
             (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
             (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
@@ -377,7 +403,10 @@ impl<'a> Structure<'a> {
                 }
                 if order == 0 {
                     let stores = |e: &&Element| {
-                        matches!(e.action(), Action::Linear | Action::Switching | Action::Hitting)
+                        matches!(
+                            e.action(),
+                            Action::Linear | Action::Flexing | Action::Switching | Action::Hitting
+                        )
                     };
                     for &element in self.elements.iter().filter(stores) {
                         let mut own = self.of_element(element, 0);
@@ -415,7 +444,7 @@ impl<'a> Structure<'a> {
                 Action::Switching => (2, 0),
                 Action::Rubbing => (3, 1),
                 Action::Linear if slides(&element.series().copied()) => (2, 0),
-                Action::Linear | Action::Tying | Action::Driving => (0, 0),
+                Action::Linear | Action::Flexing | Action::Tying | Action::Driving => (0, 0),
             };
             vec![(*element, first); count]
         };

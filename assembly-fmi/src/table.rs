@@ -215,7 +215,13 @@ impl VariableTable {
                 table.push(column.name, column.meaning, column.unit, Role::Output, quantity);
             }
         };
-        (0..machine.bodies.len()).for_each(|i| push_those_of(self, Owner::Body(i)));
+        for i in 0..machine.bodies.len() {
+            push_those_of(self, Owner::Body(i));
+            // States of a solver.
+            for own in machine.inner_quantities(i) {
+                self.push(own.name, own.meaning, own.unit, Role::Output, Quantity::Column(own.quantity));
+            }
+        }
         let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));

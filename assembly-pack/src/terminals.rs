@@ -17,7 +17,7 @@ pub fn xml(plan: &Plan) -> String {
          <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" suggestedScalingFactorTo_mm=\"0.1\"/>\n    \
          <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n  </GraphicalRepresentation>\n  <Terminals>\n",
     );
-    for (i, body) in machine.bodies.iter().enumerate() {
+    for (i, body) in machine.bodies.iter().enumerate().filter(|(_, body)| !body.is_inner()) {
         let kind = KINDS[usize::from(body.dimension == Dimension::Rotation)];
         let name = &body.name;
         // Writing to a String cannot fail.

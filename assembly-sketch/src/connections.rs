@@ -72,7 +72,7 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
         Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
         Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
         Element::Friction(_) => Symbol::Friction,
-        Element::Link(_) | Element::Load(_) => Symbol::Link,
+        Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,
     };
     let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));
     machine.elements().filter_map(connection).collect()

@@ -3,6 +3,7 @@
 //! row or in lanes under it; all others stand in lanes over the row.
 
 use crate::connections::{Connection, Ends, Symbol, connections};
+use crate::flexible::drawn;
 use crate::order::{Side, ground_side, order};
 use vibro_assembly::Description;
 use vibro_assembly::description::{BodyKind, Dimension};
@@ -194,6 +195,7 @@ fn sort(machine: &Description, connections: &[Connection], column: &[usize]) -> 
 impl Layout {
     /// The layout of a machine.
     pub(crate) fn new(machine: &Description) -> Self {
+        let machine = &drawn(machine);
         let connections = connections(machine);
         let order = order(machine.bodies.len(), &connections);
         let mut column = vec![0; order.len()];
@@ -252,6 +254,7 @@ impl Layout {
             let width = name.max(BOX.0).max(under).max(LEGS * (legs[place].len() + 1) as f64);
             let (prescribed, gravity) = match &described.kind {
                 BodyKind::Prescribed { .. } | BodyKind::Integrated(_) => (true, 0.0),
+                BodyKind::Node(_) => (false, 0.0),
                 BodyKind::Free(free) => (false, if machine.gravity > 0.0 { free.gravity } else { 0.0 }),
             };
             self.bodies.push(BodyBox {

@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod connections;
+mod flexible;
 mod layout;
 mod order;
 mod symbols;

@@ -1,10 +1,12 @@
 //! Checks of a whole description. The file's reader and the setting of parameters both end here.
 
+mod flexible;
 mod links;
 mod names;
 mod starts;
 mod stepped;
 
+pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::problem_of as problem_of_name;
 
 use crate::description::{
@@ -57,6 +59,10 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
 /// All problems of a machine whose motion has begun: those of [`check`] without those of the start.
 pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     let mut problems = names::check(machine);
+    if !problems.is_empty() {
+        return problems;
+    }
+    flexible::check(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
     }
@@ -313,7 +319,7 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     machine.loads.iter().for_each(|load| touched[load.body] = true);
     for (body, touched) in machine.bodies.iter().zip(touched) {
         let name = format!("body.{}", body.name);
-        if !touched {
+        if !touched && !body.is_inner() && !matches!(body.kind, BodyKind::Node(_)) {
             let text = "nothing acts on this body; allowed is a body with an element";
             problems.push(Problem::new(&name, None, text));
         }

@@ -5,9 +5,14 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
+mod flexible;
+mod matrix;
 mod series;
 
 use crate::named::NamedParameters;
+pub(crate) use flexible::Inner;
+pub use flexible::Modal;
+pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
 pub use series::{Series, SeriesLaw};
 
 /// A machine: bodies with one coordinate each, and elements between them.
@@ -26,6 +31,10 @@ pub struct Description {
     pub springs: Vec<Spring>,
     /// Dashpots alone.
     pub dampers: Vec<Damper>,
+    /// Bodies in modal coordinates.
+    pub modals: Vec<Modal>,
+    /// Bodies with matrices, as [`add_matrix`](Self::add_matrix) makes them.
+    pub matrices: Vec<Matrix>,
     /// One-sided contacts, rigid and compliant.
     pub stops: Vec<Stop>,
     /// Coulomb friction.
@@ -72,12 +81,15 @@ pub enum BodyKind {
     },
     /// By a signal of time that is its rate or its acceleration.
     Integrated(Integrated),
+    /// As a node on a body with many coordinates: s = Σ factor · coordinate, without an inertia of
+    /// its own. Each term is the index of a coordinate's body and a factor other than 0.
+    Node(Vec<(usize, f64)>),
 }
 
 impl BodyKind {
     /// Whether its motion is given, whatever the forces.
     pub fn is_prescribed(&self) -> bool {
-        !matches!(self, Self::Free(_))
+        matches!(self, Self::Prescribed { .. } | Self::Integrated(_))
     }
 }
 

@@ -5,9 +5,10 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Series, Signal, Spring,
-    Stop, StopLaw,
+    Arms, Body, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Matrix, Modal,
+    Series, Signal, Spring, Stop, StopLaw,
 };
+use std::ops::Range;
 
 /// An element of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub enum Element<'a> {
     Spring(&'a Spring),
     /// A dashpot alone.
     Damper(&'a Damper),
+    /// Stiffness and damping of a body in modal coordinates.
+    Modal(&'a Modal),
+    /// Stiffness, damping and gyroscopic forces of a body with matrices.
+    Matrix(&'a Matrix),
     /// A one-sided contact.
     Stop(&'a Stop),
     /// Coulomb friction.
@@ -37,6 +42,8 @@ pub enum Action {
     Hitting,
     /// A given friction level while slipping, a constraint force while sticking.
     Rubbing,
+    /// Forces among the coordinates of one body.
+    Flexing,
     /// A constraint force at all times.
     Tying,
     /// A signal of time.
@@ -45,9 +52,11 @@ pub enum Action {
 
 /// Sections of a file that hold elements, in the order of every list of elements, each with its
 /// plural.
-pub const SECTIONS: [(&str, &str); 6] = [
+pub const SECTIONS: [(&str, &str); 8] = [
     ("spring", "springs"),
     ("damper", "dampers"),
+    ("modal", "modal bodies"),
+    ("matrix", "bodies with matrices"),
     ("stop", "stops"),
     ("friction", "frictions"),
     ("link", "links"),
@@ -60,6 +69,8 @@ impl<'a> Element<'a> {
         match self {
             Self::Spring(spring) => &spring.name,
             Self::Damper(damper) => &damper.name,
+            Self::Modal(modal) => &modal.name,
+            Self::Matrix(matrix) => &matrix.name,
             Self::Stop(stop) => &stop.name,
             Self::Friction(friction) => &friction.name,
             Self::Link(link) => &link.name,
@@ -72,6 +83,8 @@ impl<'a> Element<'a> {
         match self {
             Self::Spring(_) => "spring",
             Self::Damper(_) => "damper",
+            Self::Modal(_) => "modal",
+            Self::Matrix(_) => "matrix",
             Self::Stop(_) => "stop",
             Self::Friction(_) => "friction",
             Self::Link(_) => "link",
@@ -84,7 +97,8 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// The arms of its elongation; `None` for a load, which acts on one coordinate.
+    /// The arms of its elongation; `None` for a load, which acts on one coordinate, and
+    /// for a body with many coordinates.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
@@ -92,7 +106,7 @@ impl<'a> Element<'a> {
             Self::Stop(stop) => Some(&stop.arms),
             Self::Friction(friction) => Some(&friction.arms),
             Self::Link(link) => Some(&link.arms),
-            Self::Load(_) => None,
+            Self::Load(_) | Self::Modal(_) | Self::Matrix(_) => None,
         }
     }
 
@@ -112,9 +126,19 @@ impl<'a> Element<'a> {
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
             Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
+            Self::Modal(_) | Self::Matrix(_) => Action::Flexing,
             Self::Friction(_) => Action::Rubbing,
             Self::Link(_) => Action::Tying,
             Self::Load(_) => Action::Driving,
+        }
+    }
+
+    /// The indices of the bodies that are the coordinates of a body with many; none of others.
+    pub fn coordinates(self) -> Range<usize> {
+        match self {
+            Self::Modal(own) => own.first..own.first + own.frequencies.len(),
+            Self::Matrix(own) => own.first..own.first + own.given.mass.nrows(),
+            _ => 0..0,
         }
     }
 
@@ -135,7 +159,7 @@ impl<'a> Element<'a> {
             Self::Spring(Spring { stepped, .. }) | Self::Stop(Stop { stepped, .. }) => {
                 stepped.iter().map(|signal| (".stiffness", signal)).collect()
             }
-            Self::Damper(_) | Self::Link(_) => Vec::new(),
+            Self::Damper(_) | Self::Modal(_) | Self::Matrix(_) | Self::Link(_) => Vec::new(),
         }
     }
 }
@@ -161,6 +185,8 @@ impl Description {
         let frictions = self.frictions.iter().map(Element::Friction);
         let links = self.links.iter().map(Element::Link);
         let springs = springs.chain(self.dampers.iter().map(Element::Damper));
+        let springs = springs.chain(self.modals.iter().map(Element::Modal));
+        let springs = springs.chain(self.matrices.iter().map(Element::Matrix));
         springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
     }
 
@@ -174,7 +200,9 @@ impl Description {
         let of = |&(section, plural): &(&str, &'static str)| {
             (self.elements().filter(|element| element.section() == section).count(), plural)
         };
-        std::iter::once((self.bodies.len(), "bodies")).chain(SECTIONS.iter().map(of)).collect()
+        let own = |body: &&Body| !body.is_inner() && !matches!(body.kind, BodyKind::Node(_));
+        let bodies = self.bodies.iter().filter(own).count();
+        std::iter::once((bodies, "bodies")).chain(SECTIONS.iter().map(of)).collect()
     }
 
     /// All signals in the order of the inputs: motions of bodies, loads, signals of the other
@@ -186,7 +214,7 @@ impl Description {
                 BodyKind::Integrated(Integrated { level, signal, .. }) => {
                     (format!(".{}", level.key()), signal, level.order())
                 }
-                BodyKind::Free(_) => return None,
+                BodyKind::Free(_) | BodyKind::Node(_) => return None,
             };
             let name = format!("body.{}.motion{key}", body.name);
             Some(NamedSignal { name, signal, dimension: body.dimension, motion: Some(order) })

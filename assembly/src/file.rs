@@ -27,7 +27,10 @@
 
 mod bodies;
 mod elements;
+mod flexible;
 mod follows;
+mod matrices;
+mod matrix;
 mod named;
 mod points;
 mod reading;
@@ -123,7 +126,9 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
         }
     }
     let bodies = reading.section(root, "body");
-    let names = bodies::read(reading, root, &bodies, &mut machine);
+    let mut names = bodies::read(reading, root, &bodies, &mut machine);
+    flexible::read(reading, root, &mut names, &mut machine);
+    matrix::read(reading, root, &mut names, &mut machine);
     if !root.has("gravity") {
         bodies::without_gravity(reading, &machine);
     }

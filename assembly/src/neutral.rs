@@ -28,6 +28,13 @@ pub struct Neutral {
     rates: Vec<DVector<f64>>,
 }
 
+/// The rows of G v, on which gyroscopic forces depend.
+fn gyroscopic(system: &System) -> Vec<DVector<f64>> {
+    let n = system.coordinates;
+    let rows = system.gyroscopic_forces().map(|(_, force)| force.rows(n, n).into_owned());
+    rows.filter(|row| row.amax() > 0.0).collect()
+}
+
 impl Neutral {
     /// The directions of a machine.
     pub fn of(system: &System) -> Self {
@@ -39,6 +46,7 @@ impl Neutral {
         rows.extend(system.stops.iter().map(|s| s.elongation.w.clone()));
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
+        rows.extend(gyroscopic(system));
         rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
         rows.extend(system.branches.iter().map(|b| b.elongation.w.clone()));
         let rates = null_space(rows, system.coordinates);

@@ -1,6 +1,6 @@
 //! Quantities of bodies and elements: columns of a motion, outputs of an FMU, measures of studies.
 
-use crate::description::{Description, Dimension};
+use crate::description::{Body, Description, Dimension};
 use crate::elements::{Action, Element};
 
 /// Kind of a quantity of a body or an element.
@@ -101,9 +101,10 @@ impl Quantity {
 }
 
 impl Description {
-    /// All quantities: s, v, a of each body, then those of each element.
+    /// All quantities: s, v, a of each body that is no [coordinate](Body::is_inner) of a body with
+    /// many, then those of each element.
     pub fn quantities(&self) -> impl Iterator<Item = Quantity> {
-        let bodies = 0..self.bodies.len();
+        let bodies = (0..self.bodies.len()).filter(|&i| !self.bodies[i].is_inner());
         let bodies = bodies.flat_map(|i| What::OF_BODIES.map(|what| Quantity::of_body(i, what)));
         bodies.chain(self.elements().enumerate().flat_map(|(i, element)| {
             element.quantities().iter().map(move |&what| Quantity::of_element(i, what))
@@ -113,16 +114,25 @@ impl Description {
     /// All quantities in the order of [`quantities`](Self::quantities), with their names.
     pub fn named_quantities(&self) -> Vec<NamedQuantity> {
         let elements: Vec<Element> = self.elements().collect();
-        let named = |quantity: Quantity| {
-            let (name, dimension, element) = match quantity.owner {
-                Owner::Body(i) => (self.bodies[i].name.as_str(), self.bodies[i].dimension, None),
-                Owner::Element(i) => (elements[i].name(), elements[i].dimension(self), Some(elements[i])),
-            };
-            let what = quantity.what;
-            let name = format!("{name}.{}", what.word());
-            NamedQuantity { name, meaning: meaning(what, element), unit: what.unit(dimension), quantity }
+        self.quantities().map(|quantity| self.named(quantity, &elements)).collect()
+    }
+
+    /// The quantities of a body that is a [coordinate](Body::is_inner) of one with many, with their
+    /// names; none of others.
+    pub fn inner_quantities(&self, body: usize) -> Vec<NamedQuantity> {
+        let is_inner = self.bodies.get(body).is_some_and(Body::is_inner);
+        let whats = What::OF_BODIES.iter().filter(|_| is_inner);
+        whats.map(|&what| self.named(Quantity::of_body(body, what), &[])).collect()
+    }
+
+    fn named(&self, quantity: Quantity, elements: &[Element]) -> NamedQuantity {
+        let (name, dimension, element) = match quantity.owner {
+            Owner::Body(i) => (self.bodies[i].name.as_str(), self.bodies[i].dimension, None),
+            Owner::Element(i) => (elements[i].name(), elements[i].dimension(self), Some(elements[i])),
         };
-        self.quantities().map(named).collect()
+        let what = quantity.what;
+        let name = format!("{name}.{}", what.word());
+        NamedQuantity { name, meaning: meaning(what, element), unit: what.unit(dimension), quantity }
     }
 }
 
@@ -130,7 +140,7 @@ impl Element<'_> {
     /// Its quantities, each a column, an FMU variable and a measure of studies.
     pub fn quantities(self) -> &'static [What] {
         match self.action() {
-            Action::Tying => &[],
+            Action::Tying | Action::Flexing => &[],
             Action::Driving => &[What::F],
             _ if self.series().is_some() => &[What::E, What::Rate, What::F, What::Slider],
             _ => &[What::E, What::Rate, What::F],

@@ -72,7 +72,7 @@ impl BodyKind {
     /// The coordinate of a prescribed body.
     pub(crate) fn course(&self) -> Option<Course<'_>> {
         match self {
-            Self::Free(_) => None,
+            Self::Free(_) | Self::Node(_) => None,
             Self::Prescribed { motion, rate } => Some(Course { v: *rate, ..Course::from(motion) }),
             Self::Integrated(own) => {
                 Some(Course { signal: &own.signal, order: own.level.order(), s: own.s, v: own.v })

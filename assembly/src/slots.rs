@@ -1,7 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Body, BodyKind, Description, Dimension, Free, Integrated, Level, SeriesLaw, Signal, Spring, StopLaw,
+    Arms, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Modal, SeriesLaw, Signal, Spring,
+    StopLaw,
 };
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
@@ -25,6 +26,34 @@ impl<'a> Slots<'a> {
         self.all.push(Slot { name, kind, dimension: self.dimension, value });
     }
 
+    /// A coordinate of a body with many; `has_masses` are the names of those with masses.
+    fn coordinate(&mut self, body: &'a mut Body, at_rest: bool, has_masses: &[String]) {
+        self.dimension = body.dimension;
+        let (BodyKind::Free(free), Some((of, place))) = (&mut body.kind, body.name.split_once(".q")) else {
+            return;
+        };
+        let name = |key: &str| format!("modal.{of}.{key}{place}");
+        if has_masses.iter().any(|name| name == of) {
+            self.push(name("masses"), kinds::MODAL_MASS, &mut free.inertia);
+        }
+        self.push(name("gravity"), kinds::SHARE, &mut free.gravity);
+        if !at_rest {
+            self.push(name("start.q"), kinds::INNER_START, &mut free.s);
+            self.push(name("start.v"), kinds::INNER_START, &mut free.v);
+        }
+    }
+
+    fn modal(&mut self, modal: &'a mut Modal) {
+        self.dimension = Dimension::Translation;
+        let names: Vec<String> = (0..modal.damping_ratios.len()).map(|i| modal.name_of_ratio(i)).collect();
+        for (i, frequency) in modal.frequencies.iter_mut().enumerate() {
+            self.push(format!("modal.{}.frequencies[{i}]", modal.name), kinds::NATURAL, frequency);
+        }
+        for (name, ratio) in names.into_iter().zip(&mut modal.damping_ratios) {
+            self.push(name, kinds::RATIO, ratio);
+        }
+    }
+
     fn body(&mut self, body: &'a mut Body, at_rest: bool) {
         let of = format!("body.{}", body.name);
         self.dimension = body.dimension;
@@ -41,6 +70,7 @@ impl<'a> Slots<'a> {
                     self.push(format!("{of}.start.v"), kinds::START_RATE, v);
                 }
             }
+            BodyKind::Node(_) => {}
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(&format!("{of}.motion"), motion, kinds::POSITION);
                 self.push(format!("{of}.motion.rate"), kinds::RATE, rate);
@@ -175,7 +205,17 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
     let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
-    machine.bodies.iter_mut().for_each(|body| slots.body(body, machine.starts_at_rest));
+    let own = machine.modals.iter().filter(|own| own.has_masses);
+    let has_masses: Vec<String> = own.map(|own| own.name.clone()).collect();
+    let matrices: Vec<String> = machine.matrices.iter().map(|own| format!("{}.q[", own.name)).collect();
+    for body in &mut machine.bodies {
+        match body.is_inner() {
+            // The numbers of matrices are no parameters.
+            true if matrices.iter().any(|of| body.name.starts_with(of)) => {}
+            true => slots.coordinate(body, machine.starts_at_rest, &has_masses),
+            false => slots.body(body, machine.starts_at_rest),
+        }
+    }
     for spring in &mut machine.springs {
         slots.spring(spring, &bodies, machine.starts_at_rest);
     }
@@ -183,6 +223,7 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
         slots.push(format!("{of}.damping"), kinds::DASHPOT, &mut damper.damping);
     }
+    machine.modals.iter_mut().for_each(|modal| slots.modal(modal));
     for stop in &mut machine.stops {
         let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
         slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);

@@ -114,7 +114,9 @@ impl Start {
     pub fn to_toml(&self) -> String {
         let mut text = format!("time = {:?}\n", self.time);
         for (name, BodyStart { s, v }) in &self.bodies {
-            let _ = writeln!(text, "\n[body.{name}]");
+            // The name of a coordinate of a body with many has a dot.
+            let quoted = if name.contains('.') { format!("{name:?}") } else { name.clone() };
+            let _ = writeln!(text, "\n[body.{quoted}]");
             for (key, value) in [("s", s), ("v", v)] {
                 let _ = value.map_or(Ok(()), |x| writeln!(text, "{key} = {x:?}"));
             }
@@ -289,7 +291,7 @@ impl TryFrom<String> for Start {
         }
         for part in text.split(',') {
             let number = part.split_once('=').and_then(|(name, x)| Some((name, x.parse::<f64>().ok()?)));
-            match number.map(|(name, x)| (name.split_once('.'), x)) {
+            match number.map(|(name, x)| (name.rsplit_once('.'), x)) {
                 Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
                 Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
                 Some((Some((spring, "slider")), x)) => _ = start.sliders.insert(spring.into(), x),
@@ -326,7 +328,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     let free = |body: &&Body| matches!(body.kind, BodyKind::Free(_));
     let refused = |text: String| Err(Refusal::one(Problem::new(name.trim(), None, text)));
     let of_body = |plain: &str| {
-        let (body, key) = plain.split_once('.')?;
+        let (body, key) = plain.rsplit_once('.')?;
         let i = d.bodies.iter().position(|own| own.name == body)?;
         match key {
             "s" => Some((i, Place::Coordinate(i))),
@@ -339,6 +341,9 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     let found = of_body(plain).or_else(|| of_body(name.trim()));
     match found {
         Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
+        Some((i, _)) if matches!(d.bodies[i].kind, BodyKind::Node(_)) => {
+            refused("it is a node; allowed are starts of the coordinates behind it".into())
+        }
         Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
         None => {
             let names =

@@ -4,6 +4,7 @@
 
 mod first_order;
 mod further;
+mod gyroscopic;
 mod levels;
 mod parts;
 mod rows;
@@ -12,6 +13,7 @@ mod stiff;
 
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};
+pub use gyroscopic::Gyroscopic;
 pub use levels::StopLevel;
 pub use parts::Part;
 pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
@@ -69,6 +71,8 @@ pub struct System {
     pub frictions: Vec<FrictionRows>,
     /// Springs in series with a partner.
     pub branches: Vec<BranchRows>,
+    /// Gyroscopic forces of bodies with matrices.
+    pub gyroscopic: Vec<Gyroscopic>,
     /// States of first order.
     pub first_order: Vec<FirstOrder>,
     /// By load: its force.
@@ -103,7 +107,9 @@ struct Reduction {
 fn reduce(d: &Description) -> Result<Reduction, Error> {
     let count = d.bodies.len();
     let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
-    let mut equations: Vec<(usize, DVector<f64>)> = Vec::new();
+    // A node follows from its row; no link takes it out.
+    let mut equations: Vec<(usize, DVector<f64>)> = nodes(d).collect();
+    let follows: Vec<bool> = d.bodies.iter().map(|b| !b.kind.is_prescribed()).collect();
     for link in &d.links {
         let mut row: DVector<f64> = DVector::zeros(count);
         link.arms.terms.iter().for_each(|&(body, arm)| row[body] += arm);
@@ -132,7 +138,7 @@ fn reduce(d: &Description) -> Result<Reduction, Error> {
     let mut q = vec![DVector::zeros(n); count];
     let mut prescribed = vec![DVector::zeros(count); count];
     for i in 0..count {
-        if !free[i] {
+        if !follows[i] {
             prescribed[i][i] = 1.0;
         } else if let Some(row) = dependent(i) {
             for j in (0..count).filter(|&j| j != i && row[j] != 0.0) {
@@ -146,6 +152,17 @@ fn reduce(d: &Description) -> Result<Reduction, Error> {
         }
     }
     Ok(Reduction { kept, q, prescribed })
+}
+
+/// The equation s - row · q = 0 of each node, with its index as pivot.
+fn nodes(d: &Description) -> impl Iterator<Item = (usize, DVector<f64>)> {
+    d.bodies.iter().enumerate().filter_map(|(i, body)| {
+        let BodyKind::Node(terms) = &body.kind else { return None };
+        let mut row = DVector::zeros(d.bodies.len());
+        row[i] = 1.0;
+        terms.iter().for_each(|&(body, factor)| row[body] -= factor);
+        Some((i, row))
+    })
 }
 
 impl System {
@@ -218,6 +235,7 @@ impl System {
             stored_at_zero: 0.0,
             frictions: Vec::new(),
             branches: Vec::new(),
+            gyroscopic: Gyroscopic::of(d),
             first_order: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
@@ -310,6 +328,14 @@ impl System {
                     self.add_spring(&spring.arms, stiffness, spring.damping, preload)
                 }
                 Element::Damper(damper) => self.add_spring(&damper.arms, 0.0, damper.damping, 0.0),
+                Element::Modal(modal) => {
+                    let springs = modal.springs(d).into_iter();
+                    springs.flat_map(|s| self.add_spring(&s.arms, s.stiffness, s.damping, 0.0)).collect()
+                }
+                Element::Matrix(matrix) => {
+                    let springs = matrix.springs().into_iter();
+                    springs.flat_map(|s| self.add_spring(&s.arms, s.stiffness, s.damping, 0.0)).collect()
+                }
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];
@@ -397,6 +423,9 @@ impl System {
         for (_, spring) in self.springs.iter().enumerate().filter(|(i, _)| left_out.binary_search(i).is_err())
         {
             forces.ger(-1.0, &spring.elongation.w, &spring.force, 1.0);
+        }
+        for (body, force) in self.gyroscopic_forces() {
+            forces.ger(-1.0, &self.bodies[body].weights, &force, 1.0);
         }
         for branch in &self.branches {
             forces.ger(-1.0, &branch.elongation.w, &branch.force, 1.0);

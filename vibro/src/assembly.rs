@@ -210,7 +210,9 @@ pub fn record(
 /// The quantities whose extremes are printed or drawn: coordinates of bodies, forces of stops and
 /// friction, rates of bodies.
 fn watched(d: &Description) -> Vec<Quantity> {
-    let bodies = |what| (0..d.bodies.len()).map(move |i| Quantity::of_body(i, what));
+    let bodies = |what| {
+        (0..d.bodies.len()).filter(|&i| !d.bodies[i].is_inner()).map(move |i| Quantity::of_body(i, what))
+    };
     let forces = d.elements().enumerate().filter(|(_, element)| is_contact(*element));
     let forces = forces.map(|(i, _)| Quantity::of_element(i, What::F));
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()

@@ -187,7 +187,10 @@ impl Measure {
     /// Default measures of a machine: amplitudes of free bodies, contacts, power lost, class.
     pub fn usual(d: &Description) -> Vec<Self> {
         use vibro_assembly::description::BodyKind;
-        let free = d.bodies.iter().filter(|b| matches!(b.kind, BodyKind::Free(_)));
+        let free = d
+            .bodies
+            .iter()
+            .filter(|b| !b.is_inner() && matches!(b.kind, BodyKind::Free(_) | BodyKind::Node(_)));
         let amplitude = |name: &str| format!("amplitude.{name}.s").parse();
         let mut all: Vec<Self> = free.filter_map(|b| amplitude(&b.name).ok()).collect();
         if !d.stops.is_empty() {

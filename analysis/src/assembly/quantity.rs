@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 use vibro_assembly::description::Description;
+use vibro_assembly::elements::SECTIONS;
 use vibro_assembly::quantity::NamedQuantity;
 use vibro_assembly::system::System;
 use vibro_assembly::{Owner, Quantity, What};
@@ -33,8 +34,9 @@ impl FromStr for QuantityName {
             ),
         };
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
-        // The section may be named, as in parameters.
-        let of = of.split_once('.').map_or(of, |(_, name)| name);
+        // The section may be named, as in parameters; a node's name has a point, too.
+        let is_section = |word: &str| word == "body" || SECTIONS.iter().any(|own| own.0 == word);
+        let of = of.split_once('.').filter(|(word, _)| is_section(word)).map_or(of, |(_, name)| name);
         let what = What::ALL.into_iter().find(|w| w.word() == what).ok_or_else(form)?;
         Ok(Self { of: of.into(), what })
     }

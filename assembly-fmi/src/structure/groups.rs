@@ -13,7 +13,7 @@ use vibro_assembly::elements::Action;
 pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
     let mut group: Vec<usize> = (0..machine.bodies.len()).collect();
     for arms in arms {
-        let mut bodies = arms.terms.iter().map(|term| term.0).filter(|&body| is_free(machine, body));
+        let mut bodies = bodies_of(machine, arms).filter(|&body| is_free(machine, body));
         let Some(first) = bodies.next() else { continue };
         for body in bodies {
             let (from, to) = (group[body], group[first]);
@@ -21,6 +21,11 @@ pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
         }
     }
     group
+}
+
+/// The bodies of an elongation, where coordinates stand for the nodes on them.
+pub(super) fn bodies_of(machine: &Description, arms: &Arms) -> impl Iterator<Item = usize> {
+    arms.terms.iter().flat_map(|term| machine.behind(term.0))
 }
 
 pub(super) fn is_free(machine: &Description, body: usize) -> bool {
@@ -48,8 +53,9 @@ pub(super) struct Group {
 impl<'a> Structure<'a> {
     /// The groups of the free bodies on which an element acts.
     pub(super) fn groups_of(&self, element: Element) -> Vec<usize> {
-        let load = if let Element::Load(load) = element { Some(load.body) } else { None };
-        let bodies = element.arms().into_iter().flat_map(|arms| &arms.terms).map(|term| term.0).chain(load);
+        let load =
+            if let Element::Load(load) = element { self.machine.behind(load.body) } else { Vec::new() };
+        let bodies = element.arms().into_iter().flat_map(|arms| bodies_of(self.machine, arms)).chain(load);
         let free = bodies.filter(|&body| is_free(self.machine, body));
         let mut groups: Vec<usize> = free.map(|body| self.group_of[body]).collect();
         groups.sort_unstable();
@@ -73,7 +79,7 @@ impl<'a> Structure<'a> {
                 self.of_section(&element.dotted(), &mut group.forces);
                 group.hits |= element.action() == Action::Hitting;
                 discrete.extend((!is_link).then_some(place));
-                for &(body, _) in arms.terms.iter().filter(|term| !is_free(self.machine, term.0)) {
+                for body in bodies_of(self.machine, arms).filter(|&body| !is_free(self.machine, body)) {
                     group.is_tied |= is_link;
                     join(&mut group.jumps, &self.prescribed(body, 0), Dependent);
                     join(&mut group.forces, &self.prescribed(body, 2), Dependent);
@@ -94,6 +100,24 @@ impl<'a> Structure<'a> {
         }
     }
 
+    /// The knowns of the forces among the coordinates of one body, by group.
+    fn forces_within(&self, element: Element) -> Vec<(usize, Knowns)> {
+        let coordinates = element.coordinates();
+        // Damping and gyroscopic forces may couple those of matrices.
+        let couples = matches!(element, Element::Matrix(_));
+        let beside = |body: usize| if couples { coordinates.clone() } else { body..body + 1 };
+        let force = |body: usize| {
+            let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+            for other in beside(body) {
+                (0..2).for_each(|order| join(&mut own, &self.coordinate(other, order), Tunable));
+            }
+            join(&mut knowns, &own, Tunable);
+            self.of_section(&element.dotted(), &mut knowns);
+            (self.group_of[body], knowns)
+        };
+        coordinates.clone().map(force).collect()
+    }
+
     /// The knowns of each force that acts on a group, with the group's number.
     fn forces(&self) -> Vec<(usize, Knowns)> {
         let mut forces: Vec<(usize, Knowns)> = Vec::new();
@@ -101,6 +125,10 @@ impl<'a> Structure<'a> {
             let knowns = match element.action() {
                 Action::Linear | Action::Switching => self.force(element),
                 Action::Rubbing | Action::Driving => self.signals(element),
+                Action::Flexing => {
+                    forces.extend(self.forces_within(element));
+                    continue;
+                }
                 Action::Hitting | Action::Tying => continue,
             };
             forces.extend(self.groups_of(element).into_iter().map(|group| (group, knowns.clone())));

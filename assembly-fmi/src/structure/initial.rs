@@ -85,8 +85,10 @@ impl Structure<'_> {
                 .for_each(|section| self.of_section(section, knowns));
             return;
         }
-        let section = format!("body.{}", self.machine.bodies[body].name);
-        let name = [".start.s", ".start.v"][order];
+        let (section, own) = (self.section_of(body), &self.machine.bodies[body]);
+        let place = own.name.split_once(".q").filter(|_| own.is_inner()).map_or("", |(_, place)| place);
+        let words = if own.is_inner() { [".start.q", ".start.v"] } else { [".start.s", ".start.v"] };
+        let name = format!("{}{place}", words[order]);
         let all = self.parameters.get(section.as_str()).into_iter().flatten();
         all.filter(|(_, rest)| *rest == name).for_each(|(known, _)| put(knowns, *known, Dependent));
     }

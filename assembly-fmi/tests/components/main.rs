@@ -21,6 +21,7 @@ fn plans() -> Vec<Arc<Plan>> {
     let examples = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap());
     let texts = [
         include_str!("../common/everything.toml"),
+        include_str!("../common/flexible.toml"),
         include_str!("../common/joint.toml"),
         include_str!("../common/signals.toml"),
         include_str!("../common/stepped.toml"),

@@ -2,6 +2,7 @@
 
 use crate::description::{BodyKind, Description};
 use crate::refusal::Problem;
+use std::collections::BTreeMap;
 
 /// Relative size below which the rest of a link's row, after elimination of the links before it, is
 /// rounding; an elimination of 10,000 links leaves less.
@@ -13,7 +14,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let mut ties = Elimination { rows: Vec::new() };
     for link in &machine.links {
         let name = format!("link.{}", link.name);
-        let terms: Vec<_> = link.arms.terms.iter().copied().filter(|term| free[term.0]).collect();
+        let terms = coordinates(machine, &link.arms.terms);
+        let terms: Vec<_> = terms.into_iter().filter(|term| free[term.0]).collect();
         if terms.is_empty() {
             let text =
                 "ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia";
@@ -26,7 +28,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
     if let Some((last, others)) = machine.links.split_last()
         && problems.is_empty()
-        && ties.rows.len() == free.len()
+        && ties.rows.len() == machine.bodies.iter().filter(|b| !matches!(b.kind, BodyKind::Node(_))).count()
     {
         let others: Vec<_> = others.iter().map(|l| format!("link.{}", l.name)).collect();
         let with = if others.is_empty() { String::new() } else { format!("with {} ", others.join(", ")) };
@@ -35,6 +37,20 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         );
         problems.push(Problem::new(format!("link.{}", last.name), None, text));
     }
+}
+
+/// The terms of an elongation with nodes as the coordinates behind them.
+fn coordinates(machine: &Description, terms: &[(usize, f64)]) -> Vec<(usize, f64)> {
+    let mut all = BTreeMap::new();
+    for &(body, arm) in terms {
+        match &machine.bodies[body].kind {
+            BodyKind::Node(row) => {
+                row.iter().for_each(|(k, factor)| *all.entry(*k).or_insert(0.0) += arm * factor);
+            }
+            _ => *all.entry(body).or_insert(0.0) += arm,
+        }
+    }
+    all.into_iter().collect()
 }
 
 /// Rows in echelon form, each with the place of its pivot; pivots are 1.

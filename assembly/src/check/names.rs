@@ -1,9 +1,9 @@
 //! Checks of names and counts.
 
 use super::MOST;
-use crate::description::Description;
+use crate::description::{Body, BodyKind, Description};
 use crate::refusal::Problem;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Most letters of a name, which FMU variables and table columns repeat.
 const LONGEST: usize = 100;
@@ -24,7 +24,9 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     if let Some(text) = problem_of(&machine.name) {
         problems.push(Problem::new("name", Some(format!("{:?}", machine.name)), text));
     }
-    unique(machine.bodies.iter().map(|b| ("body", b.name.as_str())), &mut problems);
+    let made = |b: &&Body| b.is_inner() || matches!(b.kind, BodyKind::Node(_));
+    unique(machine.bodies.iter().filter(|b| !made(b)).map(|b| ("body", b.name.as_str())), &mut problems);
+    made_names(machine.bodies.iter().filter(made), &mut problems);
     unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
         problems.push(Problem::new(
@@ -50,6 +52,21 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
         }
     }
     problems
+}
+
+/// Problems of the names of coordinates and nodes of bodies with many coordinates: `beam.q[3]`,
+/// `beam.tip`.
+fn made_names<'a>(bodies: impl Iterator<Item = &'a Body>, problems: &mut Vec<Problem>) {
+    let mut seen = HashSet::new();
+    for body in bodies {
+        let (of, last) = body.name.split_once('.').unwrap_or((&body.name, ""));
+        let last = if body.is_inner() { last.split('[').next().unwrap_or(last) } else { last };
+        if let Some(text) = problem_of(of).or_else(|| problem_of(last)) {
+            problems.push(Problem::new(format!("body.{}", body.name), None, text));
+        } else if !seen.insert(&body.name) {
+            problems.push(Problem::new(&body.name, None, "is there twice"));
+        }
+    }
 }
 
 /// Problems of names that must be well formed and unique. Elements of different sections share no

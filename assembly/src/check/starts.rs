@@ -19,7 +19,11 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.starts_at_rest {
         return at_rest(machine, problems);
     }
-    let starts: Vec<_> = machine.bodies.iter().map(|b| start(&b.kind)).collect();
+    let own: Vec<_> = machine.bodies.iter().map(|b| start(&b.kind)).collect();
+    let of_node = |row: &[(usize, f64)]| [0, 1].map(|k| row.iter().map(|term| term.1 * own[term.0][k]).sum());
+    let starts = machine.bodies.iter().zip(&own);
+    let starts: Vec<[f64; 2]> =
+        starts.map(|(b, own)| if let BodyKind::Node(row) = &b.kind { of_node(row) } else { *own }).collect();
     for link in &machine.links {
         let unit = unit(link.arms.dimension);
         for (what, after, which) in [("e", "", 0), ("e'", "/s", 1)] {
@@ -51,7 +55,7 @@ fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
         problems.push(refused(format!("spring.{}.slider", spring.name), series.slider, text));
     }
     for body in &machine.bodies {
-        let BodyKind::Free(free) = body.kind else { continue };
+        let BodyKind::Free(free) = &body.kind else { continue };
         for (key, value) in [("s", free.s), ("v", free.v)] {
             if value != 0.0 {
                 let text =
@@ -86,6 +90,7 @@ fn start(kind: &BodyKind) -> [f64; 2] {
             return [*s, signal(of)[0]];
         }
         BodyKind::Integrated(motion) => return [motion.s, motion.v],
+        BodyKind::Node(_) => return [0.0; 2],
     };
     let [s, v] = signal(motion);
     [s, v + rate]

@@ -40,6 +40,7 @@ pub(super) fn bodies(
                 own.drift = system.signals.derivative(&own.v) + signals.turned(&rows.v);
                 next += 1;
             }
+            BodyKind::Node(_) => dependent.push(i),
             BodyKind::Free(_) if !system.bodies_of.contains(&i) => dependent.push(i),
             BodyKind::Free(_) => {}
         }
@@ -57,6 +58,22 @@ fn row_of(s: [&StateRow; 4]) -> impl Iterator<Item = &f64> {
     s.into_iter().flat_map(|row| row.iter())
 }
 
+/// The body, the arm and the arm's derivative of each term of a sum that is zero.
+type Tie = Vec<(usize, f64, f64)>;
+
+fn tie(terms: &[(usize, f64)], by: &[(usize, f64)]) -> Tie {
+    terms.iter().zip(by).map(|(&(body, arm), &(_, darm))| (body, arm, darm)).collect()
+}
+
+/// The equation s - row · q = 0 of each node.
+fn nodes(d: &Description) -> impl Iterator<Item = Tie> {
+    d.bodies.iter().enumerate().filter_map(|(i, body)| {
+        let BodyKind::Node(row) = &body.kind else { return None };
+        let row = row.iter().map(|&(k, factor)| (k, -factor, 0.0));
+        Some(std::iter::once((i, 1.0, 0.0)).chain(row).collect())
+    })
+}
+
 fn put_dependent(
     system: &System,
     d: &Description,
@@ -64,14 +81,16 @@ fn put_dependent(
     dependent: &[usize],
     all: &mut [BodyTangent],
 ) {
-    let (m, size) = (d.links.len(), system.signals.size);
+    let ties = d.links.iter().zip(&along.links).map(|(link, by)| tie(&link.arms.terms, &by.arms.terms));
+    let ties: Vec<_> = ties.chain(nodes(d)).collect();
+    let (m, size) = (ties.len(), system.signals.size);
     let mut left = DMatrix::zeros(m, dependent.len());
     let mut right = DMatrix::zeros(m, 3 * size + system.coordinates);
-    for (k, (link, by)) in d.links.iter().zip(&along.links).enumerate() {
+    for (k, terms) in ties.into_iter().enumerate() {
         let mut subtract = |factor: f64, rows: [&StateRow; 4]| {
             right.row_mut(k).iter_mut().zip(row_of(rows)).for_each(|(sum, x)| *sum -= factor * x);
         };
-        for (&(body, arm), &(_, darm)) in link.arms.terms.iter().zip(&by.arms.terms) {
+        for (body, arm, darm) in terms {
             let BodyRows { s, v, weights, drift } = &system.bodies[body];
             subtract(darm, [s, v, drift, weights]);
             match dependent.iter().position(|&i| i == body) {
@@ -83,7 +102,7 @@ fn put_dependent(
             }
         }
     }
-    // Each link determines one of these bodies, so that the matrix is square and regular.
+    // Each link, and each node's row, determines one of these bodies, so that the matrix is square and regular.
     let Some(found) = left.lu().solve(&right) else { return };
     for (place, &body) in dependent.iter().enumerate() {
         let row = found.row(place).transpose();

@@ -2,7 +2,7 @@
 
 use super::bodies::{BodyTangent, bodies};
 use super::branches::BranchTangent;
-use crate::description::{Arms, BodyKind, Description, Follows, Signal, StopLaw};
+use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
@@ -84,8 +84,14 @@ fn direction(d: &Description, name: &str) -> Description {
     let all = springs.chain(dampers).chain(stops).chain(frictions).chain(links);
     all.for_each(|arms| arms.terms.iter_mut().for_each(|term| term.1 = 0.0));
     for body in &mut along.bodies {
-        if let BodyKind::Free(free) = &mut body.kind {
-            (free.s, free.v) = (0.0, 0.0);
+        let is_inner = body.is_inner();
+        match &mut body.kind {
+            BodyKind::Free(free) if is_inner => {
+                *free = Free { inertia: 0.0, gravity: 0.0, s: 0.0, v: 0.0 };
+            }
+            BodyKind::Free(free) => (free.s, free.v) = (0.0, 0.0),
+            BodyKind::Node(row) => row.iter_mut().for_each(|term| term.1 = 0.0),
+            BodyKind::Prescribed { .. } | BodyKind::Integrated(_) => {}
         }
     }
     let follow = d.named.derivatives(name);
@@ -112,7 +118,7 @@ impl Tangent {
         let both = stepped::all(d).zip(stepped::all(&along));
         let moved: Vec<Signal> = both.map(|(own, by)| stepped::counter_along(own, by)).collect();
         let signals = system.signals.tangent(&signals(d, &counters), &signals(&along, &moved));
-        let start = |&body: &usize| match along.bodies[body].kind {
+        let start = |&body: &usize| match &along.bodies[body].kind {
             BodyKind::Free(free) => (free.s, free.v),
             _ => (0.0, 0.0),
         };
@@ -136,6 +142,7 @@ impl Tangent {
         tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.put_loads(system, d);
         tangent.put_springs(system, d, &along);
+        tangent.put_gyroscopic(system);
         tangent.put_branches(system, d, &along);
         tangent.put_stops(system, d, &along);
         tangent.put_frictions(system, d, &along);
@@ -187,18 +194,47 @@ impl Tangent {
                     (line.stiffness, line.preload)
                 }
             };
-            (&s.arms, &by.arms, dk, by.damping, preload)
+            (s.arms.clone(), by.arms.clone(), dk, by.damping, preload)
         });
         let dampers = d.dampers.iter().zip(&along.dampers);
-        let dampers = dampers.map(|(s, by)| (&s.arms, &by.arms, 0.0, by.damping, 0.0));
-        for (rows, (arms, by, dk, dc, preload)) in system.springs.iter().zip(springs.chain(dampers)) {
-            let own = self.elongation(system, arms, by);
+        let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.damping, 0.0));
+        let matrices = d.matrices.iter().flat_map(|own| own.springs()).map(|spring| {
+            let mut by = spring.arms.clone();
+            by.terms.iter_mut().for_each(|term| term.1 = 0.0);
+            (spring.arms, by, 0.0, 0.0, 0.0)
+        });
+        let modals = d.modals.iter().zip(&along.modals).flat_map(|(own, by)| {
+            let springs = own.springs(d).into_iter().zip(own.springs_by(d, by, along));
+            springs.map(|(spring, [dk, dc])| {
+                let mut by = spring.arms.clone();
+                by.terms.iter_mut().for_each(|term| term.1 = 0.0);
+                (spring.arms, by, dk, dc, 0.0)
+            })
+        });
+        for (rows, (arms, by, dk, dc, preload)) in
+            system.springs.iter().zip(springs.chain(dampers).chain(modals).chain(matrices))
+        {
+            let own = self.elongation(system, &arms, &by);
             let e = &rows.elongation;
             let mut force = dk * &e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
             self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
             self.forces.ger(-1.0, &e.w, &force, 1.0);
             self.springs.push((own, force));
+        }
+    }
+
+    /// Gyroscopic forces, which vary where links vary what the coordinates are.
+    fn put_gyroscopic(&mut self, system: &System) {
+        for own in &system.gyroscopic {
+            let size = system.signals.size;
+            let varied: Vec<_> = own.forces(size, |body| &self.bodies[body].v);
+            for ((body, dforce), (_, force)) in
+                varied.iter().zip(own.forces(size, |body| &system.bodies[body].v))
+            {
+                self.forces.ger(-1.0, &self.bodies[*body].weights, &force, 1.0);
+                self.forces.ger(-1.0, &system.bodies[*body].weights, dforce, 1.0);
+            }
         }
     }
 

@@ -330,6 +330,9 @@ impl Powers {
         for spring in &system.springs {
             add(1.0, &spring.force, &spring.elongation.rate);
         }
+        for (body, force) in system.gyroscopic_forces() {
+            add(1.0, &force, &system.bodies[body].v);
+        }
         for branch in &system.branches {
             add(1.0, &branch.force, &branch.elongation.rate);
         }

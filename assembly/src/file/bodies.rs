@@ -16,6 +16,11 @@ const KINDS: &str = "allowed is one of mass, inertia, motion";
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
+    /// Adds a body.
+    pub fn add(&mut self, name: String, dimension: Option<Dimension>) {
+        self.0.push((name, dimension));
+    }
+
     /// The index of a body and its dimension.
     pub fn find(&self, name: &str) -> Option<(usize, Option<Dimension>)> {
         self.0.iter().position(|body| body.0 == name).map(|place| (place, self.0[place].1))
@@ -23,7 +28,7 @@ impl Names {
 
     /// All names.
     pub fn all(&self) -> impl Iterator<Item = &str> + Clone {
-        self.0.iter().map(|body| body.0.as_str())
+        self.0.iter().map(|body| body.0.as_str()).filter(|name| !name.contains('['))
     }
 }
 

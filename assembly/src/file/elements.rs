@@ -253,6 +253,21 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
+/// All entries of a table of bodies, where `tube = { tip = 1.0 }` stands for `"tube.tip" = 1.0`.
+fn of_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>, names: &Names) -> Vec<Entry<'t>> {
+    let mut all = Vec::new();
+    for entry in reading.all(table) {
+        let Some(entries) = entry.value.as_table().filter(|_| names.find(&entry.key).is_none()) else {
+            all.push(entry);
+            continue;
+        };
+        let inner = FileTable { name: entry.name.clone(), line: entry.line, entries };
+        let nodes = reading.all(&inner).into_iter();
+        all.extend(nodes.map(|node| node.below(&entry.key)));
+    }
+    all
+}
+
 /// Reads lever arms. The unit of an arm determines the dimension of its term, and all terms must
 /// have the same dimension.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
@@ -261,7 +276,7 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let mut terms = Vec::new();
     let mut first: Option<(Dimension, String)> = None;
     let mut sound = true;
-    for entry in reading.all(&table) {
+    for entry in of_nodes(reading, &table, names) {
         let Some((body, dimension)) = names.find(&entry.key) else {
             reading.refuse_name(&entry, &entry.key, NO_BODY, names.all());
             sound = false;

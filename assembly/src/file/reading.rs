@@ -109,6 +109,14 @@ pub(super) struct Entry<'a> {
     span: Range<usize>,
 }
 
+impl Entry<'_> {
+    /// The entry with a key that begins with that of the table in which it stands.
+    pub fn below(mut self, table: &str) -> Self {
+        self.key = format!("{table}.{}", self.key);
+        self
+    }
+}
+
 /// Line and text of a value, kept for problems of the whole machine.
 struct Written {
     line: usize,

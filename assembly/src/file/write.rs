@@ -1,13 +1,15 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Friction, Level, SeriesLaw,
-    Signal, Spring, Stop, StopLaw,
+    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Free, Friction, Given, Level,
+    MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
 use crate::slots::{of_harmonic, of_sweep};
+use nalgebra::{DMatrix, DVector};
 use std::fmt::Write;
+use std::ops::Range;
 
 /// Appends a line to a string, which cannot fail.
 macro_rules! line {
@@ -27,6 +29,9 @@ pub(super) fn machine(machine: &Description) -> String {
     }
     parameters(&mut text, machine);
     for body in &machine.bodies {
+        if body.is_inner() || matches!(body.kind, BodyKind::Node(_)) {
+            continue;
+        }
         line!(text, "\n[body.{}]", body.name);
         own.body(&mut text, body);
     }
@@ -39,6 +44,8 @@ pub(super) fn machine(machine: &Description) -> String {
         match element {
             Element::Spring(spring) => own.spring(&mut text, &of, spring),
             Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
+            Element::Modal(modal) => own.modal(&mut text, &of, modal),
+            Element::Matrix(matrix) => given(&mut text, &matrix.given, machine.starts_at_rest),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
             Element::Link(_) => {}
@@ -72,6 +79,43 @@ fn word(dimension: Dimension) -> &'static str {
         Dimension::Translation => "translation",
         Dimension::Rotation => "rotation",
     }
+}
+
+/// What a file gives of a body with matrices.
+fn given(text: &mut String, given: &Given, at_rest: bool) {
+    let list = |all: Vec<f64>| format!("{all:?}");
+    let square = |a: &DMatrix<f64>| {
+        let rows: Vec<String> = a.row_iter().map(|row| list(row.iter().copied().collect())).collect();
+        format!("[{}]", rows.join(", "))
+    };
+    line!(text, "mass = {}", square(&given.mass));
+    line!(text, "stiffness = {}", square(&given.stiffness));
+    match &given.damping {
+        MatrixDamping::None => {}
+        MatrixDamping::Matrix(damping) => line!(text, "damping = {}", square(damping)),
+        MatrixDamping::Rayleigh(factors) => line!(text, "rayleigh = {factors:?}"),
+        MatrixDamping::Ratios(ratios) => match ratios[..] {
+            [one] => line!(text, "damping_ratio = {one:?}"),
+            _ => line!(text, "damping_ratio = {ratios:?}"),
+        },
+    }
+    if let Some(gyroscopic) = &given.gyroscopic {
+        line!(text, "gyroscopic = {}", square(gyroscopic));
+    }
+    let vector = |own: &DVector<f64>| list(own.iter().copied().collect());
+    line!(text, "gravity = {}", vector(&given.gravity));
+    if !at_rest {
+        line!(text, "start = {{ q = {}, v = {} }}", vector(&given.q), vector(&given.v));
+    }
+    for node in &given.nodes {
+        let (row, dimension) = (vector(&node.row), word(node.dimension));
+        line!(text, "nodes.{} = {{ row = {row}, dimension = {dimension:?} }}", node.name);
+    }
+}
+
+/// A body's name as a key; a node's has a dot.
+fn key(body: &Body) -> String {
+    if body.name.contains('.') { format!("{:?}", body.name) } else { body.name.clone() }
 }
 
 /// The machine whose numbers are written, each as a number or as its expression.
@@ -110,6 +154,7 @@ impl Writing<'_> {
                     line!(text, "start = {{ s = {s}, v = {v} }}");
                 }
             }
+            BodyKind::Node(_) => {}
             BodyKind::Prescribed { motion, rate } => {
                 line!(text, "dimension = {:?}", word(body.dimension));
                 let of = format!("{of}.motion");
@@ -139,11 +184,11 @@ impl Writing<'_> {
             let arm = |&(body, arm): &(usize, f64)| {
                 let of = &machine.bodies[body];
                 if let Some(expression) = self.expression(&format!("{element}.arms.{}", of.name)) {
-                    return format!("{} = {expression}", of.name);
+                    return format!("{} = {expression}", key(of));
                 }
                 match kinds::arm_of(of.dimension, arms.dimension).unit(arms.dimension) {
-                    "1" => format!("{} = {arm:?}", of.name),
-                    unit => format!("{} = \"{arm:?} {unit}\"", of.name),
+                    "1" => format!("{} = {arm:?}", key(of)),
+                    unit => format!("{} = \"{arm:?} {unit}\"", key(of)),
                 }
             };
             let all: Vec<_> = arms.terms.iter().map(arm).collect();
@@ -152,6 +197,47 @@ impl Writing<'_> {
         let end =
             |sign: f64| arms.terms.iter().find(|term| term.1 == sign).map_or("ground", |term| name(term.0));
         line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
+    }
+
+    fn modal(&self, text: &mut String, of: &str, modal: &Modal) {
+        let numbers = |key: &str, all: Vec<f64>| {
+            let number = |(i, x): (usize, f64)| self.number(&format!("{of}.{key}[{i}]"), x);
+            format!("[{}]", all.into_iter().enumerate().map(number).collect::<Vec<_>>().join(", "))
+        };
+        line!(text, "frequencies = {}", numbers("frequencies", modal.frequencies.clone()));
+        match modal.damping_ratios[..] {
+            [one] => self.line(text, of, "damping_ratio", one),
+            _ => line!(text, "damping_ratio = {}", numbers("damping_ratio", modal.damping_ratios.clone())),
+        }
+        let coordinates = modal.first..modal.first + modal.frequencies.len();
+        let of_free = |of: &dyn Fn(&Free) -> f64| -> Vec<f64> {
+            let free = self.machine.bodies[coordinates.clone()].iter();
+            free.filter_map(|body| if let BodyKind::Free(free) = &body.kind { Some(of(free)) } else { None })
+                .collect()
+        };
+        if modal.has_masses {
+            line!(text, "masses = {}", numbers("masses", of_free(&|free| free.inertia)));
+        }
+        line!(text, "gravity = {}", numbers("gravity", of_free(&|free| free.gravity)));
+        if !self.machine.starts_at_rest {
+            let (q, v) = (of_free(&|free| free.s), of_free(&|free| free.v));
+            line!(text, "start = {{ q = {}, v = {} }}", numbers("start.q", q), numbers("start.v", v));
+        }
+        self.nodes(text, coordinates);
+    }
+
+    /// The nodes on a body with many coordinates.
+    fn nodes(&self, text: &mut String, coordinates: Range<usize>) {
+        for body in &self.machine.bodies {
+            let BodyKind::Node(row) = &body.kind else { continue };
+            let Some((_, name)) = body.name.split_once('.').filter(|_| coordinates.contains(&row[0].0))
+            else {
+                continue;
+            };
+            let terms = row.iter().map(|(k, factor)| format!("\"{}\" = {factor:?}", k - coordinates.start));
+            let row = terms.collect::<Vec<_>>().join(", ");
+            line!(text, "nodes.{name} = {{ row = {{ {row} }}, dimension = {:?} }}", word(body.dimension));
+        }
     }
 
     fn points(&self, text: &mut String, of: &str, points: &[ForcePoint]) {

@@ -30,7 +30,7 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     let d = &record.assembly.description;
     let mut panels = Vec::new();
     for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
-        let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension);
+        let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension && !b.is_inner());
         let coordinate = |i| Quantity::of_body(i, What::S);
         let curves: Vec<_> = bodies.filter_map(|(i, b)| curve(record, &b.name, coordinate(i))).collect();
         panels.extend(curves_over_time(record, "coordinates", label, &curves));

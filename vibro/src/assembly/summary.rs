@@ -57,13 +57,14 @@ pub fn summary(machine: Description) -> Result<String> {
     let (name, coordinates) = (&d.name, assembly.system().coordinates);
     let mut lines = vec![format!("{name}: {}; {coordinates} degrees of freedom", counts.join(", "))];
     lines.push("bodies".into());
-    for (i, body) in d.bodies.iter().enumerate() {
+    for (i, body) in d.bodies.iter().enumerate().filter(|(_, body)| !body.is_inner()) {
         let ([s, v, a], [length, speed, _]) = (motion.body(i), units(body.dimension));
         let what = match body.kind {
             BodyKind::Free(free) if body.dimension == Dimension::Translation => {
                 format!("{} kg", short(free.inertia))
             }
             BodyKind::Free(free) => format!("{} kg·m²", short(free.inertia)),
+            BodyKind::Node(_) => "node".into(),
             BodyKind::Prescribed { .. } => "prescribed".into(),
             BodyKind::Integrated(ref motion) => format!("prescribed by its {}", motion.level.key()),
         };
@@ -139,6 +140,9 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
         let [length, _, force] = units(element.dimension(d));
         let state = match (element.action(), m.assembly().system().parts[i].first()) {
             (Action::Tying, _) => return format!("  {name}: holds"),
+            (Action::Flexing, _) => {
+                return format!("  {name}: {} coordinates", m.assembly().system().parts[i].len());
+            }
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
             (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.stop_state(i))),
             (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.stop_state(i))),
@@ -184,7 +188,7 @@ fn of_friction(state: FrictionState) -> &'static str {
 fn equilibrium(assembly: &Assembly) -> String {
     match assembly.equilibrium() {
         Ok(places) => {
-            let bodies = assembly.description.bodies.iter().zip(places);
+            let bodies = assembly.description.bodies.iter().zip(places).filter(|(body, _)| !body.is_inner());
             let places = bodies.map(|(b, s)| format!("{} = {} {}", b.name, short(s), units(b.dimension)[0]));
             format!("equilibrium under the loads at time 0: {}", places.collect::<Vec<_>>().join(", "))
         }
@@ -273,7 +277,7 @@ fn events(record: &MotionRecord, knots: bool) -> String {
 pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     let d = &record.assembly.description;
     let mut lines = Vec::new();
-    for (i, body) in d.bodies.iter().enumerate() {
+    for (i, body) in d.bodies.iter().enumerate().filter(|(_, body)| !body.is_inner()) {
         let [length, speed, _] = units(body.dimension);
         let largest = |what| record.extreme(Quantity::of_body(i, what)).map_or(0.0, |own| own.largest);
         let [s, v] = [What::S, What::V].map(|what| short(largest(what)));

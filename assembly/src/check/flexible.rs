@@ -1,0 +1,77 @@
+//! Checks of bodies with many coordinates and of the nodes on them.
+
+use super::refused;
+use crate::description::{BodyKind, Description, Modal};
+use crate::elements::Element;
+use crate::refusal::Problem;
+
+/// Most coordinates of all bodies with many.
+pub(crate) const MOST_COORDINATES: usize = 500;
+
+/// Problems of lengths and indices; the file's reader makes none of them but the count.
+pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
+    let inner = machine.bodies.iter().filter(|body| body.is_inner()).count();
+    if inner > MOST_COORDINATES {
+        let text = format!("there are {inner} coordinates; allowed are up to {MOST_COORDINATES} in all");
+        problems.push(Problem::new("modal", None, text));
+    }
+    for modal in &machine.modals {
+        check_modal(machine, modal, problems);
+    }
+    for matrix in &machine.matrices {
+        let coordinates = Element::Matrix(matrix).coordinates();
+        for (i, body) in coordinates.clone().enumerate() {
+            let name = Description::name_of_coordinate(&matrix.name, i);
+            let own = machine.bodies.get(body).filter(|own| own.name == name);
+            if !matches!(own.map(|own| &own.kind), Some(BodyKind::Free(free)) if free.inertia == 1.0) {
+                problems.push(Problem::new(name, None, "allowed is what Description::add_matrix makes"));
+            }
+        }
+    }
+    let owned: usize = machine.elements().map(|element| element.coordinates().len()).sum();
+    if problems.is_empty() && owned != inner {
+        let text = format!(
+            "{inner} bodies are named as coordinates; of {owned} coordinates allowed is one body each"
+        );
+        problems.push(Problem::new("modal", None, text));
+    }
+    for body in &machine.bodies {
+        let BodyKind::Node(row) = &body.kind else { continue };
+        let rises = row.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let is_inner = |i: usize| machine.bodies.get(i).is_some_and(|own| own.is_inner());
+        let sound = |&(i, factor): &(usize, f64)| is_inner(i) && factor.is_finite() && factor != 0.0;
+        if row.is_empty() || !rises || !row.iter().all(sound) {
+            let text = "allowed is a row of coordinates at rising places, with finite factors other than 0";
+            problems.push(Problem::new(format!("body.{}", body.name), None, text));
+        }
+    }
+}
+
+fn check_modal(machine: &Description, modal: &Modal, problems: &mut Vec<Problem>) {
+    let (of, count) = (format!("modal.{}", modal.name), modal.frequencies.len());
+    if count == 0 {
+        problems.push(Problem::new(format!("{of}.frequencies"), None, "allowed are one frequency or more"));
+    }
+    if ![1, count].contains(&modal.damping_ratios.len()) {
+        let text = format!(
+            "has {} values; allowed is one, or one for each of {count} modes",
+            modal.damping_ratios.len()
+        );
+        problems.push(Problem::new(format!("{of}.damping_ratio"), None, text));
+    }
+    for i in 0..count {
+        let name = Description::name_of_coordinate(&modal.name, i);
+        let body = machine.bodies.get(modal.first + i).filter(|own| own.name == name);
+        match body.map(|own| &own.kind) {
+            Some(BodyKind::Free(free)) if modal.has_masses || free.inertia == 1.0 => {}
+            Some(BodyKind::Free(free)) => {
+                problems.push(refused(
+                    format!("{of}.masses[{i}]"),
+                    free.inertia,
+                    "allowed without masses is 1",
+                ));
+            }
+            _ => problems.push(Problem::new(name, None, "allowed is a free body of this name for each mode")),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Bodies with many coordinates, and nodes on them.
+
+use super::{Arms, Body, BodyKind, Description, Dimension};
+use std::f64::consts::TAU;
+
+/// A body in modal coordinates: mode i has the stiffness m (2π f)² and the damping 2 ζ m 2π f, and
+/// its modal mass m is the inertia of body `first` + i (docs/assembly-law.md (A48)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modal {
+    /// Its name, unique among the elements.
+    pub name: String,
+    /// Index of the body that is the coordinate of mode 0; those of the other modes follow it.
+    pub first: usize,
+    /// f by mode, Hz, not negative.
+    pub frequencies: Vec<f64>,
+    /// ζ, not negative: one for all modes, or one by mode.
+    pub damping_ratios: Vec<f64>,
+    /// Whether the modes have masses of their own; else each is 1.
+    pub has_masses: bool,
+}
+
+/// A spring and a dashpot in parallel on coordinates.
+pub(crate) struct Inner {
+    pub arms: Arms,
+    pub stiffness: f64,
+    pub damping: f64,
+}
+
+impl Modal {
+    /// The place of mode `i`'s damping ratio.
+    fn place_of_ratio(&self, i: usize) -> usize {
+        if self.damping_ratios.len() == 1 { 0 } else { i }
+    }
+
+    /// The name of mode `i`'s damping ratio as a parameter.
+    pub(crate) fn name_of_ratio(&self, i: usize) -> String {
+        match self.damping_ratios.len() {
+            1 => format!("modal.{}.damping_ratio", self.name),
+            _ => format!("modal.{}.damping_ratio[{i}]", self.name),
+        }
+    }
+
+    /// Its springs, a mode each.
+    pub(crate) fn springs(&self, d: &Description) -> Vec<Inner> {
+        let spring = |(i, &f): (usize, &f64)| {
+            let (m, omega, ratio) =
+                (d.mass_of(self.first + i), TAU * f, self.damping_ratios[self.place_of_ratio(i)]);
+            let arms = Arms::between(None, Some(self.first + i), Dimension::Translation);
+            Inner { arms, stiffness: m * omega * omega, damping: 2.0 * ratio * m * omega }
+        };
+        self.frequencies.iter().enumerate().map(spring).collect()
+    }
+
+    /// The derivatives of its springs' stiffness and damping, where `by` are those of its numbers
+    /// and `along` those of the machine's.
+    pub(crate) fn springs_by(&self, d: &Description, by: &Self, along: &Description) -> Vec<[f64; 2]> {
+        let spring = |(i, (&f, &df)): (usize, (&f64, &f64))| {
+            let (m, dm) = (d.mass_of(self.first + i), along.mass_of(self.first + i));
+            let (ratio, dratio) = [self, by].map(|own| own.damping_ratios[self.place_of_ratio(i)]).into();
+            let (omega, domega) = (TAU * f, TAU * df);
+            let stiffness = dm * omega * omega + 2.0 * m * omega * domega;
+            [stiffness, 2.0 * (dratio * m * omega + ratio * (dm * omega + m * domega))]
+        };
+        self.frequencies.iter().zip(&by.frequencies).enumerate().map(spring).collect()
+    }
+}
+
+impl Body {
+    /// Whether it is a coordinate of a body with many: such coordinates are no columns of tables
+    /// and no curves.
+    pub fn is_inner(&self) -> bool {
+        self.name.contains('[')
+    }
+}
+
+impl Description {
+    /// The inertia of a body; 0 where it has none of its own.
+    pub(crate) fn mass_of(&self, body: usize) -> f64 {
+        match self.bodies.get(body).map(|body| &body.kind) {
+            Some(BodyKind::Free(free)) => free.inertia,
+            _ => 0.0,
+        }
+    }
+
+    /// Names of the coordinates of a body with many.
+    pub(crate) fn name_of_coordinate(name: &str, i: usize) -> String {
+        format!("{name}.q[{i}]")
+    }
+
+    /// The indices of the bodies of which a body is a node; its own index where it is none.
+    pub fn behind(&self, body: usize) -> Vec<usize> {
+        match &self.bodies[body].kind {
+            BodyKind::Node(row) => row.iter().map(|term| term.0).collect(),
+            _ => vec![body],
+        }
+    }
+}

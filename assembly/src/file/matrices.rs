@@ -1,0 +1,184 @@
+//! Reading of matrices: rows in the file, CSV files and Matrix Market files.
+
+use super::reading::{Entry, Reading, finite};
+use super::records::stays_inside;
+use crate::check::MOST_COORDINATES;
+use nalgebra::DMatrix;
+
+const ALLOWED: &str = "allowed is a Matrix Market file such as \"M.mtx\", a file of rows such as \"M.csv\", or a list of rows of \
+                       finite numbers";
+
+/// Reads a matrix.
+pub(super) fn read(reading: &mut Reading, entry: &Entry) -> Option<DMatrix<f64>> {
+    let found = match entry.value.as_str() {
+        Some(path) => of_file(reading, path),
+        None => rows(entry).ok_or_else(|| ALLOWED.to_owned()),
+    };
+    let found = found.and_then(|own| match own.nrows().max(own.ncols()) {
+        size if size > MOST_COORDINATES => {
+            Err(format!("has {size} rows or columns; allowed are up to {MOST_COORDINATES}"))
+        }
+        _ => Ok(own),
+    });
+    found.map_err(|text| reading.refuse(entry, text)).ok()
+}
+
+fn rows(entry: &Entry) -> Option<DMatrix<f64>> {
+    let row = |row: &toml::Spanned<toml::de::DeValue>| -> Option<Vec<f64>> {
+        row.get_ref().as_array()?.iter().map(|x| finite(x.get_ref())).collect()
+    };
+    of_rows(entry.value.as_array()?.iter().map(row).collect::<Option<_>>()?)
+}
+
+fn of_rows(rows: Vec<Vec<f64>>) -> Option<DMatrix<f64>> {
+    let columns = rows.first()?.len();
+    let even = columns > 0 && rows.iter().all(|row| row.len() == columns);
+    even.then(|| DMatrix::from_row_iterator(rows.len(), columns, rows.iter().flatten().copied()))
+}
+
+fn of_file(reading: &Reading, path: &str) -> Result<DMatrix<f64>, String> {
+    stays_inside(path)?;
+    let text = (reading.records)(path).map_err(|e| format!("cannot be read: {e}"))?;
+    let found = match text.get(..14).is_some_and(|start| start.eq_ignore_ascii_case("%%MatrixMarket")) {
+        true => market(&text),
+        false => csv(&text),
+    };
+    found.map_err(|e| format!("{path}:{e}"))
+}
+
+/// Rows of numbers, separated by commas.
+fn csv(text: &str) -> Result<DMatrix<f64>, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
+        let row: Option<Vec<f64>> = line.split(',').map(value).collect();
+        let count = rows.first().map_or(0, Vec::len);
+        let row = row.filter(|row| count == 0 || row.len() == count);
+        let Some(row) = row.filter(|row| row.len() <= MOST_COORDINATES && rows.len() < MOST_COORDINATES)
+        else {
+            return Err(format!(
+                "{number}: allowed are up to {MOST_COORDINATES} rows of equally many finite numbers"
+            ));
+        };
+        rows.push(row);
+    }
+    of_rows(rows).ok_or_else(|| " it has no numbers".into())
+}
+
+fn value(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// What stands across the diagonal of a Matrix Market file.
+#[derive(Clone, Copy, PartialEq)]
+enum Across {
+    Given,
+    Equal,
+    Opposite,
+}
+
+/// A matrix of a Matrix Market file, real or integer.
+fn market(text: &str) -> Result<DMatrix<f64>, String> {
+    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+    let header = lines.next().map_or("", |first| first.1).to_ascii_lowercase();
+    let words: Vec<&str> = header.split_whitespace().collect();
+    let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
+        return Err("1: allowed is a header such as %%MatrixMarket matrix coordinate real symmetric".into());
+    };
+    if !["real", "integer"].contains(&field) {
+        return Err(format!("1: {field}: allowed are real and integer entries"));
+    }
+    let across = match symmetry {
+        "general" => Across::Given,
+        "symmetric" => Across::Equal,
+        "skew-symmetric" => Across::Opposite,
+        _ => {
+            return Err(format!("1: {symmetry}: allowed are general, symmetric and skew-symmetric matrices"));
+        }
+    };
+    let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
+    let (number, sizes) = lines.next().ok_or(" it has no sizes")?;
+    let sizes: Option<Vec<usize>> = sizes.split_whitespace().map(|word| word.parse().ok()).collect();
+    let sizes = sizes.filter(|own| own.iter().take(2).all(|size| (1..=MOST_COORDINATES).contains(size)));
+    if let Some([rows, columns, ..]) = sizes.as_deref().filter(|_| across != Across::Given)
+        && rows != columns
+    {
+        return Err(format!("{number}: allowed is a {symmetry} matrix of as many rows as columns"));
+    }
+    match (layout, sizes.as_deref()) {
+        ("coordinate", Some(&[rows, columns, count])) => {
+            of_entries(lines, DMatrix::zeros(rows, columns), count, across)
+        }
+        ("array", Some(&[rows, columns])) => of_columns(lines, DMatrix::zeros(rows, columns), across),
+        _ => Err(format!("{number}: allowed are the sizes of a {layout} matrix, up to {MOST_COORDINATES}")),
+    }
+}
+
+fn put(a: &mut DMatrix<f64>, (i, j): (usize, usize), x: f64, across: Across) {
+    a[(i, j)] = x;
+    match across {
+        Across::Given => {}
+        Across::Equal => a[(j, i)] = x,
+        Across::Opposite if i == j => {}
+        Across::Opposite => a[(j, i)] = -x,
+    }
+}
+
+fn of_entries<'l>(
+    lines: impl Iterator<Item = (usize, &'l str)>,
+    mut a: DMatrix<f64>,
+    count: usize,
+    across: Across,
+) -> Result<DMatrix<f64>, String> {
+    let mut seen = vec![false; a.len()];
+    let mut found = 0;
+    for (number, line) in lines {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let place = |word: &str, most: usize| {
+            word.parse().ok().filter(|k| (1..=most).contains(k)).map(|k: usize| k - 1)
+        };
+        let entry = match words[..] {
+            [i, j, x] => place(i, a.nrows()).zip(place(j, a.ncols())).zip(value(x)),
+            _ => None,
+        };
+        let Some(((i, j), x)) =
+            entry.filter(|((i, j), _)| across == Across::Given || j <= i && *i < a.ncols())
+        else {
+            return Err(format!(
+                "{number}: {line}: allowed are row, column, from 1, and a finite number, of symmetric and skew \
+                                matrices on or below the diagonal"
+            ));
+        };
+        if std::mem::replace(&mut seen[i * a.ncols() + j], true) {
+            return Err(format!("{number}: {line}: this entry is there twice"));
+        }
+        put(&mut a, (i, j), x, across);
+        found += 1;
+    }
+    if found == count { Ok(a) } else { Err(format!(" it has {found} entries; its sizes say {count}")) }
+}
+
+fn of_columns<'l>(
+    lines: impl Iterator<Item = (usize, &'l str)>,
+    mut a: DMatrix<f64>,
+    across: Across,
+) -> Result<DMatrix<f64>, String> {
+    let mut lines = lines;
+    let first = |j: usize| match across {
+        Across::Given => 0,
+        Across::Equal => j,
+        Across::Opposite => j + 1,
+    };
+    for j in 0..a.ncols() {
+        for i in first(j)..a.nrows() {
+            let (number, line) = lines.next().ok_or(" it has too few numbers")?;
+            let x = value(line).ok_or_else(|| format!("{number}: {line}: allowed is a finite number"))?;
+            put(&mut a, (i, j), x, across);
+        }
+    }
+    match lines.next() {
+        None => Ok(a),
+        Some((number, _)) => Err(format!("{number}: it has too many numbers")),
+    }
+}
