@@ -5,8 +5,8 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Series, Signal, Spring,
-    Stop, StopLaw,
+    Arms, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load, Series,
+    Signal, Spring, Stop, StopLaw,
 };
 
 /// An element of a machine.
@@ -20,6 +20,8 @@ pub enum Element<'a> {
     Stop(&'a Stop),
     /// Coulomb friction.
     Friction(&'a Friction),
+    /// A freewheel.
+    Freewheel(&'a Freewheel),
     /// A rigid link.
     Link(&'a Link),
     /// A force or torque on a body.
@@ -45,11 +47,12 @@ pub enum Action {
 
 /// Sections of a file that hold elements, in the order of every list of elements, each with its
 /// plural.
-pub const SECTIONS: [(&str, &str); 6] = [
+pub const SECTIONS: [(&str, &str); 7] = [
     ("spring", "springs"),
     ("damper", "dampers"),
     ("stop", "stops"),
     ("friction", "frictions"),
+    ("freewheel", "freewheels"),
     ("link", "links"),
     ("load", "loads"),
 ];
@@ -62,6 +65,7 @@ impl<'a> Element<'a> {
             Self::Damper(damper) => &damper.name,
             Self::Stop(stop) => &stop.name,
             Self::Friction(friction) => &friction.name,
+            Self::Freewheel(wheel) => &wheel.name,
             Self::Link(link) => &link.name,
             Self::Load(load) => &load.name,
         }
@@ -74,6 +78,7 @@ impl<'a> Element<'a> {
             Self::Damper(_) => "damper",
             Self::Stop(_) => "stop",
             Self::Friction(_) => "friction",
+            Self::Freewheel(_) => "freewheel",
             Self::Link(_) => "link",
             Self::Load(_) => "load",
         }
@@ -91,6 +96,7 @@ impl<'a> Element<'a> {
             Self::Damper(damper) => Some(&damper.arms),
             Self::Stop(stop) => Some(&stop.arms),
             Self::Friction(friction) => Some(&friction.arms),
+            Self::Freewheel(wheel) => Some(&wheel.arms),
             Self::Link(link) => Some(&link.arms),
             Self::Load(_) => None,
         }
@@ -110,7 +116,7 @@ impl<'a> Element<'a> {
         match self {
             Self::Spring(spring) if spring.points.len() > 2 => Action::Switching,
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
-            Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
+            Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) | Self::Freewheel(_) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
             Self::Friction(_) => Action::Rubbing,
             Self::Link(_) => Action::Tying,
@@ -132,7 +138,9 @@ impl<'a> Element<'a> {
                 std::iter::once((".force", &friction.force)).chain(largest).collect()
             }
             Self::Load(load) => vec![("", &load.force)],
-            Self::Spring(_) | Self::Damper(_) | Self::Stop(_) | Self::Link(_) => Vec::new(),
+            Self::Spring(_) | Self::Damper(_) | Self::Stop(_) | Self::Freewheel(_) | Self::Link(_) => {
+                Vec::new()
+            }
         }
     }
 }
@@ -151,14 +159,22 @@ pub struct NamedSignal<'a> {
 }
 
 impl Description {
+    /// The place of the first freewheel among the stops of the law, behind stops and corners.
+    pub fn first_freewheel(&self) -> usize {
+        let corners = |spring: &Spring| spring.points.len().saturating_sub(2);
+        self.stops.len() + self.springs.iter().map(corners).sum::<usize>()
+    }
+
     /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.
     pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);
         let frictions = self.frictions.iter().map(Element::Friction);
+        let wheels = self.freewheels.iter().map(Element::Freewheel);
         let links = self.links.iter().map(Element::Link);
         let springs = springs.chain(self.dampers.iter().map(Element::Damper));
-        springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
+        let rigid = wheels.chain(links);
+        springs.chain(stops).chain(frictions).chain(rigid).chain(self.loads.iter().map(Element::Load))
     }
 
     /// Counts of the bodies and of the elements of each section, with plurals.

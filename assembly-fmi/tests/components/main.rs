@@ -22,6 +22,7 @@ fn plans() -> Vec<Arc<Plan>> {
     let texts = [
         include_str!("../common/everything.toml"),
         include_str!("../common/joint.toml"),
+        include_str!("../common/freewheels.toml"),
         include_str!("../common/signals.toml"),
         include_str!("../../../assembly/tests/data/laws.toml"),
     ];

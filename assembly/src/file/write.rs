@@ -41,7 +41,7 @@ pub(super) fn machine(machine: &Description) -> String {
             Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
-            Element::Link(_) => {}
+            Element::Freewheel(_) | Element::Link(_) => {}
             Element::Load(load) => {
                 line!(text, "on = {:?}", machine.bodies[load.body].name);
                 own.parts(&of, &load.force).iter().for_each(|part| line!(text, "{part}"));

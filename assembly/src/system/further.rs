@@ -21,7 +21,7 @@ impl System {
 
     /// Whether a stop is a corner of a spring's force.
     pub fn is_corner(&self, stop: usize) -> bool {
-        stop >= self.first_corner
+        (self.first_corner..self.first_freewheel).contains(&stop)
     }
 
     /// Adds a friction whose levels follow the force of a stop.

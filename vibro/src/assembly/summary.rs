@@ -140,6 +140,9 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
         let state = match (element.action(), m.assembly().system().parts[i].first()) {
             (Action::Tying, _) => return format!("  {name}: holds"),
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
+            (_, Some(&Part::Stop(i))) if matches!(element, Element::Freewheel(_)) => {
+                if m.mode().stops[i] == StopState::Closed { "engaged".into() } else { "runs free".into() }
+            }
             (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.mode().stops[i])),
             (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.mode().stops[i])),
             (_, Some(&Part::Spring(_))) if matches!(element, Element::Spring(s) if s.points.len() > 2) => {
