@@ -118,5 +118,5 @@ fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
         // The first positive root of left = rate t + bend t²/2.
         2.0 * left / (rate + (rate * rate + 2.0 * bend * left).sqrt())
     };
-    system.stops.iter().map(flight).collect::<Vec<_>>().into_iter()
+    system.stops.iter().filter(|stop| !stop.is_freewheel).map(flight).collect::<Vec<_>>().into_iter()
 }

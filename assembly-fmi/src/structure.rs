@@ -21,6 +21,7 @@ use vibro_assembly::description::{
     Arms, BodyKind, Description, Friction, Interpolation, Signal, Spring, Stop,
 };
 use vibro_assembly::elements::Action;
+use vibro_assembly::system::Part;
 use vibro_assembly::{Element, Owner, What};
 
 /// Most entries of all dependency lists of one kind together, at about 10 bytes each. Beyond it the
@@ -338,7 +339,8 @@ impl<'a> Structure<'a> {
         match quantity {
             Quantity::Column(column) => return self.column(column),
             Quantity::StopState(i) | Quantity::Impacts(i) | Quantity::Impulse(i) => {
-                let stop = self.nth(|element| matches!(element, Element::Stop(_)), i);
+                let place = self.plan.assembly.system().element_of(Part::Stop(i));
+                let stop = self.elements.get(place).copied();
                 let all = stop.into_iter().flat_map(|stop| (0..3).map(move |k| self.of_element(stop, k)));
                 all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
@@ -448,7 +450,7 @@ impl<'a> Structure<'a> {
             };
             vec![(*element, first); count]
         };
-        // Corners come after all stops and before friction.
+        // Corners come after all stops, then freewheels, then friction.
         let corners = self.elements.iter().flat_map(|element| match element {
             Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
             _ => Vec::new(),
@@ -456,11 +458,16 @@ impl<'a> Structure<'a> {
         // Those of sliders stand last.
         let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
         let rubs = |element: &&Element| element.action() == Action::Rubbing;
+        let is_stop = |element: &&Element| matches!(element, Element::Stop(_));
+        let is_wheel = |element: &&Element| matches!(element, Element::Freewheel(_));
         let all = self.elements.iter();
-        let stops = all.clone().filter(|own| !rubs(own) && !is_spring(own)).flat_map(of_element);
+        let stops = all.clone().filter(is_stop).flat_map(of_element);
+        let wheels = all.clone().filter(is_wheel).flat_map(of_element);
         let frictions = all.clone().filter(|own| rubs(own) && !is_spring(own)).flat_map(of_element);
         let sliders = all.filter(is_spring).flat_map(of_element);
-        if let Some((element, first)) = stops.chain(corners).chain(frictions).chain(sliders).nth(place) {
+        if let Some((element, first)) =
+            stops.chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)
+        {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }

@@ -223,6 +223,7 @@ impl VariableTable {
             }
         }
         let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
+        let mut wheels = machine.first_freewheel();
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
             match element {
@@ -239,6 +240,10 @@ impl VariableTable {
                     let (name, state) = (&friction.name, Quantity::FrictionState(frictions));
                     self.push(format!("{name}.state"), "State of the friction", "1", Role::Discrete, state);
                     frictions += 1;
+                }
+                Element::Freewheel(wheel) => {
+                    self.rigid(&wheel.name, "State of the freewheel", wheel.arms.dimension, wheels);
+                    wheels += 1;
                 }
                 Element::Spring(spring) if spring.series.is_some() => {
                     let what = What::SliderRate;
@@ -259,15 +264,21 @@ impl VariableTable {
     }
 
     fn stop(&mut self, stop: &Stop, i: usize) {
-        let mut push = |what: &str, meaning: &str, unit, quantity| {
-            self.push(format!("{}.{what}", stop.name), meaning, unit, Role::Discrete, quantity);
-        };
-        push("state", "State of the stop", "1", Quantity::StopState(i));
         if let StopLaw::Rigid { .. } = stop.law {
-            push("impacts", "Impacts so far", "1", Quantity::Impacts(i));
-            let unit = of(stop.arms.dimension, IMPULSE);
-            push("impulse", "Impulse of the last impact", unit, Quantity::Impulse(i));
+            return self.rigid(&stop.name, "State of the stop", stop.arms.dimension, i);
         }
+        let name = format!("{}.state", stop.name);
+        self.push(name, "State of the stop", "1", Role::Discrete, Quantity::StopState(i));
+    }
+
+    /// Adds state and impacts of a rigid stop or a freewheel.
+    fn rigid(&mut self, name: &str, state: &str, dimension: Dimension, i: usize) {
+        let mut push = |what: &str, meaning: &str, unit, quantity| {
+            self.push(format!("{name}.{what}"), meaning, unit, Role::Discrete, quantity);
+        };
+        push("state", state, "1", Quantity::StopState(i));
+        push("impacts", "Impacts so far", "1", Quantity::Impacts(i));
+        push("impulse", "Impulse of the last impact", of(dimension, IMPULSE), Quantity::Impulse(i));
     }
 
     fn energies(&mut self, machine: &Description) {
@@ -310,6 +321,10 @@ impl VariableTable {
                 let name = format!("{}.indicator.points[{corner}]", spring.name);
                 push(name, "Negative where the corner is to be passed");
             }
+        }
+        for wheel in &machine.freewheels {
+            let name = format!("{}.indicator", wheel.name);
+            push(name, "Negative where the freewheel is to engage or to let go");
         }
         for friction in &machine.frictions {
             let name = format!("{}.indicator", friction.name);

@@ -14,6 +14,8 @@ pub(crate) enum Symbol {
     Stop { compliant: bool },
     /// Two bars in sliding contact.
     Friction,
+    /// A pawl on a rack.
+    Freewheel,
     /// A rigid bar.
     Link,
 }
@@ -72,6 +74,7 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
         Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
         Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
         Element::Friction(_) => Symbol::Friction,
+        Element::Freewheel(_) => Symbol::Freewheel,
         Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,
     };
     let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));

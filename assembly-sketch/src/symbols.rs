@@ -168,6 +168,7 @@ impl Hand<'_> {
             Some(Symbol::Stop { compliant }) if faces => self.plates(from, to, y, compliant),
             Some(Symbol::Stop { compliant }) => self.clasp(from, to, y, compliant),
             Some(Symbol::Friction) => self.bars(from, to, y, 60.0),
+            Some(Symbol::Freewheel) => self.ratchet(from, to, y, faces),
             Some(Symbol::Link) => {
                 self.thick(vec![(from, y), (to, y)]);
                 let (ends, radius) = (self.scaled(&[(from, y), (to, y)]), 2.2 * self.scale * self.width());
@@ -216,6 +217,26 @@ impl Hand<'_> {
         self.thick(vec![(middle - half - 2.0, y - 9.0), (middle + half - 16.0, y - 9.0)]);
         self.thick(vec![(middle - half + 16.0, y + 9.0), (middle + half + 2.0, y + 9.0)]);
         self.line(vec![(middle + half, y + 9.0), (middle + half, y), (to, y)]);
+    }
+
+    /// A pawl of the left end on the teeth of the right one, which it keeps from going away, or where
+    /// they `face` each other from coming near.
+    fn ratchet(&mut self, from: f64, to: f64, y: f64, face: bool) {
+        const TOOTH: f64 = 24.0;
+        let (first, base) = (0.5 * (from + to) - 2.0 * TOOTH, y + 12.0);
+        let mut teeth = vec![(first, base)];
+        for i in 0..4 {
+            let x = first + TOOTH * f64::from(i);
+            let top = if face { x } else { x + TOOTH };
+            teeth.extend([(top, base - 14.0), (x + TOOTH, base)]);
+        }
+        teeth.extend([(first + 4.0 * TOOTH, y), (to, y)]);
+        self.line(teeth);
+        let (way, tip) = if face { (-1.0, 2.0 * TOOTH - 3.0) } else { (1.0, TOOTH + 3.0) };
+        let (tip, above) = ((first + tip, base - 5.0), y - 26.0);
+        let hinge = (tip.0 + 1.9 * TOOTH * way, above);
+        self.line(vec![(from, y), (first - 12.0, y), (first - 12.0, above), hinge]);
+        self.thick(vec![hinge, tip]);
     }
 
     /// The zigzag of a compliant stop behind its plate.

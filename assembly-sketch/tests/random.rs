@@ -63,6 +63,7 @@ fn machine(seed: u64) -> Description {
             "[stop.NAME]\nENDS\ngap = 1.0\nrestitution = 0.5",
             "[stop.NAME]\nENDS\ngap = 1.0\nstiffness = 9.0",
             "[friction.NAME]\nENDS\nforce = 1.0",
+            "[freewheel.NAME]\nENDS",
             "[load.NAME]\non = \"FIRST\"\nconstant = 1.0",
         ];
         let element = keys[random.below(keys.len())].replace("ENDS", &ends).replace("FIRST", &names[0]);

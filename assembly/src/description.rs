@@ -1,5 +1,5 @@
 //! The description of a machine as plain data in SI units: bodies, springs, dampers, stops,
-//! friction, links and loads.
+//! friction, freewheels, links and loads.
 //!
 //! A [`Description`] is read from a file ([`crate::file`]) or built by a program;
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
@@ -39,6 +39,8 @@ pub struct Description {
     pub stops: Vec<Stop>,
     /// Coulomb friction.
     pub frictions: Vec<Friction>,
+    /// Freewheels.
+    pub freewheels: Vec<Freewheel>,
     /// Rigid links.
     pub links: Vec<Link>,
     /// Forces or torques on bodies.
@@ -262,6 +264,15 @@ pub enum DampingLimit {
     Pull,
     /// The dashpot acts only while e grows: f = stiffness (e - gap) + damping max(0, e').
     UndampedRebound,
+}
+
+/// A freewheel: e' <= 0, by a force on its ends that is not negative and acts only while e' = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freewheel {
+    /// Name, unique among the elements.
+    pub name: String,
+    /// Its elongation e.
+    pub arms: Arms,
 }
 
 /// Coulomb friction that resists e': its force has the size `force` while it slips, and at most

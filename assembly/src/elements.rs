@@ -5,8 +5,8 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, Body, BodyKind, Damper, Description, Dimension, Friction, Integrated, Link, Load, Matrix, Modal,
-    Series, Signal, Spring, Stop, StopLaw,
+    Arms, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
+    Matrix, Modal, Series, Signal, Spring, Stop, StopLaw,
 };
 use std::ops::Range;
 
@@ -25,6 +25,8 @@ pub enum Element<'a> {
     Stop(&'a Stop),
     /// Coulomb friction.
     Friction(&'a Friction),
+    /// A freewheel.
+    Freewheel(&'a Freewheel),
     /// A rigid link.
     Link(&'a Link),
     /// A force or torque on a body.
@@ -52,13 +54,14 @@ pub enum Action {
 
 /// Sections of a file that hold elements, in the order of every list of elements, each with its
 /// plural.
-pub const SECTIONS: [(&str, &str); 8] = [
+pub const SECTIONS: [(&str, &str); 9] = [
     ("spring", "springs"),
     ("damper", "dampers"),
     ("modal", "modal bodies"),
     ("matrix", "bodies with matrices"),
     ("stop", "stops"),
     ("friction", "frictions"),
+    ("freewheel", "freewheels"),
     ("link", "links"),
     ("load", "loads"),
 ];
@@ -73,6 +76,7 @@ impl<'a> Element<'a> {
             Self::Matrix(matrix) => &matrix.name,
             Self::Stop(stop) => &stop.name,
             Self::Friction(friction) => &friction.name,
+            Self::Freewheel(wheel) => &wheel.name,
             Self::Link(link) => &link.name,
             Self::Load(load) => &load.name,
         }
@@ -87,6 +91,7 @@ impl<'a> Element<'a> {
             Self::Matrix(_) => "matrix",
             Self::Stop(_) => "stop",
             Self::Friction(_) => "friction",
+            Self::Freewheel(_) => "freewheel",
             Self::Link(_) => "link",
             Self::Load(_) => "load",
         }
@@ -105,6 +110,7 @@ impl<'a> Element<'a> {
             Self::Damper(damper) => Some(&damper.arms),
             Self::Stop(stop) => Some(&stop.arms),
             Self::Friction(friction) => Some(&friction.arms),
+            Self::Freewheel(wheel) => Some(&wheel.arms),
             Self::Link(link) => Some(&link.arms),
             Self::Load(_) | Self::Modal(_) | Self::Matrix(_) => None,
         }
@@ -124,7 +130,7 @@ impl<'a> Element<'a> {
         match self {
             Self::Spring(spring) if spring.points.len() > 2 || spring.stepped.is_some() => Action::Switching,
             Self::Spring(_) | Self::Damper(_) => Action::Linear,
-            Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) => Action::Hitting,
+            Self::Stop(Stop { law: StopLaw::Rigid { .. }, .. }) | Self::Freewheel(_) => Action::Hitting,
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
             Self::Modal(_) | Self::Matrix(_) => Action::Flexing,
             Self::Friction(_) => Action::Rubbing,
@@ -159,7 +165,9 @@ impl<'a> Element<'a> {
             Self::Spring(Spring { stepped, .. }) | Self::Stop(Stop { stepped, .. }) => {
                 stepped.iter().map(|signal| (".stiffness", signal)).collect()
             }
-            Self::Damper(_) | Self::Modal(_) | Self::Matrix(_) | Self::Link(_) => Vec::new(),
+            Self::Damper(_) | Self::Modal(_) | Self::Matrix(_) | Self::Freewheel(_) | Self::Link(_) => {
+                Vec::new()
+            }
         }
     }
 }
@@ -178,16 +186,24 @@ pub struct NamedSignal<'a> {
 }
 
 impl Description {
+    /// The place of the first freewheel among the stops of the law, behind stops and corners.
+    pub fn first_freewheel(&self) -> usize {
+        let corners = |spring: &Spring| spring.points.len().saturating_sub(2);
+        self.stops.len() + self.springs.iter().map(corners).sum::<usize>()
+    }
+
     /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.
     pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);
         let frictions = self.frictions.iter().map(Element::Friction);
+        let wheels = self.freewheels.iter().map(Element::Freewheel);
         let links = self.links.iter().map(Element::Link);
         let springs = springs.chain(self.dampers.iter().map(Element::Damper));
         let springs = springs.chain(self.modals.iter().map(Element::Modal));
         let springs = springs.chain(self.matrices.iter().map(Element::Matrix));
-        springs.chain(stops).chain(frictions).chain(links).chain(self.loads.iter().map(Element::Load))
+        let rigid = wheels.chain(links);
+        springs.chain(stops).chain(frictions).chain(rigid).chain(self.loads.iter().map(Element::Load))
     }
 
     /// Whether the stiffness of any element steps in time.

@@ -43,10 +43,11 @@ impl Neutral {
             all.map(|s| s.elongation.w.clone()).collect::<Vec<_>>()
         };
         let mut rows = springs(&|s| s.stiffness != 0.0);
-        rows.extend(system.stops.iter().map(|s| s.elongation.w.clone()));
+        rows.extend(system.stops[..system.first_freewheel].iter().map(|s| s.elongation.w.clone()));
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
         rows.extend(gyroscopic(system));
+        rows.extend(system.stops[system.freewheels()].iter().map(|s| s.elongation.w.clone()));
         rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
         rows.extend(system.branches.iter().map(|b| b.elongation.w.clone()));
         let rates = null_space(rows, system.coordinates);

@@ -256,6 +256,15 @@ impl Holding {
                 contacts.push(RestContact { w: direction(w), excess: 0.0, force, compliance: 0.0 });
             }
         }
+        for rows in &system.stops[system.freewheels()] {
+            let e = &rows.elongation;
+            let rate = e.rate.dot(z);
+            // With e' < 0 of moving prescribed bodies it has no force.
+            if friction != FrictionLevel::None && rate >= -known.zero_of(&e.rate) {
+                let force = (0.0, f64::INFINITY);
+                contacts.push(RestContact { w: direction(&e.w), excess: 0.0, force, compliance: 0.0 });
+            }
+        }
         let spring = |(spring, s): (usize, &SpringRows)| RestSpring {
             w: direction(&s.elongation.w),
             stiffness: s.stiffness,

@@ -243,6 +243,9 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
             slots.level(&format!("{of}.static"), level);
         }
     }
+    for wheel in &mut machine.freewheels {
+        slots.element("freewheel", &wheel.name, &mut wheel.arms, &bodies);
+    }
     for link in &mut machine.links {
         slots.element("link", &link.name, &mut link.arms, &bodies);
     }

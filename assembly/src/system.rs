@@ -3,6 +3,7 @@
 //! (docs/assembly-law.md (A1) to (A4)).
 
 mod first_order;
+mod freewheels;
 mod further;
 mod gyroscopic;
 mod levels;
@@ -61,10 +62,13 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
-    /// Stops, followed by the corners of springs whose force has several lines.
+    /// Stops, followed by the corners of springs whose force has several lines, and by the
+    /// freewheels.
     pub stops: Vec<StopRows>,
     /// The number of stops without these corners.
     pub(crate) first_corner: usize,
+    /// The number of stops and corners without the freewheels.
+    pub(crate) first_freewheel: usize,
     /// What the stored energies of all lines are at e = 0, which the springs' own are not to have.
     pub(crate) stored_at_zero: f64,
     /// Frictions.
@@ -232,6 +236,7 @@ impl System {
             springs: Vec::new(),
             stops: Vec::new(),
             first_corner: d.stops.len(),
+            first_freewheel: 0,
             stored_at_zero: 0.0,
             frictions: Vec::new(),
             branches: Vec::new(),
@@ -350,7 +355,7 @@ impl System {
                     loads += 1;
                     vec![Part::Load(loads - 1)]
                 }
-                Element::Link(_) => Vec::new(),
+                Element::Freewheel(_) | Element::Link(_) => Vec::new(),
             };
             self.parts.push(parts);
         }
@@ -358,6 +363,7 @@ impl System {
             self.add_levels(d, &rows[first..]);
         }
         self.add_corners(d);
+        self.add_freewheels(d);
     }
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
@@ -377,7 +383,16 @@ impl System {
         let spring = stiffness * &excess;
         let force = &spring + damping * &*elongation.rate;
         let [excess, force, spring] = [excess, force, spring].map(Functional::of);
-        self.stops.push(StopRows { elongation, excess, law, force, spring, is_followed: false, level: None });
+        self.stops.push(StopRows {
+            elongation,
+            excess,
+            law,
+            force,
+            spring,
+            is_followed: false,
+            level: None,
+            is_freewheel: false,
+        });
         vec![Part::Stop(self.stops.len() - 1)]
     }
 

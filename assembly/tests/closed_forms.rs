@@ -282,7 +282,8 @@ fn invariant_an_impact_without_impulse_ends_the_sequence() {
     let before = z.clone();
     let mut sizes = Sizes(z.clone());
     sizes.0[system.coordinates + 1] = 1.0;
-    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution: &[0.5, 0.0] };
+    let restitution = &[0.5, 0.0];
+    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution, engaged: &[] };
     let impacts = instant.collide(&mut z, &mut |_, stops, _, _| Ok(vec![true; stops.len()])).unwrap();
     assert!(impacts.sequence.is_empty() && !impacts.projected, "{}", impacts.sequence.len());
     assert_eq!(z, before);
@@ -297,7 +298,8 @@ fn closed_form_shares_of_impulses_that_cancel() {
     let mut z = DVector::zeros(system.signals.size);
     z[system.coordinates + 1] = 2.0;
     let sizes = Sizes(z.clone());
-    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution: &[0.5, 0.0] };
+    let restitution = &[0.5, 0.0];
+    let instant = Instant { system, sizes: &sizes, touching: &[0, 1], restitution, engaged: &[] };
     let impacts = instant.collide(&mut z, &mut |_, stops, _, _| Ok(vec![true; stops.len()])).unwrap();
     let [light, heavy] = [impacts.shares[0], impacts.shares[1]];
     assert!((light - 400.0).abs() < 400.0 * ROUNDING && (heavy - 2.0).abs() < ROUNDING, "{light} {heavy}");

@@ -23,6 +23,9 @@ DEFINITIONS: Dict[int, str] = {
     37: "says what a state of first order is",
     38: "the force of a spring in series, from its inner place",
     47: "a choice of the law: the levels of a friction that follows a stop",
+    48: "defines a mode's coordinate with its node",
+    50: "says which part of a stepped stiffness acts",
+    52: "defines a freewheel",
 }
 
 ROUNDING = mpf(10) ** -30
@@ -831,3 +834,59 @@ def test_law_46_lines_as_bounded_forces() -> None:
                 way = (x if j == len(e) - 1 else min(x, e[j])) - e[j - 1]
                 whole += (slopes[j - 1] - least) * max(mpf(0), way)
             assert abs(whole - of_points(e, f, x)) < ROUNDING * 100
+
+
+def test_law_53_what_a_freewheel_takes_away() -> None:
+    r = random.Random(57)
+    for _ in range(40):
+        mass, v, w = masses(r, 3), vector(r, 3), rows(r, 3, 3)
+        u = w.T * v
+        g = w.T * mass**-1 * w
+        # Of stops that leave and freewheels that close, whatever their rates.
+        found = impulses(g, u, [mpf(0)] * 3)
+        assert found  # v = 0 is allowed
+        for p in found:
+            after = v - mass**-1 * w * p
+            assert close(after, v - mass**-1 * w * found[0])
+            assert all(x <= ROUNDING for x in w.T * after)  # nothing is left to do
+            lost = (dot(v, mass * v) - dot(after, mass * after)) / 2
+            assert abs(lost - dot(p, u) / 2) < ROUNDING and abs(lost - dot(p, g * p) / 2) < ROUNDING
+            distance = dot(after - v, mass * (after - v))
+            for _ in range(20):
+                other = after + vector(r, 3) / 10
+                if all(x <= 0 for x in w.T * other):
+                    assert distance <= dot(other - v, mass * (other - v)) + ROUNDING
+    # A wall and two equal masses: in turns speeds fall by (1 - eps)/2.
+    eps, a, b = mpf(3) / 5, mpf(2), mpf(2)
+    for _ in range(200):
+        before, a = a, -eps * a
+        a = b = (a + b) / 2
+        assert abs(a - (1 - eps) / 2 * before) < ROUNDING
+    assert abs(a) < ROUNDING
+    walls = matrix([[1, -1], [0, 1]])
+    for p in impulses(walls.T * walls, walls.T * matrix([-eps * 2, 2]), [mpf(0)] * 2):
+        assert mp.norm(matrix([-eps * 2, 2]) - walls * p) < ROUNDING
+
+
+def test_law_49_normal_coordinates() -> None:
+    r = random.Random(49)
+    for _ in range(5):
+        n = 4
+        a, b = (matrix([[number(r) for _ in range(n)] for _ in range(n)]) for _ in range(2))
+        mass, stiffness = a * a.T + mp.eye(n), b * b.T
+        lower = mp.cholesky(mass)
+        inverse = lower**-1
+        squares, vectors = mp.eigsy(inverse * stiffness * inverse.T)
+        shapes = inverse.T * vectors
+        assert close(shapes.T * mass * shapes, mp.eye(n))
+        assert close(shapes.T * stiffness * shapes, mp.diag(list(squares)))
+        q = vector(r, n)
+        assert close(shapes * (shapes.T * mass * q), q)
+
+
+def test_law_51_energy_of_a_step() -> None:
+    r = random.Random(51)
+    for _ in range(20):
+        before, after, x = mpf(r.randint(0, 99)), mpf(r.randint(0, 99)), number(r)
+        stored = [k * x**2 / 2 for k in (before, after)]
+        assert mp.almosteq(stored[1] - stored[0], (after - before) * x**2 / 2)

@@ -218,9 +218,9 @@ fn watched(d: &Description) -> Vec<Quantity> {
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
-/// Whether an element is a contact, that is, a stop or a friction.
+/// Whether an element is a contact, that is, a stop, a friction or a freewheel.
 pub(crate) fn is_contact(element: Element) -> bool {
-    matches!(element, Element::Stop(_) | Element::Friction(_))
+    matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Freewheel(_))
 }
 
 /// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`

@@ -171,7 +171,7 @@ impl Machine {
 /// Whether no rigid stop is violated.
 fn is_between_stops(motion: &Motion) -> bool {
     let (system, z) = (motion.assembly().system(), motion.state());
-    system.stops.iter().filter(|stop| stop.restitution().is_some()).all(|stop| {
+    system.stops.iter().filter(|stop| stop.keeps_gap()).all(|stop| {
         let size: f64 = stop.excess.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum();
         stop.excess.dot(z) <= ROUNDING * size
     })

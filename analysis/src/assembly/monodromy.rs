@@ -74,7 +74,8 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
 pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
-    let held: Vec<_> = springs.chain(system.stops.iter().map(|s| &s.elongation)).collect();
+    let held: Vec<_> =
+        springs.chain(system.stops.iter().filter(|s| !s.is_freewheel).map(|s| &s.elongation)).collect();
     let own = system.states();
     let by_time = |row: &StateRow| row.iter().zip(change).skip(own).map(|(r, x)| r * x).sum::<f64>();
     let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };

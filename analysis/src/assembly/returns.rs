@@ -65,6 +65,7 @@ impl Functionals {
                     Part::Spring(i) => Some(system.springs[i].stiffness).filter(|k| *k != 0.0),
                     // Of a spring with corners one line or another has stiffness.
                     Part::Stop(i) if system.is_corner(i) && acts => continue,
+                    Part::Stop(i) if system.stops[i].is_freewheel => None,
                     Part::Stop(i) => Some(system.stops[i].stiffness()),
                     Part::Branch(i) => {
                         // The force is to return, whatever its elongation and inner place do.

@@ -27,6 +27,7 @@ impl Log for Told {
 /// The states of stops and frictions, with their names in messages.
 fn states(machine: &mut Machine, plan: &Plan) -> Vec<(String, f64)> {
     let own = |quantity| match quantity {
+        Quantity::StopState(i) if plan.assembly.system().stops[i].is_freewheel => Some("freewheel"),
         Quantity::StopState(_) => Some("stop"),
         Quantity::FrictionState(_) => Some("friction"),
         Quantity::SliderState(_) => Some("spring"),

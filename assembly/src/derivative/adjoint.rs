@@ -147,7 +147,7 @@ impl<'a> Adjoint<'a> {
     /// The projection onto what the contacts of a mode hold.
     fn project(&mut self, mode: &VariedMode, z: &DVector<f64>) {
         let (basis, system) = (&mode.mode.basis, &self.machine.system);
-        let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
+        let stops = basis.iter().take_while(|contact| system.keeps_place(**contact)).count();
         for (contacts, rates) in [(&basis[..], true), (&basis[..stops], false)] {
             if contacts.is_empty() {
                 continue;

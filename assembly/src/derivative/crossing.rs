@@ -86,7 +86,10 @@ impl Crossing<'_> {
         };
         let was_open = |i: usize| self.before.mode.mode.stops[i] == StopState::Open;
         let all = self.events.iter().filter_map(|event| match event.kind {
-            EventKind::Impact { stop, .. } => Some(stop),
+            // What an impact catches had no time of its own.
+            EventKind::Impact { stop, .. } => {
+                Some(stop).filter(|&stop| self.machine.system.keeps_place(Contact::Stop(stop)))
+            }
             _ => None,
         });
         // A stop that is redundant beside others takes no impulse, but is met all the same.

@@ -60,7 +60,9 @@ impl Impulse {
     fn new(system: &System, events: &[Event], group: &[(usize, f64, usize)], z: &DVector<f64>) -> Self {
         let stops: Vec<usize> = group.iter().map(|hit| hit.0).collect();
         let closes = |stop: usize| events.iter().any(|e| e.kind == EventKind::Close { stop });
-        let closes: Vec<bool> = stops.iter().map(|&stop| closes(stop)).collect();
+        // What a freewheel takes part in is plastic.
+        let catches = stops.iter().any(|&stop| system.stops[stop].is_freewheel);
+        let closes: Vec<bool> = stops.iter().map(|&stop| catches || closes(stop)).collect();
         let own = |(&stop, closes): (&usize, &bool)| {
             system.stops[stop].restitution().filter(|_| !closes).unwrap_or(0.0)
         };
@@ -157,7 +159,7 @@ impl Impulse {
     }
 
     /// The size of the terms of [`kick`](Self::kick).
-    fn kick_size(&self, system: &System, tangent: &Tangent) -> f64 {
+    pub(super) fn kick_size(&self, system: &System, tangent: &Tangent) -> f64 {
         let one = |(k, p): (usize, &f64)| {
             let mobility = &system.stops[self.stops[k]].elongation.mobility;
             let kick = &tangent.stops[self.stops[k]].elongation.w - &tangent.mass * mobility;
@@ -185,7 +187,7 @@ impl Impulse {
         let touches = |&stop: &usize| {
             let stop = &system.stops[stop];
             let zero = BESIDE * ZERO * stop.excess.size(sizes.as_slice());
-            stop.restitution().is_some() && stop.excess.at(first.states[0].as_slice()).abs() <= zero
+            stop.keeps_gap() && stop.excess.at(first.states[0].as_slice()).abs() <= zero
         };
         let touching: Vec<usize> = (0..system.stops.len()).filter(touches).collect();
         if touching.len() < 2 {

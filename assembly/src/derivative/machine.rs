@@ -253,7 +253,7 @@ impl Machine {
         at: &Instant,
     ) -> Result<(), Lost> {
         let basis = &at.mode.mode.basis;
-        let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
+        let stops = basis.iter().take_while(|contact| self.system.keeps_place(**contact)).count();
         self.project(p, &basis[..stops], false, delta, at);
         self.project(p, basis, true, delta, at);
         self.keep_levels(p, delta, at, |_| None);
@@ -261,7 +261,7 @@ impl Machine {
             if self.turns_away(p, at.mode, contact) {
                 return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
             }
-            let places = if let Contact::Stop(_) = contact { &[false, true][..] } else { &[true][..] };
+            let places = if self.system.keeps_place(contact) { &[false, true][..] } else { &[true][..] };
             for &rates in places {
                 let (row, by) = self.held_row(contact, rates, p);
                 let point = self.point(Varied { p, delta, scale }, at);

@@ -68,11 +68,11 @@ pub(super) fn equilibrium(
         matrix.view_mut((0, n + place), (n, 1)).copy_from(&(column * (scale / norm)));
         matrix.view_mut((n + place, 0), (1, n)).copy_from(&(column.transpose() * (scale / norm)));
         let off = match contact {
-            Contact::Stop(i) => {
+            Contact::Stop(i) if system.keeps_place(contact) => {
                 let column = Varied { p, delta, scale: delta };
                 machine.point(column, at).of(&system.stops[i].excess, &tangent.stops[i].excess)
             }
-            Contact::Friction(_) | Contact::Slider(_) => by.w.dot(&at.z.rows(0, n)),
+            _ => by.w.dot(&at.z.rows(0, n)),
         };
         known[n + place] = -off * scale / norm;
     }
@@ -136,6 +136,8 @@ fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
 fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVector<f64>, &Instant)) -> bool {
     let (system, tangent, by) = (&machine.system, &machine.tangents[p], machine.contact(contact, p).1);
     let (row, own) = match contact {
+        // A freewheel keeps the place of the machine without displacements, whatever its rate.
+        Contact::Stop(_) if !system.keeps_place(contact) => return by.w.amax() == 0.0,
         Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
         Contact::Friction(i) => {
             let friction = &system.frictions[i];
@@ -148,8 +150,8 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
 }
 
 /// The contacts that keep their place at rest, with their places in the basis: closed stops, which
-/// must press, and resting friction where friction is needed. It then keeps the place w·q = 0 of
-/// the machine without displacements, and must stay below its level.
+/// must press, and resting friction and engaged freewheels where these are needed. They then keep the
+/// place w·q = 0 of the machine without displacements, and must stay inside their limits.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {
@@ -159,15 +161,19 @@ fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact
     };
     let bears = |k: usize| force(k).0.abs() > force(k).1;
     let basis = mode.basis.iter().copied().enumerate();
-    let rubs = basis.clone().any(|(k, contact)| matches!(contact, Contact::Friction(_)) && bears(k));
-    let keeps = |&(_, contact): &(usize, Contact)| rubs || matches!(contact, Contact::Stop(_));
+    let holds = |contact: Contact| machine.system.keeps_place(contact);
+    let rubs = basis.clone().any(|(k, contact)| !holds(contact) && bears(k));
+    let keeps = |&(_, contact): &(usize, Contact)| rubs || holds(contact);
+    let way = |contact: Contact| {
+        let w = &machine.contact(contact, p).0.w;
+        let (way, size) = (w.dot(&at.z.rows(0, n)), w.abs().dot(&at.z.rows(0, n).abs()));
+        way.abs() <= STILL * size
+    };
     let stands = |(k, contact): (usize, Contact)| match contact {
-        Contact::Stop(_) => force(k).0 > force(k).1,
+        Contact::Stop(_) => force(k).0 > force(k).1 && (holds(contact) || way(contact)),
         Contact::Friction(i) => {
-            let w = &machine.contact(contact, p).0.w;
-            let (way, size) = (w.dot(&at.z.rows(0, n)), w.abs().dot(&at.z.rows(0, n).abs()));
             let level = machine.system.frictions[i].at(&mode.stops).map_or(0.0, |own| own.level.dot(at.z));
-            way.abs() <= STILL * size && force(k).0.abs() < (1.0 - STILL) * level
+            way(contact) && force(k).0.abs() < (1.0 - STILL) * level
         }
         Contact::Slider(_) => true,
     };

@@ -52,7 +52,10 @@ impl Start<'_> {
         let tight = Impulse::all_tight(system, &impacts, at.sizes);
         let found = Impulse::carry_one(system, tangent, (&impacts, &tight), (&delta, &scale));
         let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
-        let scale = scale.sup(&delta.abs());
+        let mut scale = scale.sup(&delta.abs());
+        // What an impact takes of a rate may leave the rounding of what it takes.
+        let kicks: f64 = impacts.iter().map(|impulse| impulse.kick_size(system, tangent)).sum();
+        scale.rows_mut(system.coordinates, system.coordinates).add_scalar_mut(kicks);
         machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
         machine.keep(p, &mut delta, &scale, at)?;
         machine.keep_levels(p, &mut delta, at, |i| self.is_moved(i));
@@ -143,7 +146,8 @@ impl Start<'_> {
     fn check_touching(&self, column: Varied) -> Result<(), Lost> {
         let (machine, at) = (self.machine, &self.at);
         for (i, stop) in machine.system.stops.iter().enumerate() {
-            if !machine.is_zero(&stop.excess, at) {
+            // A freewheel has no place, and its rate is that after the law: see `returns`, `still`.
+            if stop.is_freewheel || !machine.is_zero(&stop.excess, at) {
                 continue;
             }
             let (point, by) = (machine.point(column, at), &machine.tangents[column.p].stops[i]);

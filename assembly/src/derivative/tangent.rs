@@ -81,7 +81,8 @@ fn direction(d: &Description, name: &str) -> Description {
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);
     let frictions = along.frictions.iter_mut().map(|s| &mut s.arms);
     let links = along.links.iter_mut().map(|s| &mut s.arms);
-    let all = springs.chain(dampers).chain(stops).chain(frictions).chain(links);
+    let wheels = along.freewheels.iter_mut().map(|s| &mut s.arms);
+    let all = springs.chain(dampers).chain(wheels).chain(stops).chain(frictions).chain(links);
     all.for_each(|arms| arms.terms.iter_mut().for_each(|term| term.1 = 0.0));
     for body in &mut along.bodies {
         let is_inner = body.is_inner();
@@ -267,6 +268,12 @@ impl Tangent {
                 let spring = force.clone();
                 self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution: 0.0 });
             }
+        }
+        for (wheel, by) in d.freewheels.iter().zip(&along.freewheels) {
+            let elongation = self.elongation(system, &wheel.arms, &by.arms);
+            let (excess, none) = (elongation.rate.clone(), StateRow::zeros(system.signals.size));
+            let (force, spring) = (none.clone(), none);
+            self.stops.push(StopTangent { elongation, excess, force, spring, restitution: 0.0 });
         }
     }
 

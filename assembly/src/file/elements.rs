@@ -1,4 +1,4 @@
-//! Reading of springs, dampers, stops, frictions, links and loads.
+//! Reading of springs, dampers, stops, frictions, freewheels, links and loads.
 
 use super::bodies::Names;
 use super::follows;
@@ -8,7 +8,8 @@ use super::series;
 use super::signals::{self, Values};
 use super::stepped;
 use crate::description::{
-    Arms, Damper, DampingLimit, Description, Dimension, Friction, Link, Load, Signal, Spring, Stop, StopLaw,
+    Arms, Damper, DampingLimit, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring,
+    Stop, StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -30,6 +31,10 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
     }
     for (name, table) in reading.section(root, "friction") {
         machine.frictions.extend(friction(reading, name, &table, names, &machine.stops));
+    }
+    for (name, table) in reading.section(root, "freewheel") {
+        reading.known(&table, &["between", "arms"]);
+        machine.freewheels.extend(arms(reading, &table, names).map(|arms| Freewheel { name, arms }));
     }
     for (name, table) in reading.section(root, "link") {
         reading.known(&table, &["between", "arms"]);

@@ -48,7 +48,7 @@ pub(super) fn machine(machine: &Description) -> String {
             Element::Matrix(matrix) => given(&mut text, &matrix.given, machine.starts_at_rest),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
-            Element::Link(_) => {}
+            Element::Freewheel(_) | Element::Link(_) => {}
             Element::Load(load) => {
                 line!(text, "on = {:?}", machine.bodies[load.body].name);
                 own.parts(&of, &load.force).iter().for_each(|part| line!(text, "{part}"));

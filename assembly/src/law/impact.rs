@@ -53,6 +53,9 @@ pub struct Instant<'a> {
     pub touching: &'a [usize],
     /// By stop: restitution coefficient in force, 0 where chatter ends.
     pub restitution: &'a [f64],
+    /// Places of the freewheels that count as having e' = 0 before the impacts, whatever rounding
+    /// says.
+    pub engaged: &'a [usize],
 }
 
 /// Decides which stops without closing speed stay closed. Arguments: the state, the indices of
@@ -73,16 +76,21 @@ impl Instant<'_> {
     /// # Errors
     /// [`Jam`], whose contacts are indices of stops.
     pub fn collide(&self, z: &mut DVector<f64>, stay_closed: &mut StayClosed<'_>) -> Result<Impacts, Jam> {
+        let mut impacts = self.collide_stops(z, stay_closed)?;
+        if !self.system.freewheels().is_empty() {
+            self.catch(z, &mut impacts)?;
+        }
+        Ok(impacts)
+    }
+
+    /// The impacts of the rigid stops, without freewheels.
+    fn collide_stops(&self, z: &mut DVector<f64>, stay_closed: &mut StayClosed<'_>) -> Result<Impacts, Jam> {
         let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
         loop {
             let speeds: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
             largest = speeds.iter().fold(largest, |most, &u| most.max(u));
-            let zero = |place: usize| {
-                let e = &self.system.stops[self.touching[place]].elongation;
-                let shares: f64 = e.w.iter().zip(&impacts.shares).map(|(w, share)| w.abs() * share).sum();
-                (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
-            };
+            let zero = |place: usize| self.zero(self.touching[place], largest, &impacts);
             if (0..speeds.len()).all(|k| speeds[k] <= zero(k)) {
                 return Ok(impacts);
             }
@@ -115,6 +123,44 @@ impl Instant<'_> {
             impacts.sequence.push(impact);
             self.take_shares(&mut impacts);
         }
+    }
+
+    /// The speed of a stop that counts as zero beside the largest closing speed of the instant.
+    fn zero(&self, stop: usize, largest: f64, impacts: &Impacts) -> f64 {
+        let e = &self.system.stops[stop].elongation;
+        let shares: f64 = e.w.iter().zip(&impacts.shares).map(|(w, share)| w.abs() * share).sum();
+        (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
+    }
+
+    /// The plastic impact by which freewheels take e' > 0 away, after which no touching stop and no
+    /// freewheel has e' > 0 (docs/assembly-law.md (A53)).
+    fn catch(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
+        let wheels = self.system.freewheels();
+        let before = impacts.sequence.iter().flat_map(|impact| &impact.stops);
+        let largest = before.fold(0.0f64, |most, stop| most.max(stop.1));
+        let turns = |wheel: usize| {
+            let stands = impacts.sequence.is_empty() && self.engaged.contains(&wheel);
+            !stands && self.speed(wheel, z) > self.zero(wheel, largest, impacts)
+        };
+        if !wheels.clone().any(turns) {
+            return Ok(());
+        }
+        let all: Vec<usize> = self.touching.iter().copied().chain(wheels).collect();
+        let u: Vec<f64> = all.iter().map(|&i| self.speed(i, z)).collect();
+        let zeros: Vec<f64> = all.iter().map(|&i| self.zero(i, largest, impacts)).collect();
+        let p = self.impulses(&all, DVector::from_column_slice(&u), &zeros)?;
+        let mut impact = Impact { stops: Vec::new(), lost: 0.0, work: 0.0 };
+        for (k, &stop) in all.iter().enumerate().filter(|(k, _)| p[*k] > 0.0) {
+            impact.stops.push((stop, u[k].max(0.0), p[k]));
+            impact.lost += 0.5 * u[k] * p[k];
+            impact.work += p[k] * self.prescribed_speed(stop, z);
+        }
+        impact.work += self.apply(&all, &p, z);
+        if !impact.stops.is_empty() {
+            impacts.sequence.push(impact);
+            self.take_shares(impacts);
+        }
+        Ok(())
     }
 
     /// Applies one impact of the stops with closing speeds `u`, by (A7).

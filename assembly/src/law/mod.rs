@@ -62,7 +62,9 @@ impl Sizes {
     /// as large as its share of them.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
-        if let Contact::Stop(i) = contact {
+        if let Contact::Stop(i) = contact
+            && system.keeps_place(contact)
+        {
             self.include_held(e, 0, &system.stops[i].excess);
         }
         self.include_held(e, n, &e.rate);

@@ -103,11 +103,11 @@ impl Motion {
         inputs
     }
 
-    /// Opens closed stops whose gap has grown, and refuses stops whose gap is now less than e.
+    /// Opens closed stops whose gap has grown, freewheels that are given a rate, and refuses stops whose gap is now less than e.
     fn open_grown_gaps(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();
-        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {
             let (excess, zero) = (stop.excess.dot(&self.hybrid.z), sizes.zero_of(&stop.excess));
             if excess > zero {
                 return Err(self.violated(i, excess));
@@ -116,6 +116,12 @@ impl Motion {
                 off.push(i);
             }
         }
+        // A freewheel whose changed arms give it a rate is no longer engaged.
+        let turns = |&i: &usize| {
+            let rate = &system.stops[i].elongation.rate;
+            rate.dot(&self.hybrid.z).abs() > sizes.zero_of(rate)
+        };
+        off.extend(system.freewheels().filter(turns));
         off.into_iter().for_each(|i| self.hybrid.mode.stops[i] = StopState::Open);
         Ok(())
     }

@@ -51,6 +51,9 @@ impl Flags {
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
         let frictions = flags.resting.iter_mut().zip(&system.frictions);
         frictions.for_each(|(rests, friction)| *rests &= !moved(&friction.elongation));
+        for wheel in system.freewheels() {
+            flags.stops[wheel] &= !moved(&system.stops[wheel].elongation);
+        }
         let stops = flags.limits.iter_mut().zip(&system.stops);
         stops.for_each(|(limit, stop)| *limit &= !moved(&stop.elongation));
         let sliders = flags.sliders.iter_mut().zip(&system.branches);
@@ -82,7 +85,8 @@ impl Motion {
         let mut flags = self.flags(ended, parted);
         self.place_on_contacts(&mut flags, parted);
         let before = self.hybrid.mode.clone();
-        let touching: Vec<usize> = (0..flags.stops.len()).filter(|&i| flags.stops[i]).collect();
+        let gaps = self.assembly.system.first_freewheel;
+        let touching: Vec<usize> = (0..gaps).filter(|&i| flags.stops[i]).collect();
         let velocities = self.velocities();
         let (impacts, closing) = self.collide(&touching, &flags)?;
         self.report_impacts(&impacts, observer);
@@ -195,7 +199,9 @@ impl Motion {
         }
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
-                let near = stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
+                // What rate a freewheel has decides by itself, where it does not count as zero.
+                let near = !stop.is_freewheel
+                    && stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
                 let is_closed = hybrid.mode.stops.get(i) == Some(&StopState::Closed);
                 flags.stops[i] = near || (is_closed && !parted.stops.contains(&i));
             }
@@ -236,8 +242,10 @@ impl Motion {
     /// and take part in the impacts.
     fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
-            let contacts: Vec<Contact> =
-                (0..flags.stops.len()).filter(|&i| flags.stops[i]).map(Contact::Stop).collect();
+            let contacts: Vec<Contact> = (0..self.assembly.system.first_freewheel)
+                .filter(|&i| flags.stops[i])
+                .map(Contact::Stop)
+                .collect();
             let system = &self.assembly.system;
             let independent = system.independent(&contacts);
             let r = system.triangle(&independent);
@@ -248,6 +256,11 @@ impl Motion {
                 return;
             }
         }
+    }
+
+    /// The freewheels that were engaged or have come to e' = 0, and whose rate has not jumped.
+    fn engaged(&self, flags: &Flags) -> Vec<usize> {
+        self.assembly.system.freewheels().filter(|&i| flags.stops[i]).collect()
     }
 
     fn jammed(&self, jam: &Jam) -> Error {
@@ -263,10 +276,17 @@ impl Motion {
         let system = &assembly.system;
         let mut restitution: Vec<f64> = system.stops.iter().map(|s| s.restitution().unwrap_or(0.0)).collect();
         let before = self.hybrid.z.clone();
+        let engaged = self.engaged(flags);
         let mut closing: Vec<(usize, f64)> = Vec::new();
         loop {
             let mut z = before.clone();
-            let instant = Instant { system, sizes: &self.hybrid.sizes, touching, restitution: &restitution };
+            let instant = Instant {
+                system,
+                sizes: &self.hybrid.sizes,
+                touching,
+                restitution: &restitution,
+                engaged: &engaged,
+            };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
                 // In the first impact, stops that were not open before stay closed; in later ones,
                 // those that forces keep closed.

@@ -53,9 +53,10 @@ impl Course {
     }
 }
 
-/// Places of the event indicators. A rigid stop has one, and so has a corner of a spring; a
-/// compliant stop has two, of its edge and of its force; a friction has three, of slipping upwards,
-/// of slipping downwards and of its level; a slider has two, of slipping upwards and downwards.
+/// Places of the event indicators. A rigid stop and a freewheel have one, and so has a corner of a
+/// spring; a compliant stop has two, of its edge and of its force; a friction has three, of slipping
+/// upwards, of slipping downwards and of its level; a slider has two, of slipping upwards and
+/// downwards.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
@@ -116,7 +117,8 @@ impl Assembly {
         let stiffness = |k: usize| -system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
             .map(|k| {
-                let stops = system.stops.iter().filter(|stop| stop.elongation.w[k] != 0.0);
+                let stops =
+                    system.stops.iter().filter(|stop| stop.elongation.w[k] != 0.0 && !stop.is_freewheel);
                 let gaps = stops.map(|stop| given(&stop.excess) / stop.elongation.w[k].abs());
                 let start = self.starts[system.bodies_of[k]].0.abs();
                 let load = given(&system.forces.row(k).transpose());

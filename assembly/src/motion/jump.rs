@@ -28,7 +28,7 @@ pub(super) struct BeforeJump {
 /// Contacts of the mode in force that a jump has separated.
 #[derive(Debug, Default)]
 pub(super) struct Parted {
-    /// Rigid stops that were closed and are open now.
+    /// Rigid stops that were closed and are open now, and freewheels whose rate has jumped.
     pub(super) stops: Vec<usize>,
     /// Frictions whose rate has jumped.
     pub(super) frictions: Vec<usize>,
@@ -129,7 +129,7 @@ impl Motion {
     /// Refuses a jump after which a rigid stop has e > gap and a larger e - gap than before.
     pub(super) fn check_jump(&self, before: &BeforeJump) -> Result<(), Error> {
         let (stops, hybrid) = (&self.assembly.system.stops, &self.hybrid);
-        for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+        for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {
             let (excess, zero) = (stop.excess.dot(&hybrid.z), hybrid.sizes.zero_of(&stop.excess));
             if excess > zero && excess - before.excess[i] > zero {
                 return Err(self.violated(i, excess));
@@ -142,7 +142,7 @@ impl Motion {
     /// coordinates' `ways`.
     pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
-        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.restitution().is_some()) {
+        for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {
             let excess = stop.excess.dot(z);
             let sizes = z.iter().enumerate().map(|(i, x)| x.abs() + ways.get(i).copied().unwrap_or(0.0));
             let terms: f64 = stop.excess.iter().zip(sizes).map(|(a, size)| (a * size).abs()).sum();
@@ -183,7 +183,10 @@ impl Motion {
         let (system, z) = (&assembly.system, &hybrid.z);
         let opened = |&(i, state): &(usize, &StopState)| {
             let excess = &system.stops[i].excess;
-            *state == StopState::Closed && excess.dot(z) - before.excess[i] < -hybrid.sizes.zero_of(excess)
+            let (change, zero) = (excess.dot(z) - before.excess[i], hybrid.sizes.zero_of(excess));
+            // A freewheel whose rate has jumped upwards has an impact.
+            let jumps = system.stops[i].is_freewheel && change > zero;
+            *state == StopState::Closed && (change < -zero || jumps)
         };
         let jumped = |i: usize, e: &Elongation| {
             (e.rate.dot(z) - before.rates[i]).abs() > hybrid.sizes.zero_of(&e.rate)

@@ -10,9 +10,10 @@ impl Motion {
     pub(super) fn keep_contacts(&mut self) {
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         // The basis is sorted: stops come first, with the leading part of the triangle.
-        let stops = mode.basis.iter().take_while(|c| matches!(c, Contact::Stop(_))).count();
+        let system = &self.assembly.system;
+        let stops = mode.basis.iter().take_while(|c| system.keeps_place(**c)).count();
         if stops > 0 {
-            let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
+            let r = &self.tables.at(self.place).table.triangle;
             project(system, &mode.basis[..stops], r, false, z.as_mut_slice(), &mut self.scratch.off);
         }
         self.keep_rates();

@@ -13,7 +13,7 @@ use crate::derivative::Impulse;
 use crate::error::Error;
 use crate::flow::FlowTable;
 use crate::kernel::Sparse;
-use crate::mode::{Contact, Mode};
+use crate::mode::Mode;
 use crate::system::System;
 use nalgebra::DVector;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub fn keep(system: &System, mode: &Mode, variation: &mut [f64]) {
     }
     let r = system.triangle(basis);
     // A basis lists stops first; R of the stops is the leading block of the triangle.
-    let stops = basis.iter().take_while(|contact| matches!(contact, Contact::Stop(_))).count();
+    let stops = basis.iter().take_while(|contact| system.keeps_place(**contact)).count();
     project(system, &basis[..stops], &r, false, variation, &mut Vec::new());
     project(system, basis, &r, true, variation, &mut Vec::new());
     system.keep_levels(&mode.sliders, variation);

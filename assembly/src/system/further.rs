@@ -21,7 +21,8 @@ impl System {
 
     /// Whether a stop is a corner of a spring's force, or one of its levels.
     pub fn is_corner(&self, stop: usize) -> bool {
-        stop >= self.first_corner && self.stops[stop].level.is_none_or(|own| own.stop.is_none())
+        let is_own = (self.first_corner..self.first_freewheel).contains(&stop);
+        is_own && self.stops[stop].level.is_none_or(|own| own.stop.is_none())
     }
 
     /// Adds a friction whose levels follow the force of a stop.

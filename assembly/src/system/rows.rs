@@ -109,7 +109,7 @@ pub struct SpringRows {
 pub struct StopRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// e - gap.
+    /// e - gap; of a freewheel e', which it keeps at 0 as a rigid stop does e - gap.
     pub excess: Functional,
     /// Contact law.
     pub law: StopLaw,
@@ -121,6 +121,8 @@ pub struct StopRows {
     pub is_followed: bool,
     /// The level at which it acts, of a stiffness that steps in time.
     pub level: Option<StopLevel>,
+    /// Whether it is a freewheel, which keeps no place.
+    pub is_freewheel: bool,
 }
 
 impl StopRows {
@@ -130,6 +132,11 @@ impl StopRows {
             StopLaw::Rigid { restitution } => Some(restitution),
             StopLaw::Compliant { .. } => None,
         }
+    }
+
+    /// Whether it is rigid and keeps e <= gap, which a freewheel does not.
+    pub fn keeps_gap(&self) -> bool {
+        self.restitution().is_some() && !self.is_freewheel
     }
 
     /// The stiffness of a compliant stop, N/m or N m/rad; 0 for a rigid one.

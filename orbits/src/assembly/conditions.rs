@@ -61,7 +61,7 @@ impl Condition {
             Self::Stays { watch, .. } => watch,
             Self::Lasts { .. } | Self::Together { .. } => return false,
         };
-        matches!(watch, Watch::Meets(stop) if system.stops[stop].restitution().is_some())
+        matches!(watch, Watch::Meets(stop) if system.stops[stop].keeps_gap())
     }
 }
 
@@ -104,8 +104,10 @@ impl Cycle {
         all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
         all.push((Condition::Lasts { letter }, self.legs[letter].span / period));
         let own = &word.letters[letter];
-        for stop in own.hits().filter(|stop| own.watch != Watch::Meets(*stop)) {
-            let row = place.assembly.system().stops[stop].excess.terms();
+        let system = place.assembly.system();
+        let is_met = |stop: &usize| own.watch != Watch::Meets(*stop) && !system.stops[*stop].is_freewheel;
+        for stop in own.hits().filter(is_met) {
+            let row = system.stops[stop].excess.terms();
             let end = &before.states[1];
             let (value, size) = row
                 .iter()

@@ -185,7 +185,7 @@ pub fn check_measure(measure: &Measure, d: &Description) -> Result<()> {
 fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<Event> {
     let mut z = before.to_vec();
     let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
-    let mut events = Vec::new();
+    let (mut events, mut left) = (Vec::new(), 0);
     for (i, event) in letter.events.iter().enumerate() {
         let rate = |z: &[f64], stop: usize| dot(system.stops[stop].elongation.rate.as_slice(), z);
         let kind = match event.kind {
@@ -195,11 +195,8 @@ fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<E
                 let restitution = system.stops[stop].restitution().filter(|_| !closes(stop)).unwrap_or(0.0);
                 let impulse = if compliance > 0.0 { (1.0 + restitution) * speed / compliance } else { 0.0 };
                 // The stops of one impact are hit together; the state moves on after the last.
-                let last = letter
-                    .events
-                    .get(i + 1)
-                    .is_none_or(|next| !matches!(next.kind, EventKind::Impact { .. }));
-                if last {
+                left = if left == 0 { stops.max(1) } else { left } - 1;
+                if left == 0 {
                     let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };
                     z = before.to_vec();
                     own.apply(system, [&mut z[..]]);

@@ -144,6 +144,9 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
                 return format!("  {name}: {} coordinates", m.assembly().system().parts[i].len());
             }
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
+            (_, Some(&Part::Stop(i))) if matches!(element, Element::Freewheel(_)) => {
+                if m.mode().stops[i] == StopState::Closed { "engaged".into() } else { "runs free".into() }
+            }
             (Action::Hitting, Some(&Part::Stop(i))) => format!("rigid, {}", of_stop(m.stop_state(i))),
             (_, Some(&Part::Stop(i))) => format!("compliant, {}", of_stop(m.stop_state(i))),
             (_, Some(&Part::Spring(_))) if matches!(element, Element::Spring(s) if s.points.len() > 2) => {

@@ -68,6 +68,9 @@ pub(super) struct Evaluated {
     pub places: Vec<(f64, usize)>,
 }
 
+/// Place of a row (time and column), residual, and its derivatives.
+type Row = ((f64, usize), f64, Vec<Option<f64>>);
+
 /// A motion beside the record.
 struct Beside {
     /// For each time and column the motion's value less the record's, with its derivatives.
@@ -392,7 +395,7 @@ impl<'a> Model<'a> {
     /// Residuals and derivatives with some values over a horizon.
     pub fn evaluate(&self, values: &[f64], horizon: Horizon) -> Result<Evaluated> {
         let beside = self.beside(values, horizon, true)?;
-        let mut rows: Vec<((f64, usize), f64, Vec<Option<f64>>)> = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         for (time, sample) in self.measured.times.iter().zip(&beside.samples) {
             for (k, (residual, by)) in sample.iter().enumerate() {
                 rows.push(((*time, k), *residual, by.clone()));

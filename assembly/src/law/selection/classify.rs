@@ -22,6 +22,9 @@ impl Selection<'_> {
         }
         let excess = self.sign(&stop.excess, 0);
         let rate = self.sign(&stop.elongation.rate, 0);
+        if stop.is_freewheel {
+            return if verdict.stops[i] || rate >= 0.0 { Stop::Touching } else { Stop::Is(StopState::Open) };
+        }
         if let StopLaw::Rigid { .. } = stop.law {
             return match (verdict.stops[i] || excess >= 0.0, rate) {
                 (false, _) => Stop::Is(StopState::Open),

@@ -3,6 +3,7 @@
 
 mod closed_forms;
 mod curves;
+mod freewheels;
 mod motions;
 mod paper;
 mod series;

@@ -1,0 +1,45 @@
+//! Freewheels: rigid stops of e' in place of e (docs/assembly-law.md, section 17).
+//!
+//! A freewheel takes part in the law as a rigid stop whose e - gap is e': it is closed where e' = 0
+//! is kept by a force that is not negative, and open where e' < 0. What differs is asked for by
+//! [`System::keeps_place`] and [`System::freewheels`]: it holds no place, and its impacts are those
+//! of (A53).
+
+use super::{Functional, Part, StopRows, System};
+use crate::description::{Description, StopLaw};
+use crate::elements::Element;
+use crate::mode::Contact;
+use std::ops::Range;
+
+impl System {
+    /// Adds the freewheels, behind all stops and corners.
+    pub(super) fn add_freewheels(&mut self, d: &Description) {
+        self.first_freewheel = self.stops.len();
+        for (i, element) in d.elements().enumerate() {
+            let Element::Freewheel(wheel) = element else { continue };
+            let elongation = self.elongation(&wheel.arms);
+            let none = Functional::of(self.constant(0.0));
+            self.stops.push(StopRows {
+                excess: elongation.rate.clone(),
+                elongation,
+                law: StopLaw::Rigid { restitution: 0.0 },
+                force: none.clone(),
+                spring: none,
+                is_followed: false,
+                is_freewheel: true,
+                level: None,
+            });
+            self.parts[i].push(Part::Stop(self.stops.len() - 1));
+        }
+    }
+
+    /// The places of the freewheels among the stops.
+    pub fn freewheels(&self) -> Range<usize> {
+        self.first_freewheel..self.stops.len()
+    }
+
+    /// Whether a contact keeps a place, e = gap, and not a rate alone.
+    pub fn keeps_place(&self, contact: Contact) -> bool {
+        matches!(contact, Contact::Stop(i) if !self.stops[i].is_freewheel)
+    }
+}
