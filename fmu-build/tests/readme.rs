@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
 /// and that test.
-const RUN_ELSEWHERE: [(&str, &str); 6] = [
+const RUN_ELSEWHERE: [(&str, &str); 7] = [
     ("recipes.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
     ("derivatives.md", "tests/python/test_guide.py"),
     ("orbits-of-your-machine.md", "vibro/tests/assembly_orbits.rs"),
+    ("fit.md", "vibro/tests/fit.rs"),
     ("assemblies.md", "assembly/tests/file/examples.rs"),
 ];
 

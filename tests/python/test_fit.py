@@ -33,7 +33,7 @@ def test_made_record_and_its_errors() -> None:
     for name, truth in zip(free, [1e4, 1.0]):
         error = found.errors[name]
         assert error is not None and abs(found.values[name] - truth) < FAR * error < 0.1 * truth
-        assert found.machine[name] == found.values[name]
+        assert found.machine.parameters[name] == found.values[name]
     assert abs(found.rms["a.s"] / NOISE - 1) < 0.2
     assert found.correlation.shape == (2, 2) and found.undetermined == []
     # The residuals are those of the fitted machine's own motion.

@@ -43,7 +43,8 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         let (Some(option), Some([form])) = (arg.get_long(), arg.get_value_names()) else { return };
         let number = ["N", "X"].contains(&form.as_str());
         let takes = |commands: &[&str]| path.iter().any(|word| commands.contains(&word.as_str()));
-        let of_both = AXES.contains(&option) && takes(&["sweep", "bifurcation", "lyapunov", "orbits"])
+        let of_both = AXES.contains(&option)
+            && takes(&["sweep", "bifurcation", "lyapunov", "orbits", "locus"])
             || option == "range" && takes(&["response"])
             || option == "start"
                 && takes(&[
