@@ -166,6 +166,52 @@ fn closed_form_only_ratios_of_mass_stiffness_and_friction_are_determined() {
 }
 
 #[test]
+fn invariant_a_number_without_effect_spoils_no_other() {
+    // The stop is out of reach.
+    let text = "name = \"Far\"\nbody.a = { mass = 1.0, start = { s = 1e-3 } }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 9300.0 }\n\
+                stop.far = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.5 }\n";
+    let m = Machine::parse(text, "far.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-6)], 0.3, 200, &mut Noise(8));
+    let free = ["spring.k.stiffness", "stop.far.gap"];
+    let found = fitted(&request(m.with([("spring.k.stiffness", 8e3)]).unwrap(), measured, &free));
+    let error = found.uncertainty.errors[0].unwrap();
+    assert!((found.values[0].1 - 9300.0).abs() < FAR * error && error < 10.0, "{:?} {error}", found.values);
+    assert_eq!((found.values[1].1, found.uncertainty.errors[1]), (1.0, None));
+}
+
+#[test]
+fn invariant_records_before_the_start_and_of_one_time_are_fitted_or_refused_in_words() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(9));
+    measured.times.iter_mut().for_each(|time| *time -= 0.1);
+    assert!(fitted(&request(m.clone(), measured, &["friction.floor.force"])).cost.is_finite());
+    let one = Measured {
+        times: vec![0.0],
+        columns: vec![("mass.s".parse().unwrap(), vec![1e-3])],
+        ..Measured::default()
+    };
+    assert!(fitted(&request(m, one, &["friction.floor.force"])).uncertainty.errors == [None]);
+}
+
+#[test]
+fn invariant_outliers_count_little_by_their_size() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 5e-6)], 0.25, 100, &mut Noise(10));
+    [3, 20, 55].into_iter().for_each(|i| measured.columns[0].1[i] = 5e-3);
+    let free = ["spring.mount.stiffness", "friction.floor.force"];
+    for loss in [Loss::Huber, Loss::SoftL1] {
+        let begin = off(&m, &free, |_| 1.02);
+        let sigma = Some(vec![5e-6]);
+        let found = fitted(&FitRequest { loss, sigma, ..request(begin, measured.clone(), &free) });
+        for (name, value) in &found.values {
+            let truth = m.description.get(name).unwrap();
+            assert!((value / truth - 1.0).abs() < 0.01, "{loss:?}: {name} {value}, true {truth}");
+        }
+    }
+}
+
+#[test]
 fn made_shift_and_offset_of_a_record() {
     let m = example("coulomb_oscillator.toml");
     let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(5));

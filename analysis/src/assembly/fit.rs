@@ -35,6 +35,8 @@ const HORIZONS: u32 = 200;
 const LEAST_ROWS: usize = 3;
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
+/// Likewise where large residuals count less: outliers leave the deviation in steps.
+const REWEIGHTED_ROBUST: u32 = 6;
 /// Most free numbers.
 const MOST_FREE: usize = 50;
 
@@ -107,6 +109,9 @@ pub struct Fitted {
     pub residuals: Vec<Vec<f64>>,
     /// For each stop the times of the motion's contacts less those of the record, s.
     pub contacts: Vec<(String, Vec<f64>)>,
+    /// Why the fitted motion has no derivative by a number from some time on: it could not be fitted
+    /// beyond.
+    pub lost: Vec<String>,
     /// Number of motions that were followed.
     pub simulations: u32,
     /// Time up to which the motion keeps near the record, s: its last where it does throughout.
@@ -152,8 +157,9 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     match (best, failed) {
         (Some((mut values, cost)), _) => {
             let mut model = model;
-            for _ in 0..if model.has_sigma { 0 } else { REWEIGHTED } {
-                model = model.reweighted(&values)?;
+            let turns = if request.loss == Loss::Linear { REWEIGHTED } else { REWEIGHTED_ROBUST };
+            for _ in 0..if model.has_sigma { 0 } else { turns } {
+                model = model.reweighted(&values, request.loss)?;
                 let end = (Horizon(model.end()), Convergence::Whole);
                 values = solve(&model, &bounds, request.loss, &values, end, go_on)?.values;
             }
@@ -204,6 +210,9 @@ fn over_horizons(
     let least = model.least_horizon(LEAST_ROWS * values.len());
     let end = model.end();
     let (growth, whole) = (way.growth, Convergence::Whole);
+    // Horizons are as long as the record lasts, whenever it begins.
+    let first = model.first();
+    let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
     let mut horizon = model.near_until(&values, way)?.max(least).min(end);
     for _ in 0..HORIZONS {
         let convergence = if horizon >= end { whole } else { Convergence::Rough };
@@ -213,7 +222,7 @@ fn over_horizons(
             return Ok((values, found.cost));
         }
         let reached = model.near_until(&values, way)?;
-        horizon = reached.clamp(growth.0 * horizon, growth.1 * horizon).min(end);
+        horizon = reached.clamp(longer(horizon, growth.0), longer(horizon, growth.1)).min(end);
     }
     let found = solve(model, bounds, loss, &values, (Horizon(end), whole), go_on)?;
     Ok((found.values, found.cost))

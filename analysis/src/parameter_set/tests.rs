@@ -137,7 +137,7 @@ fn units_are_those_of_the_dimension() {
     }
     assert_eq!(
         error(&["stop.gap=2 kg"]),
-        "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um, or a number without a unit in the first of these"
+        "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um, in, or a number without a unit in the first of these"
     );
     assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));

@@ -313,6 +313,9 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         short(energy.impacts.value()),
         end - record.energy - energy.balance()
     ));
+    if !energy.branches.is_empty() {
+        lines.push(format!("lost in dashpots and sliders in series {} J", sum(&energy.branches)));
+    }
     if record.motion.assembly().description.steps_stiffness() {
         lines.push(format!("steps of stiffness put in {} J", short(energy.switched.value())));
     }

@@ -35,6 +35,7 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
             own.combination.iter().map(|(name, part)| format!("{part:+.3} {name}")).collect();
         remarks.push(format!("not determined, in parts of the values: {}", parts.join(" ")));
     }
+    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}: not fitted from there on")));
     for (name, rms) in &fitted.rms {
         remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
     }

@@ -1,7 +1,7 @@
 //! The motion of a machine beside a record: residuals and their derivatives by the free numbers.
 
 use super::errors::Uncertainty;
-use super::{FitRequest, Fitted, Measured, Way};
+use super::{FitRequest, Fitted, Loss, Measured, Way};
 use crate::assembly::{Machine, QuantityName};
 use crate::error::{Error, Result};
 use nalgebra::DMatrix;
@@ -13,6 +13,8 @@ use vibro_assembly::{Assembly, Quantity, Start, What};
 
 /// A positive number's least value, in parts of the value from which the fit begins.
 const LEAST: f64 = 1e-6;
+/// Samples of which more than half may be outliers by chance.
+const FEW: usize = 8;
 /// Prefix of the numbers of a start among names of derivatives.
 const OF_START: &str = "start.";
 /// Noise of a column above which it shows the motion, and up to which residuals are noise.
@@ -56,6 +58,8 @@ pub(super) struct Model<'a> {
     pub has_sigma: bool,
     /// Noise of each column, by its differences.
     noise: Vec<f64>,
+    /// Whether large residuals count less than by their squares.
+    is_robust: bool,
     simulations: AtomicU32,
 }
 
@@ -73,6 +77,8 @@ type Row = ((f64, usize), f64, Vec<Option<f64>>);
 
 /// A motion beside the record.
 struct Beside {
+    /// Why there is no derivative by a number any more, in words.
+    lost: Vec<String>,
     /// For each time and column the motion's value less the record's, with its derivatives.
     samples: Vec<Vec<(f64, Vec<Option<f64>>)>>,
     /// For each list of contacts the times of the motion's, with their derivatives.
@@ -95,6 +101,14 @@ fn noise(values: &[f64]) -> f64 {
         }
     }
     least
+}
+
+/// Standard deviation of normal residuals by their median, whatever a few outliers are: half of them
+/// are below 0.6745 of it.
+fn typical(residuals: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = residuals.map(f64::abs).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).map_or(0.0, |median| median / 0.6745)
 }
 
 /// Standard deviation of the values up to each place.
@@ -154,9 +168,21 @@ impl<'a> Model<'a> {
             }
         }
         let count = measured.columns.len() + measured.contacts.len();
-        let sigma_of = |values: &[f64]| deviation(values).max(f64::MIN_POSITIVE);
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        // A column that never changes weighs by its size.
+        let sigma_of = |values: &[f64]| match (deviation(values), largest(values)) {
+            (own, _) if own > 0.0 => own,
+            (_, size) if size > 0.0 => size,
+            _ => 1.0,
+        };
+        let is_robust = request.loss != Loss::Linear;
+        // Beside outliers a column's own deviation is theirs.
+        let of_column = |values: &[f64]| match noise(values) {
+            noise if is_robust && noise > 0.0 && noise.is_finite() => noise,
+            _ => sigma_of(values),
+        };
         let own = || {
-            let columns = measured.columns.iter().map(|(_, values)| sigma_of(values));
+            let columns = measured.columns.iter().map(|(_, values)| of_column(values));
             columns.chain(measured.contacts.iter().map(|(_, times)| interval(times))).collect::<Vec<f64>>()
         };
         let sigma = match sigma {
@@ -220,19 +246,27 @@ impl<'a> Model<'a> {
             sigma,
             has_sigma: request.sigma.is_some(),
             noise: measured.columns.iter().map(|(_, values)| noise(values)).collect(),
+            is_robust,
             simulations: AtomicU32::new(0),
         })
     }
 
     /// The model with the residuals at some values as the standard deviations of the columns, where
     /// none are given.
-    pub fn reweighted(&self, values: &[f64]) -> Result<Self> {
+    pub fn reweighted(&self, values: &[f64], loss: Loss) -> Result<Self> {
         let at = self.evaluate(values, Horizon(self.end()))?;
+        let median = |k: usize| {
+            let own = at.places.iter().zip(&at.residuals).filter(move |(place, _)| place.1 == k);
+            typical(own.map(|(_, r)| *r))
+        };
         let squares = |k: usize| {
             let own = at.places.iter().zip(&at.residuals).filter(move |(place, _)| place.1 == k);
             own.fold((0.0, 0usize), |(sum, count), (_, r)| (sum + r * r, count + 1))
         };
         let weighed = |(k, sigma): (usize, &f64)| {
+            if loss != Loss::Linear {
+                return sigma * median(k).max(EXACT);
+            }
             let (sum, count) = squares(k);
             sigma * (sum / count.max(1) as f64).sqrt().max(EXACT)
         };
@@ -257,6 +291,13 @@ impl<'a> Model<'a> {
     pub fn rows(&self) -> usize {
         let contacts: usize = self.measured.contacts.iter().map(|(_, times)| times.len()).sum();
         self.measured.columns.len() * self.measured.times.len() + contacts
+    }
+
+    /// The record's first time.
+    pub fn first(&self) -> f64 {
+        let contacts = self.measured.contacts.iter().filter_map(|(_, times)| times.first());
+        let samples = self.measured.times.first().filter(|_| !self.measured.columns.is_empty());
+        samples.into_iter().chain(contacts).copied().fold(f64::INFINITY, f64::min)
     }
 
     /// The record's last time.
@@ -376,7 +417,10 @@ impl<'a> Model<'a> {
         if !self.stops.is_empty() && end + shift > motion.motion().time() {
             motion.advance_observed(end + shift, &mut note)?;
         }
-        Ok(Beside { samples, contacts })
+        let lost =
+            names.iter().enumerate().filter_map(|(p, name)| Some(format!("{name}: {}", motion.lost(p)?)));
+        let lost = lost.collect();
+        Ok(Beside { lost, samples, contacts })
     }
 
     /// Derivatives by all free numbers, from those by numbers of the machine and of the start, that by
@@ -438,12 +482,18 @@ impl<'a> Model<'a> {
         };
         let mut until = end;
         for (k, (_, all)) in self.measured.columns.iter().enumerate() {
-            let (own, whole, mut sum) = (deviations(all), deviation(all), 0.0);
+            let (own, whole, mut sum, mut far) = (deviations(all), deviation(all), 0.0, 0);
             for (i, sample) in beside.samples.iter().enumerate() {
                 sum += sample[k].0.powi(2);
                 let own = if way.of_whole { whole } else { own[i] };
                 let limit = (way.near * own).max(NOISY * self.noise[k]);
-                if (sum / (i + 1) as f64).sqrt() > limit {
+                far += usize::from(sample[k].0.abs() > limit);
+                // Outliers are few: half of all samples are not.
+                let leaves = match self.is_robust {
+                    true => i >= FEW && 2 * far > i,
+                    false => (sum / (i + 1) as f64).sqrt() > limit,
+                };
+                if leaves {
                     until = until.min(self.measured.times[i.saturating_sub(1)]);
                     break;
                 }
@@ -464,6 +514,9 @@ impl<'a> Model<'a> {
         let at = self.evaluate(values, Horizon(self.end()))?;
         let rms = |k: usize| {
             let own = at.places.iter().zip(&at.residuals).filter(|(place, _)| place.1 == k);
+            if self.is_robust {
+                return self.sigma[k] * typical(own.map(|(_, r)| *r));
+            }
             let (sum, count) = own.fold((0.0, 0usize), |(sum, count), (_, r)| (sum + r * r, count + 1));
             self.sigma[k] * (sum / count.max(1) as f64).sqrt()
         };
@@ -474,7 +527,7 @@ impl<'a> Model<'a> {
     pub fn finish(&self, request: &FitRequest, values: &[f64], cost: f64) -> Result<Fitted> {
         let end = Horizon(self.end());
         let at = self.evaluate(values, end)?;
-        let beside = self.beside(values, end, false)?;
+        let beside = self.beside(values, end, true)?;
         let (machine, start, ..) = self.with(values)?;
         let columns = &self.measured.columns;
         let rms_of = |squares: f64, count: usize| (squares / count.max(1) as f64).sqrt();
@@ -497,7 +550,11 @@ impl<'a> Model<'a> {
             .collect();
         let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
         let uncertainty = Uncertainty::of(&at, &names, values, (request.loss, self.has_sigma));
-        let near_until = self.near_until(values, super::WAYS[0])?;
+        // Outliers that count little do not end it.
+        let near_until = match request.loss {
+            Loss::Linear => self.near_until(values, super::WAYS[0])?,
+            Loss::SoftL1 | Loss::Huber => end.0,
+        };
         Ok(Fitted {
             machine,
             start,
@@ -506,6 +563,7 @@ impl<'a> Model<'a> {
             rms,
             residuals,
             contacts,
+            lost: beside.lost,
             simulations: self.simulations.load(Ordering::Relaxed),
             near_until,
             cost,

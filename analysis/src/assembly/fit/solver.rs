@@ -209,7 +209,10 @@ pub(super) fn solve(
             *size = size.max(at.jacobian.column(j).norm()).max(f64::MIN_POSITIVE);
         }
         let down = -gradient(&at, loss);
-        let held: Vec<bool> = (0..values.len()).map(|j| bounds.holds(j, values[j], down[j])).collect();
+        // A number that moves nothing so far is kept.
+        let is_idle = |j: usize| at.jacobian.column(j).amax() == 0.0;
+        let held = (0..values.len()).map(|j| is_idle(j) || bounds.holds(j, values[j], down[j]));
+        let held: Vec<bool> = held.collect();
         if held.iter().all(|held| *held) {
             break;
         }
