@@ -229,11 +229,14 @@ fn made_shift_and_offset_of_a_record() {
     }
 }
 
+/// What is made of a sound request, and what is said of it.
+type Refused<'a> = (&'a dyn Fn(&mut FitRequest), &'a str);
+
 #[test]
 fn records_and_names_that_are_not_allowed_are_refused() {
     let m = example("coulomb_oscillator.toml");
     let sound = record(&m, &[("mass.s", 2e-6)], 0.25, 50, &mut Noise(6));
-    let cases: [(&dyn Fn(&mut FitRequest), &str); 8] = [
+    let cases: [Refused; 8] = [
         (&|own| own.measured.times[3] = 0.0, "row 4 has the time 0.0 s"),
         (&|own| own.measured.columns[0].1[2] = f64::NAN, "mass.s: row 3 is NaN"),
         (&|own| own.measured.columns[0].0 = "mas.s".parse().unwrap(), "the machine has no `mas.s`"),

@@ -520,7 +520,7 @@ fn follow(d: Description) -> Result<u64, TestCaseError> {
         let off = kinetic + stored - m.energy().balance() - begin;
         prop_assert!(off.abs() <= RANDOM * 1e4 * largest * largest, "{off}");
     }
-    Ok(wheels.map(|i| m.impacts(i).count as u64).sum())
+    Ok(wheels.map(|i| m.impacts(i).count).sum())
 }
 
 /// Most events between two looks: bodies pressed together may bounce millions of times.
