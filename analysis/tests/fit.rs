@@ -212,6 +212,30 @@ fn invariant_outliers_count_little_by_their_size() {
 }
 
 #[test]
+fn invariant_numbers_of_a_start_at_rest_begin_there() {
+    // The block hangs 5 mm below the place of the unstressed spring, and is moved from there.
+    let text = "name = \"Hung\"\ngravity = 10.0\nstart = \"rest\"\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 2000.0 }\n";
+    let m = Machine::parse(text, "hung.toml", &no_records).unwrap();
+    let mut start = Start::default();
+    start.set(&m.description, "a.s", 6e-3).unwrap();
+    let mut motion = start.motion(Arc::new(Assembly::new(m.description.clone()).unwrap())).unwrap();
+    let place = "a.s".parse::<QuantityName>().unwrap();
+    let quantity = place.find(&m.description).unwrap().quantity;
+    let times: Vec<f64> = (0..100).map(|i| 1e-3 * f64::from(i)).collect();
+    let value = |time: &f64| {
+        motion.advance_to(*time).unwrap();
+        motion.value(quantity)
+    };
+    let values = times.iter().map(value).collect();
+    let measured = Measured { times, columns: vec![(place, values)], contacts: Vec::new() };
+    let own = request(m, measured, &["start.a.s"]);
+    let within = vec![Free { within: Some((4.9e-3, 7e-3)), ..own.free[0].clone() }];
+    let found = fitted(&FitRequest { free: within, ..own });
+    assert!((found.values[0].1 - 6e-3).abs() < 1e-12, "{:?}", found.values);
+}
+
+#[test]
 fn made_shift_and_offset_of_a_record() {
     let m = example("coulomb_oscillator.toml");
     let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(5));

@@ -13,7 +13,7 @@ mod of_file;
 
 pub use of_file::PointOfFile;
 
-use crate::{Error, Result};
+use crate::{Error, Result, table};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use vibro_analysis::{Name, number};
@@ -162,13 +162,8 @@ struct Table<'a> {
 
 impl<'a> Table<'a> {
     fn read(path: &'a Path) -> Result<Self> {
-        let wrong = |problem: String| Error::Config { path: path.into(), problem };
-        let unread =
-            |e| wrong(format!("{e}; allowed is a table of special points, as `vibro orbits` writes it"));
-        let mut reader = csv::Reader::from_path(path).map_err(unread)?;
-        let header = reader.headers().map_err(|e| wrong(e.to_string()))?.clone();
-        let records = reader.records().collect::<std::result::Result<Vec<_>, _>>();
-        let records = records.map_err(|e| wrong(e.to_string()))?;
+        let allowed = "a table of special points, as `vibro orbits` writes it";
+        let (header, records) = table::read(path, allowed)?;
         Ok(Self { path, header, records })
     }
 

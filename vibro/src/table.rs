@@ -4,6 +4,7 @@ use crate::subject::Subject;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::path::Path;
 use vibro_analysis::Unit;
 
 /// A table with a header.
@@ -141,6 +142,20 @@ pub fn shown(unit: &Unit, si: f64) -> f64 {
 /// Decimal digits of a number that read back to the same bits.
 pub fn exact(value: f64) -> String {
     format!("{value}")
+}
+
+/// The header and the rows of a table, without blanks around cells; `allowed` says what the file may
+/// be.
+///
+/// # Errors
+/// [`Error::Config`] for a file that is no table.
+pub(crate) fn read(path: &Path, allowed: &str) -> Result<(csv::StringRecord, Vec<csv::StringRecord>)> {
+    let unread =
+        |e: csv::Error| Error::Config { path: path.into(), problem: format!("{e}; allowed is {allowed}") };
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(unread)?;
+    let header = reader.headers().map_err(unread)?.clone();
+    let rows = reader.records().collect::<std::result::Result<_, _>>().map_err(unread)?;
+    Ok((header, rows))
 }
 
 #[cfg(test)]

@@ -38,6 +38,13 @@ fn made_record_of_the_page() {
         assert!((part(name) - 3f64.sqrt().recip()).abs() < 1e-3, "{name}: {valley}");
     }
     assert!(valley.contains("\"error\": null") && said[1].contains("does not determine"), "{}", said[1]);
+    // A range without a unit is in the unit of the file, kN/m.
+    let line = "fit drive.toml --data record.csv --free spring.mount.stiffness --within spring.mount.stiffness=7:9 --out within";
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_vibro")).args(line.split(' ')).current_dir(&home).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let within = std::fs::read_to_string(home.join("within/fit.json")).unwrap();
+    assert_eq!(number_after(&within, "spring.mount.stiffness", "value"), 9e3);
     // The fitted file is a machine.
     let fitted = std::fs::read_to_string(home.join("fit/fitted.toml")).unwrap();
     assert!(fitted.contains("[spring.mount]"), "{fitted}");

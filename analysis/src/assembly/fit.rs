@@ -5,14 +5,17 @@
 //! keeps near the record, and goes on to longer ones as far as the fitted motion then does.
 
 mod errors;
+mod evaluated;
 mod model;
 mod solver;
+mod statistics;
+mod unknowns;
 
 pub use errors::{Uncertainty, Undetermined};
 pub use solver::Loss;
 
 use self::model::{Horizon, Model};
-use self::solver::{Bounds, Convergence, solve};
+use self::solver::{Bounds, Convergence, Solved, solve};
 use super::{Machine, QuantityName};
 use crate::error::{Error, Result};
 use crate::sobol;
@@ -128,65 +131,55 @@ pub struct Fitted {
 /// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
 pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fitted> {
     check(&request.measured)?;
-    let model = Model::new(request)?;
+    let mut model = Model::new(request)?;
     let bounds = Bounds::of(request, &model)?;
-    let first = bounds.begin.clone();
-    let mut starts = vec![first];
-    for k in 1..=request.starts {
-        if bounds.begin.len() > sobol::DIMENSIONS {
-            let problem = format!(
-                "--starts with {} free numbers: allowed are up to {}",
-                bounds.begin.len(),
-                sobol::DIMENSIONS
-            );
-            return Err(Error::Described { problem });
-        }
-        starts.push(bounds.within(k)?);
+    let count = bounds.begin.len();
+    if request.starts > 0 && count > sobol::DIMENSIONS {
+        let problem = format!("--starts with {count} free numbers: allowed are up to {}", sobol::DIMENSIONS);
+        return Err(Error::Described { problem });
     }
-    let found = starts.par_iter().map(|start| from(&model, &bounds, request.loss, start, go_on));
-    let found: Vec<Result<(Vec<f64>, f64)>> = found.collect();
-    let mut best: Option<(Vec<f64>, f64)> = None;
+    let further = (1..=request.starts).map(|k| bounds.within(k));
+    let starts: Vec<Vec<f64>> =
+        std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
+    let found: Vec<Result<Solved>> =
+        starts.par_iter().map(|start| best_from(&model, &bounds, start, go_on)).collect();
     let mut failed = None;
-    for found in found {
-        match found {
-            Ok(own) if best.as_ref().is_none_or(|best| own.1 < best.1) => best = Some(own),
-            Ok(_) => {}
-            Err(error) => failed = failed.or(Some(error)),
-        }
+    let mut note = |error| _ = failed.get_or_insert(error);
+    let sound = found.into_iter().filter_map(|found| found.map_err(&mut note).ok());
+    let best = sound.reduce(|best, own| if own.cost < best.cost { own } else { best });
+    let Some(Solved { mut values, mut cost }) = best else {
+        let none = || Error::Described { problem: "no fit: no start was tried".into() };
+        return Err(failed.unwrap_or_else(none));
+    };
+    let turns = match (model.has_sigma, request.loss) {
+        (true, _) => 0,
+        (false, Loss::Linear) => REWEIGHTED,
+        (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
+    };
+    for _ in 0..turns {
+        model.reweigh(&values)?;
+        let end = (Horizon(model.end()), Convergence::Whole);
+        Solved { values, cost } = solve(&model, &bounds, &values, end, go_on)?;
     }
-    match (best, failed) {
-        (Some((mut values, cost)), _) => {
-            let mut model = model;
-            let turns = if request.loss == Loss::Linear { REWEIGHTED } else { REWEIGHTED_ROBUST };
-            for _ in 0..if model.has_sigma { 0 } else { turns } {
-                model = model.reweighted(&values, request.loss)?;
-                let end = (Horizon(model.end()), Convergence::Whole);
-                values = solve(&model, &bounds, request.loss, &values, end, go_on)?.values;
-            }
-            model.finish(request, &values, cost)
-        }
-        (None, Some(error)) => Err(error),
-        (None, None) => Err(Error::Described { problem: "no fit: no start was tried".into() }),
-    }
+    model.finish(request, &values, cost)
 }
 
-/// The values reached from a start, with their cost, by the first way that leaves noise alone, else
-/// from the first start beside it that does, else the best ones.
-fn from(
+/// The values reached from a start by the first way that leaves noise alone, else from the first start
+/// beside it that does, else the best ones.
+fn best_from(
     model: &Model,
     bounds: &Bounds,
-    loss: Loss,
     start: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<(Vec<f64>, f64)> {
-    let mut best: Option<(Vec<f64>, f64)> = None;
+) -> Result<Solved> {
+    let mut best: Option<Solved> = None;
     let ways = WAYS.into_iter().map(|way| (start.to_vec(), way));
     let is_small = start.len() <= sobol::DIMENSIONS;
     let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| (bounds.beside(start, k, BESIDE.1), WAYS[1]));
     for (begin, way) in ways.chain(beside) {
-        let Ok(found) = over_horizons(model, bounds, loss, &begin, way, go_on) else { continue };
-        let is_done = model.is_noise(&found.0)? || !go_on();
-        if best.as_ref().is_none_or(|best| found.1 < best.1) {
+        let Ok(found) = over_horizons(model, bounds, &begin, way, go_on) else { continue };
+        let is_done = model.is_noise(&found.values)? || !go_on();
+        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
             best = Some(found);
         }
         if is_done {
@@ -194,38 +187,36 @@ fn from(
         }
     }
     // The reason for none at all is that of the given start.
-    best.map_or_else(|| over_horizons(model, bounds, loss, start, WAYS[0], go_on), Ok)
+    best.map_or_else(|| over_horizons(model, bounds, start, WAYS[0], go_on), Ok)
 }
 
-/// The values reached from a start over growing horizons, with their cost.
+/// The values reached from a start over growing horizons.
 fn over_horizons(
     model: &Model,
     bounds: &Bounds,
-    loss: Loss,
     start: &[f64],
     way: Way,
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<(Vec<f64>, f64)> {
+) -> Result<Solved> {
     let mut values = start.to_vec();
-    let least = model.least_horizon(LEAST_ROWS * values.len());
-    let end = model.end();
-    let (growth, whole) = (way.growth, Convergence::Whole);
+    let (first, end) = (model.first(), model.end());
     // Horizons are as long as the record lasts, whenever it begins.
-    let first = model.first();
     let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
-    let mut horizon = model.near_until(&values, way)?.max(least).min(end);
-    for _ in 0..HORIZONS {
-        let convergence = if horizon >= end { whole } else { Convergence::Rough };
-        let found = solve(model, bounds, loss, &values, (Horizon(horizon), convergence), go_on)?;
-        values = found.values;
-        if horizon >= end || !go_on() {
-            return Ok((values, found.cost));
+    let least = model.least_horizon(LEAST_ROWS * values.len());
+    let mut horizon = model.near_until(&values, way).max(least).min(end);
+    let mut left = HORIZONS;
+    loop {
+        let is_last = horizon >= end || left == 0;
+        let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
+        let reach = Horizon(if is_last { end } else { horizon });
+        let found = solve(model, bounds, &values, (reach, convergence), go_on)?;
+        if is_last || !go_on() {
+            return Ok(found);
         }
-        let reached = model.near_until(&values, way)?;
-        horizon = reached.clamp(longer(horizon, growth.0), longer(horizon, growth.1)).min(end);
+        (values, left) = (found.values, left - 1);
+        let near = model.near_until(&values, way);
+        horizon = near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end);
     }
-    let found = solve(model, bounds, loss, &values, (Horizon(end), whole), go_on)?;
-    Ok((found.values, found.cost))
 }
 
 /// Refuses a record that is empty or not finite, and times that do not rise.

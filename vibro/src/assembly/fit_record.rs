@@ -1,9 +1,14 @@
 //! Records of a fit: tables of values over time, and of times of contacts.
 
+use crate::table::read;
 use crate::{Error, Result};
+use csv::StringRecord;
 use std::path::Path;
 use vibro_analysis::assembly::QuantityName;
 use vibro_analysis::assembly::fit::Measured;
+
+/// What a record may be.
+const RECORD: &str = "a table whose first line names its columns";
 
 /// Reads the record of a fit: a table whose first line names `time` and columns such as `box.s`, SI,
 /// and a table with the columns `element` and `time`.
@@ -21,31 +26,17 @@ pub fn read_record(data: Option<&Path>, events: Option<&Path>) -> Result<Measure
     Ok(measured)
 }
 
-/// A table's header and rows.
-type Cells = (Vec<String>, Vec<csv::StringRecord>);
-
 fn wrong(path: &Path, problem: String) -> Error {
     Error::Config { path: path.into(), problem }
 }
 
-fn cells(path: &Path) -> Result<Cells> {
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|e| wrong(path, e.to_string()))?;
-    let header =
-        reader.headers().map_err(|e| wrong(path, e.to_string()))?.iter().map(str::to_owned).collect();
-    let rows = reader.records().collect::<std::result::Result<Vec<_>, _>>();
-    Ok((header, rows.map_err(|e| wrong(path, e.to_string()))?))
-}
-
 /// The place of a column.
-fn place(path: &Path, header: &[String], name: &str) -> Result<usize> {
+fn place(path: &Path, header: &StringRecord, name: &str) -> Result<usize> {
     header.iter().position(|own| own == name).ok_or_else(|| {
-        wrong(
-            path,
-            format!("has no column `{name}`, but {}; its first line names the columns", header.join(", ")),
-        )
+        wrong(path, {
+            let known: Vec<&str> = header.iter().collect();
+            format!("has no column `{name}`, but {}; its first line names the columns", known.join(", "))
+        })
     })
 }
 
@@ -58,7 +49,7 @@ fn number(path: &Path, name: &str, row: usize, text: &str) -> Result<f64> {
 }
 
 fn add_columns(path: &Path, measured: &mut Measured) -> Result<()> {
-    let (header, rows) = cells(path)?;
+    let (header, rows) = read(path, RECORD)?;
     let time = place(path, &header, "time")?;
     for (i, name) in header.iter().enumerate().filter(|(i, _)| *i != time) {
         let quantity: QuantityName =
@@ -77,7 +68,7 @@ fn add_columns(path: &Path, measured: &mut Measured) -> Result<()> {
 }
 
 fn add_contacts(path: &Path, measured: &mut Measured) -> Result<()> {
-    let (header, rows) = cells(path)?;
+    let (header, rows) = read(path, RECORD)?;
     let (element, time) = (place(path, &header, "element")?, place(path, &header, "time")?);
     for (row, cells) in rows.iter().enumerate() {
         let name = cells.get(element).unwrap_or_default();

@@ -6,7 +6,7 @@
 //! for (D. Andrews, Econometrica 59, 1991).
 
 use super::Loss;
-use super::model::Evaluated;
+use super::evaluated::Evaluated;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value, relative to the largest, below which a combination of numbers is not determined.

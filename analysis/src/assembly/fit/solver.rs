@@ -2,7 +2,8 @@
 //! Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
 //! published crates know neither bounds nor rows without a derivative.
 
-use super::model::{Evaluated, Horizon, Model};
+use super::evaluated::Evaluated;
+use super::model::{Horizon, Model};
 use super::{FitRequest, MOST_FREE};
 use crate::error::{Error, Result};
 use crate::sobol;
@@ -93,10 +94,10 @@ impl Bounds {
                 free.len()
             ));
         }
-        let begin = model.begin();
+        let begin = model.unknowns.begin.clone();
         let (mut low, mut high) = (Vec::new(), Vec::new());
         for (k, own) in free.iter().enumerate() {
-            let (least, most) = own.within.unwrap_or_else(|| model.allowed(k));
+            let (least, most) = own.within.unwrap_or_else(|| model.unknowns.allowed(k));
             if least >= most || least.is_nan() || most.is_nan() {
                 return refused(format!(
                     "{} within {least} to {most}: allowed is a range with length",
@@ -190,12 +191,11 @@ fn gradient(at: &Evaluated, loss: Loss) -> DVector<f64> {
 pub(super) fn solve(
     model: &Model,
     bounds: &Bounds,
-    loss: Loss,
     begin: &[f64],
     (horizon, convergence): (Horizon, Convergence),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
-    let mut values = begin.to_vec();
+    let (loss, mut values) = (model.loss, begin.to_vec());
     let mut at = model.evaluate(&values, horizon)?;
     let mut cost = loss.sum(&at.residuals);
     let (mut damping, mut growth) = (DAMPING, 2.0);

@@ -15,8 +15,8 @@
 //! alias.
 
 use crate::alias;
-use crate::assembly_fit::FitArguments;
 use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
+use crate::fit_arguments::FitArguments;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::plane_arguments::{Basin, SectionOfFile};
 use crate::ranges::{in_option, texts};

@@ -1,12 +1,11 @@
-//! `vibro fit`: its arguments, and their conversion to the library's fit.
+//! `vibro fit`: from arguments to the library's fit.
 
-use crate::assembly_studies::{invocation, machine, start_of};
-use crate::common_arguments::{Common, START_VALUE, SectionArguments, start_help};
+use crate::assembly_studies::{invocation, machine, read_axis, start_of};
+use crate::common_arguments::{Common, SectionArguments};
 use crate::destination::{self, Destination};
+use crate::fit_arguments::FitArguments;
 use crate::output;
 use crate::progress::Progress;
-use crate::ranges::whole;
-use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,68 +13,10 @@ use vibro::assembly::read_record;
 use vibro::part_folder::write_whole;
 use vibro::studies::{self, fit_json};
 use vibro::{Error, Result};
-use vibro_analysis::assembly::fit::{FitRequest, Free, Loss, Measured, fit};
+use vibro_analysis::assembly::fit::{FitRequest, Free, Measured, fit};
 use vibro_analysis::assembly::{Machine, QuantityName};
 use vibro_assembly::What;
 use vibro_impact::quantities::quantity_in;
-
-/// Arguments of `fit`.
-#[derive(Args, Debug)]
-pub struct FitArguments {
-    /// The machine's file (TOML); its numbers, with --set, are the values from which the fit begins
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
-    /// The record: a table whose first line names `time` and columns such as box.s, SI
-    #[arg(long, value_name = "TABLE", required_unless_present = "events")]
-    pub data: Option<PathBuf>,
-    /// Times of impacts and first touches of stops: a table with the columns `element` and `time`
-    #[arg(long, value_name = "TABLE")]
-    pub events: Option<PathBuf>,
-    /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
-    /// start.box.s), record.shift, record.offset.COLUMN
-    #[arg(long, required = true, value_name = "NAME,…", value_delimiter = ',')]
-    pub free: Vec<String>,
-    /// Range of a free number [default: what it may be]. May be repeated
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_delimiter = ',', allow_hyphen_values = true)]
-    pub within: Vec<String>,
-    /// Standard deviation of the noise: a number for each column in the record's order, then one for
-    /// the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms`
-    /// [default: by the residuals]
-    #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
-    pub sigma: Vec<String>,
-    /// How residuals count
-    #[arg(long, value_name = "LOSS", default_value = "linear")]
-    pub loss: LossArgument,
-    /// Number of further starts of the fit, spread over --within
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
-    pub starts: u32,
-    /// Start of the motion.
-    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
-    pub start: Vec<String>,
-}
-
-/// How residuals count.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum LossArgument {
-    /// By their squares
-    Linear,
-    /// Large ones by their size, smoothly
-    #[value(name = "soft_l1")]
-    SoftL1,
-    /// Large ones by their size
-    Huber,
-}
-
-impl From<LossArgument> for Loss {
-    fn from(loss: LossArgument) -> Self {
-        match loss {
-            LossArgument::Linear => Self::Linear,
-            LossArgument::SoftL1 => Self::SoftL1,
-            LossArgument::Huber => Self::Huber,
-        }
-    }
-}
 
 /// A number with an optional unit of a dimension, SI.
 fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
@@ -87,31 +28,41 @@ fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
     })
 }
 
-/// The unit of a free number.
-fn unit_of(machine: &Machine, name: &str) -> &'static str {
-    if name == "record.shift" {
-        return "s";
-    }
+/// The range of a number of the record or of the start, SI.
+fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
+    let form = || Error::form(text, "NAME=LOW:HIGH, e.g. stop.steel.gap=3mm:5mm");
+    let (name, range) = text.split_once('=').ok_or_else(form)?;
+    let (low, high) = range.split_once(':').ok_or_else(form)?;
+    let name = name.trim();
     let column = name.strip_prefix("record.offset.").or_else(|| name.strip_prefix("start."));
-    let quantity =
+    let column =
         column.and_then(|column| column.parse::<QuantityName>().ok()?.find(&machine.description).ok());
-    quantity.map_or_else(|| machine.si_unit(name), |named| named.unit)
+    let unit = match column {
+        Some(named) => named.unit,
+        None if name == "record.shift" => "s",
+        None => "1",
+    };
+    Ok((number(name, unit, low)?, number(name, unit, high)?))
 }
 
-/// The free numbers with their ranges.
-fn free(machine: &Machine, a: &FitArguments) -> Result<Vec<Free>> {
+/// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
+fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
     let mut all: Vec<Free> =
         a.free.iter().map(|name| Free { name: name.trim().to_owned(), within: None }).collect();
     for text in &a.within {
-        let form = || Error::form(text, "NAME=LOW:HIGH, e.g. stop.steel.gap=3mm:5mm");
-        let (name, range) = text.split_once('=').ok_or_else(form)?;
-        let (low, high) = range.split_once(':').ok_or_else(form)?;
-        let own = all.iter_mut().find(|own| own.name == name.trim()).ok_or_else(|| Error::Refused {
+        let name = text.split('=').next().unwrap_or_default().trim();
+        let own = all.iter_mut().find(|own| own.name == name).ok_or_else(|| Error::Refused {
             what: format!("--within {text}"),
             problem: format!("{name} is not free; allowed are {}", a.free.join(", ")),
         })?;
-        let unit = unit_of(machine, name.trim());
-        own.within = Some((number(name, unit, low)?, number(name, unit, high)?));
+        own.within = Some(match machine.description.parameter(name) {
+            Err(_) => range_of(machine, text)?,
+            Ok(_) => {
+                let axis = read_axis(machine, text)?;
+                let form = || Error::form(text, "a range without a count, NAME=LOW:HIGH");
+                axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?.ends
+            }
+        });
     }
     Ok(all)
 }
@@ -155,7 +106,7 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
 
 /// Fits a machine to a record.
 pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
-    let machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
+    let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
     let start = start_of(&machine, &a.start)?;
     let measured = read_record(a.data.as_deref(), a.events.as_deref())?;
     for (name, _) in &measured.columns {
@@ -164,7 +115,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
             return Err(Error::Refused { what: format!("column {name}"), problem });
         }
     }
-    let (free, sigma) = (free(&machine, a)?, sigma(&machine, &measured, &a.sigma)?);
+    let (free, sigma) = (free(&mut machine, a)?, sigma(&machine, &measured, &a.sigma)?);
     let path =
         |path: &Option<PathBuf>| path.as_ref().map_or(String::new(), |path| path.display().to_string());
     let options = [

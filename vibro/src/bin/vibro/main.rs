@@ -9,6 +9,7 @@ mod assembly_orbits;
 mod assembly_studies;
 mod common_arguments;
 mod destination;
+mod fit_arguments;
 mod interruption;
 mod invocation;
 mod loads;

@@ -1,0 +1,68 @@
+//! Sizes of records and residuals: deviations, noise.
+
+/// Standard deviation of noise on a signal: the least that its differences of several orders say.
+///
+/// A quarter of normal numbers are below 0.3186 standard deviations, and differences of order m have
+/// √C(2m, m) of them. Coarse samples of a motion raise low orders, its contacts most of high ones.
+pub(super) fn noise(values: &[f64]) -> f64 {
+    let (mut all, mut least, mut variance) = (values.to_vec(), f64::INFINITY, 1.0);
+    for order in 1..=6 {
+        all = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        variance *= f64::from(2 * (2 * order - 1)) / f64::from(order);
+        let mut sizes: Vec<f64> = all.iter().map(|x| x.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let quarter = sizes.get(sizes.len() / 4).map_or(0.0, |size| size / (0.3186 * variance.sqrt()));
+        if order > 1 {
+            least = least.min(quarter);
+        }
+    }
+    least
+}
+
+/// Root mean square; 0 of no residual.
+pub(super) fn rms(residuals: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = residuals.fold((0.0, 0usize), |(sum, count), r| (sum + r * r, count + 1));
+    (sum / count.max(1) as f64).sqrt()
+}
+
+/// Standard deviation of normal residuals by the median of their sizes, which is 0.6745 of it
+/// whatever a few outliers are.
+pub(super) fn typical(residuals: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = residuals.map(f64::abs).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).map_or(0.0, |median| median / 0.6745)
+}
+
+/// Standard deviation.
+pub(super) fn deviation(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    rms(values.iter().map(|x| x - mean))
+}
+
+/// Standard deviation of the values up to each place.
+pub(super) fn deviations(values: &[f64]) -> Vec<f64> {
+    let (mut mean, mut squares) = (0.0, 0.0);
+    let so_far = |(i, x): (usize, &f64)| {
+        let off = x - mean;
+        mean += off / (i + 1) as f64;
+        squares += off * (x - mean);
+        f64::sqrt(squares / (i + 1) as f64)
+    };
+    values.iter().enumerate().map(so_far).collect()
+}
+
+/// Size of a column: its deviation; of one that never changes its value, and 1 of zeros.
+pub(super) fn size(values: &[f64]) -> f64 {
+    let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let sizes = [deviation(values), largest, 1.0];
+    sizes.into_iter().find(|size| *size > 0.0).unwrap_or(1.0)
+}
+
+/// Mean interval of rising times.
+pub(super) fn interval(times: &[f64]) -> f64 {
+    match times {
+        [first, .., last] => (last - first) / (times.len() - 1) as f64,
+        [only] => *only,
+        [] => 1.0,
+    }
+}

@@ -1,0 +1,65 @@
+//! Arguments of `vibro fit`.
+
+use crate::common_arguments::{START_VALUE, start_help};
+use crate::ranges::whole;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use vibro_analysis::assembly::fit::Loss;
+
+/// Arguments of `fit`.
+#[derive(Args, Debug)]
+pub struct FitArguments {
+    /// The machine's file (TOML); its numbers, with --set, are the values from which the fit begins
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The record: a table whose first line names `time` and columns such as box.s, SI
+    #[arg(long, value_name = "TABLE", required_unless_present = "events")]
+    pub data: Option<PathBuf>,
+    /// Times of impacts and first touches of stops: a table with the columns `element` and `time`
+    #[arg(long, value_name = "TABLE")]
+    pub events: Option<PathBuf>,
+    /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
+    /// start.box.s), record.shift, record.offset.COLUMN
+    #[arg(long, required = true, value_name = "NAME,…", value_delimiter = ',')]
+    pub free: Vec<String>,
+    /// Range of a free number [default: what it may be]. May be repeated
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_delimiter = ',', allow_hyphen_values = true)]
+    pub within: Vec<String>,
+    /// Standard deviation of the noise: a number for each column in the record's order, then one for
+    /// the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms`
+    /// [default: by the residuals]
+    #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
+    pub sigma: Vec<String>,
+    /// How residuals count
+    #[arg(long, value_name = "LOSS", default_value = "linear")]
+    pub loss: LossArgument,
+    /// Number of further starts of the fit, spread over --within
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
+    pub starts: u32,
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
+}
+
+/// How residuals count.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum LossArgument {
+    /// By their squares
+    Linear,
+    /// Large ones by their size, smoothly
+    #[value(name = "soft_l1")]
+    SoftL1,
+    /// Large ones by their size
+    Huber,
+}
+
+impl From<LossArgument> for Loss {
+    fn from(loss: LossArgument) -> Self {
+        match loss {
+            LossArgument::Linear => Self::Linear,
+            LossArgument::SoftL1 => Self::SoftL1,
+            LossArgument::Huber => Self::Huber,
+        }
+    }
+}
