@@ -26,6 +26,7 @@ mod mode;
 mod passed;
 mod rest;
 mod resting;
+mod rows;
 mod series;
 mod start;
 mod tangent;

@@ -6,17 +6,14 @@ mod long;
 mod nodes;
 mod powers;
 
-pub use powers::{Account, Losses, Powers, Rule, Samples};
+pub use powers::{Powers, Rule, Samples};
 
 use crate::flow::FlowTable;
-pub use crate::kernel::{EIGHT, NODES, SHORT};
-use crate::system::System;
+pub use crate::kernel::{AtNodes, EIGHT, NODES, SHORT};
+use crate::system::{Account, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use vibro_impact::numerics::double_double::DoubleDouble;
-
-/// Values at the [`NODES`] of an interval of time, or at its [`EIGHT`] nodes.
-pub type AtNodes = [f64; NODES.len()];
 
 /// Sums since the start, J. Losses are positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -63,7 +60,8 @@ impl Accounts {
         self
     }
 
-    /// Work and what steps of stiffnesses put in less losses, J, which equals the change of the mechanical energy since the start.
+    /// Work and what steps of stiffnesses put in, less losses, J. This equals the change of the
+    /// mechanical energy since the start.
     pub fn balance(&self) -> f64 {
         let minus = |sum: DoubleDouble, x: &DoubleDouble| sum.minus(*x);
         let put_in = self.loads.iter().fold(self.motions + self.switched, |sum, x| sum + *x);

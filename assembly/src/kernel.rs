@@ -28,6 +28,9 @@ pub const NODES: [(f64, f64); 12] = {
     nodes
 };
 
+/// Values at the [`NODES`] of an interval of time, or at its [`EIGHT`] nodes.
+pub type AtNodes = [f64; NODES.len()];
+
 /// Gauss's rule with eight nodes (Abramowitz and Stegun, table 25.4).
 pub const EIGHT: [(f64, f64); 8] = [
     (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),

@@ -1,9 +1,7 @@
 //! Each energy account against a quadrature of the elements' powers, and the work of jumps against
 //! closed forms.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;

@@ -1,8 +1,6 @@
 //! Motions against closed forms.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use nalgebra::DVector;
 use vibro_assembly::Assembly;
 use vibro_assembly::description::*;

@@ -1,9 +1,7 @@
 //! Machines integrated by a solver that uses derivatives and indicators only, against the exact
 //! motion; and machines whose parameters change during a motion.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::path::Path;
 use std::sync::Arc;
 use vibro_assembly::description::*;

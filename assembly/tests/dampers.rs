@@ -1,11 +1,9 @@
 //! Dampers: dashpots alone, on bodies and by arms.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::{Assembly, Description, Quantity, What};
+use vibro_assembly::{Assembly, Quantity, What};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
@@ -18,10 +16,6 @@ const MACHINE: &str = r#"
     damper.oil = { between = ["ground", "sledge"], damping = "8 N s/m" }
     damper.rim = { arms = { drum = "100 mm" }, damping = 4.0 }
 "#;
-
-fn machine(text: &str) -> Description {
-    parse(text, "dampers.toml", &no_records).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// v = v0 exp(-c t/m), s = (v0 - v) m/c; about an axis with the inertia I and the damping c r².
 #[test]

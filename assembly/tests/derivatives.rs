@@ -1,5 +1,6 @@
 //! Derivatives by the numbers of a machine against closed forms, and where there are none.
 
+use crate::common::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_assembly::derivative::Cause;
@@ -9,12 +10,8 @@ use vibro_assembly::{Assembly, Differentiated, Error, Motion, Quantity, What, fi
 /// Relative rounding of some hundred operations.
 const ROUNDING: f64 = 1e-12;
 
-fn assembly(text: &str) -> Arc<Assembly> {
-    Arc::new(Assembly::new(file::parse(text, "machine.toml", &file::no_records).unwrap()).unwrap())
-}
-
 fn differentiated(text: &str, parameters: &[&str]) -> Differentiated {
-    Differentiated::new(assembly(text), parameters).unwrap()
+    Differentiated::new(assembled(text), parameters).unwrap()
 }
 
 /// The derivative of a quantity by its name.
@@ -228,7 +225,7 @@ fn closed_form_a_prescribed_body_that_carries_others() {
 
 #[test]
 fn the_motion_has_the_bits_that_it_has_alone() {
-    let mut alone = Motion::new(assembly(BALL)).unwrap();
+    let mut alone = Motion::new(assembled(BALL)).unwrap();
     let mut ball = differentiated(BALL, &["stop.floor.gap", "gravity"]);
     for time in [0.3, 1.1, 2.0, 4.0, 5.5] {
         alone.advance_to(time).unwrap();
@@ -297,7 +294,7 @@ fn a_value_at_its_limit_has_no_derivative() {
 
 #[test]
 fn unknown_parameters_are_refused_with_the_nearest() {
-    let refused = Differentiated::new(assembly(BALL), &["stop.flor.gap"]).map(drop).unwrap_err();
+    let refused = Differentiated::new(assembled(BALL), &["stop.flor.gap"]).map(drop).unwrap_err();
     assert!(
         matches!(refused, Error::Refused(_)) && refused.to_string().contains("stop.floor.gap"),
         "{refused}"
@@ -320,7 +317,7 @@ fn invariant_energy_that_is_kept_has_the_derivative_of_its_start() {
     let names: Vec<String> = machine.parameters().into_iter().map(|p| p.name).collect();
     let names: Vec<&str> =
         names.iter().map(String::as_str).filter(|name| !name.contains("damping")).collect();
-    let mut motion = Differentiated::new(assembly(text), &names).unwrap();
+    let mut motion = Differentiated::new(assembled(text), &names).unwrap();
     // The derivative along the motion's own, by differences of the energy as a function.
     let varied = |motion: &Differentiated, p: usize| {
         let (state, delta) =

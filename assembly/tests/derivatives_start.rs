@@ -1,9 +1,10 @@
 //! Derivatives by the state and the time of the start: the transition matrix.
 
+use crate::common::*;
 use std::sync::Arc;
 use vibro_assembly::derivative::{By, Cause};
 use vibro_assembly::motion::Reached;
-use vibro_assembly::{Assembly, Differentiated, Error, Motion, file};
+use vibro_assembly::{Assembly, Differentiated, Error, Motion};
 
 /// Machines whose motions are known in 50 digits (tests/second_method.rs).
 const MACHINES: &str = include_str!("data/motions.txt");
@@ -15,10 +16,6 @@ const EXACT: f64 = 1e-13;
 /// Most columns of random machines without a derivative, as a part of all: those whose start
 /// touches.
 const MOST_LOST: f64 = 0.1;
-
-fn assembly(text: &str) -> Arc<Assembly> {
-    Arc::new(Assembly::new(file::parse(text, "machine.toml", &file::no_records).unwrap()).unwrap())
-}
 
 fn all_columns(assembly: &Assembly) -> Vec<By> {
     (0..2 * assembly.system().coordinates).map(By::Start).collect()
@@ -38,7 +35,7 @@ fn second_method_the_transition_matrix_of_random_machines() {
     for block in MACHINES.split("## machine ").skip(1) {
         let toml: String =
             block.lines().skip(1).filter(|l| !l.starts_with("##")).flat_map(|l| [l, "\n"]).collect();
-        let assembly = assembly(&toml);
+        let assembly = assembled(&toml);
         // Inside a motion, so that contacts are held at some of the starts.
         let (begin, end) = (0.3, 0.55);
         let mut before = Motion::new(assembly.clone()).unwrap();
@@ -71,7 +68,7 @@ fn closed_form_a_motion_on_a_closed_stop_moves_with_its_gap() {
                 [load.push]\non = \"a\"\nconstant = 4.0\nsteps = [[1.0, -6.0]]\n";
     let columns =
         ["stop.s.gap".into(), By::Start(0), By::Start(1), "load.push.steps[0].time".into(), By::Time];
-    let begun = Motion::from_state(assembly(text), 0.5, &[0.25, 0.0]).unwrap();
+    let begun = Motion::from_state(assembled(text), 0.5, &[0.25, 0.0]).unwrap();
     let mut motion = Differentiated::from_motion(begun, &columns).unwrap();
     assert_eq!(
         motion.parameters(),
@@ -93,7 +90,7 @@ fn closed_form_by_the_time_of_the_start() {
                 [stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
     let (time, v) = (0.2, 2.0);
     let columns = [By::Time, By::Start(0), By::Start(1)];
-    let mut motion = Differentiated::from_state(assembly(text), time, &[0.0, v], &columns).unwrap();
+    let mut motion = Differentiated::from_state(assembled(text), time, &[0.0, v], &columns).unwrap();
     motion.advance_to(0.5).unwrap();
     let push = 3.0 / 2.0 * (std::f64::consts::PI * time).cos();
     let exact = [[-v - push * 0.3, -push], [1.0, 0.0], [0.3, 1.0]];
@@ -115,7 +112,7 @@ fn a_start_that_touches_has_the_derivatives_that_it_has_on_both_sides() {
     let text = "name = \"L\"\n[body.a]\nmass = 1.0\n[stop.wall]\nbetween = [\"ground\", \"a\"]\ngap = 0.2\nrestitution = 0.5\n";
     let at = |v: f64| {
         let columns = [By::Start(0), By::Start(1)];
-        let mut motion = Differentiated::from_state(assembly(text), 0.0, &[0.2, v], &columns).unwrap();
+        let mut motion = Differentiated::from_state(assembled(text), 0.0, &[0.2, v], &columns).unwrap();
         motion.advance_to(1.0).unwrap();
         motion
     };
@@ -130,7 +127,7 @@ fn a_start_that_touches_has_the_derivatives_that_it_has_on_both_sides() {
 
 #[test]
 fn bad_starts_are_refused_by_name() {
-    let machine = assembly(
+    let machine = assembled(
         "name = \"L\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 1.0\n",
     );
     let refused = Differentiated::new(machine.clone(), &[By::Start(2)]).map(drop).unwrap_err();

@@ -1,8 +1,6 @@
 //! Derivatives of a motion that is under way: those of the whole from there on, and partial ones.
 
-mod common;
-
-use common::machines::BLOCK_ON_BELT;
+use crate::common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
 use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Reached;

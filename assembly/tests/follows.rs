@@ -1,9 +1,7 @@
 //! Friction whose level follows the force of a compliant stop (docs/assembly-law.md, section 4).
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;

@@ -1,9 +1,7 @@
 //! Freewheels against closed forms and a second method.
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 use std::cell::Cell;
@@ -19,17 +17,9 @@ use vibro_assembly::{Assembly, Description, Differentiated, Error, Motion, Quant
 /// Some hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-12;
 
-fn machine(text: &str) -> Description {
-    parse(text, "freewheel.toml", &no_records).unwrap_or_else(|e| panic!("{e}"))
-}
-
 #[track_caller]
 fn close(found: f64, exact: f64) {
     assert!((found - exact).abs() <= ROUNDING * exact.abs().max(1.0), "{found} instead of {exact}");
-}
-
-fn of(m: &Motion, element: usize, what: What) -> f64 {
-    m.value(Quantity::of_element(element, what))
 }
 
 /// Checks that the energy is `begin` and what the accounts say has come since.
@@ -271,15 +261,6 @@ const BLOWS: &str = r#"
     spring.a = { between = ["ground", "a"], stiffness = 4.0, damping = 0.3 }
     spring.c = { between = ["ground", "c"], stiffness = 9.0, damping = 0.2 }
 "#;
-
-fn with_company(text: &str) -> String {
-    let one = |i: usize| {
-        format!(
-            "[body.o{i}]\nmass = 1.0\nstart = {{ s = 0.1 }}\n[spring.o{i}]\nbetween = [\"ground\", \"o{i}\"]\nstiffness = {i}0.0\n"
-        )
-    };
-    text.to_owned() + "\n" + &(1..=10).map(one).collect::<String>()
-}
 
 #[test]
 fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_lone_events() {

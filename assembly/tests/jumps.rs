@@ -1,9 +1,7 @@
 //! Jumps of signals: prescribed bodies whose coordinate or rate jumps, and events at the instant of
 //! a knot.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::EventKind;
@@ -11,10 +9,6 @@ use vibro_assembly::{Assembly, Motion};
 
 /// Tens of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-14;
-
-fn text(toml: &str) -> Motion {
-    motion(parse(toml, "jumps.toml", &no_records).unwrap_or_else(|e| panic!("{e}")))
-}
 
 fn near(a: f64, b: f64) {
     assert!((a - b).abs() < ROUNDING, "{a} instead of {b}");
@@ -28,7 +22,7 @@ fn off_balance(m: &Motion, start: f64) -> f64 {
 
 #[test]
 fn closed_form_friction_on_a_belt_that_starts_and_stops_at_once() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"Belt\"\n[body.b]\nmass = 1.0\n[body.belt]\nmotion = { table = [[0.25, 0.0], [0.5, 0.25], [1.0, 0.25]] }\n\
          [friction.f]\nbetween = [\"belt\", \"b\"]\nforce = 2.0\n",
     );
@@ -48,7 +42,7 @@ fn closed_form_friction_on_a_belt_that_starts_and_stops_at_once() {
 
 #[test]
 fn closed_form_base_that_steps_away_from_what_lies_on_it() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"Base\"\ngravity = 10.0\n[body.b]\nmass = 1.0\ngravity = 1.0\n[body.base]\nmotion = { steps = [[0.5, 0.1]] }\n\
          [stop.r]\nbetween = [\"base\", \"b\"]\ngap = 0.0\nrestitution = 0.0\n",
     );
@@ -74,7 +68,7 @@ fn differential_with(motion: &str, order: [&str; 2], more: &str) -> Motion {
         .iter()
         .map(|name| format!("[body.{name}]\nmass = {}\n", if *name == "a" { 1.0 } else { 3.0 }))
         .collect();
-    text(&format!(
+    moving(&format!(
         "name = \"D\"\n{bodies}[body.p]\nmotion = {{ {motion} }}\n[link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n\
          [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 40.0\n[spring.base]\nbetween = [\"p\", \"b\"]\nstiffness = 20.0\n{more}"
     ))
@@ -102,7 +96,7 @@ fn closed_form_links_share_a_jump_by_inertia() {
 
 #[test]
 fn closed_form_inputs_that_jump_a_belt_and_a_base() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"I\"\n[body.b]\nmass = 1.0\n[body.belt]\nmotion = { input = true }\n\
          [friction.f]\nbetween = [\"belt\", \"b\"]\nforce = 2.0\n[stop.r]\nbetween = [\"b\", \"belt\"]\ngap = 0.5\nrestitution = 0.5\n",
     );
@@ -122,7 +116,7 @@ fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
     // The holding force reaches its level at the load's peak only; a rounding before the peak would
     // let the body slip and stick again.
     for peak in [0.3, 0.4, 0.5, 0.6, 0.7, 0.9, 1.1] {
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"T\"\n[body.b]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 2.0\n\
              [load.l]\non = \"b\"\ntable = [[0.0, 0.0], [{peak}, -2.0], [1.7, 1.0]]\n"
         ));
@@ -137,7 +131,7 @@ fn invariant_every_knot_is_told_beside_what_ends_there() {
     // A stop's force falls to zero with zero slope at a knot, so that by rounding it ends before; a
     // body meets another stop at the knot, too.
     for knot in [0.8125f64, 0.3, 0.7] {
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"K\"\n[body.b]\nmass = 0.5\n[body.c]\nmass = 1.0\nstart = {{ s = -{knot}, v = 1.0 }}\n\
              [stop.r]\nbetween = [\"ground\", \"b\"]\ngap = 0.0\nrestitution = 0.0\n\
              [stop.h]\nbetween = [\"ground\", \"c\"]\ngap = 0.0\nrestitution = 0.5\n\
@@ -168,7 +162,7 @@ fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
     // At an impact the link of two bodies to a prescribed one has an impulse, too, which does work;
     // with one stop and with two.
     for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
              [link.l]\narms = {{ a = 1.0, b = 1.0, p = -1.0 }}\n[stop.s]\narms = {{ a = 1.0 }}\ngap = 0.1\nrestitution = 0.5\n{second}"
         ));
@@ -219,7 +213,7 @@ fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
 #[test]
 fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
     // A carriage and the plate on it are both prescribed and set together: no violation, no impact.
-    let mut m = text(
+    let mut m = moving(
         "name = \"T\"\n[body.plate]\nmotion = { input = true }\n[body.carriage]\nmotion = { input = true }\n\
          [body.b]\nmass = 1.0\n[stop.r]\nbetween = [\"carriage\", \"plate\"]\ngap = 0.0\nrestitution = 0.5\n\
          [friction.f]\nbetween = [\"plate\", \"b\"]\nforce = 1.0\n",

@@ -1,9 +1,10 @@
 //! The machines of examples/assembly against the figures in their files, and every kind of element
 //! and signal against closed forms.
 
+use crate::common::*;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_assembly::file::{no_records, parse, read};
+use vibro_assembly::file::read;
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 
@@ -19,10 +20,6 @@ fn example(name: &str) -> Motion {
 
 fn start(description: vibro_assembly::Description) -> Motion {
     Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap()
-}
-
-fn text(toml: &str) -> Motion {
-    start(parse(toml, "test", &no_records).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn events(m: &mut Motion, end: f64) -> Vec<Event> {
@@ -129,7 +126,7 @@ fn closed_form_column_and_balls() {
 
 /// A mass under a load, from rest.
 fn pulled(load: &str) -> Motion {
-    text(&format!("name = \"P\"\n[body.a]\nmass = 2.0\n[load.l]\non = \"a\"\n{load}\n"))
+    moving(&format!("name = \"P\"\n[body.a]\nmass = 2.0\n[load.l]\non = \"a\"\n{load}\n"))
 }
 
 #[test]
@@ -168,7 +165,7 @@ fn closed_form_signals() {
 #[test]
 fn closed_form_links_and_prescribed_bodies() {
     // A drum on a gear of ratio 3 under a torque: one coordinate with J = 2 + 9 · 0.5.
-    let mut m = text(
+    let mut m = moving(
         "name = \"G\"\n[body.wheel]\ninertia = 2.0\n[body.drum]\ninertia = 0.5\n\
          [link.gear]\narms = { wheel = 3.0, drum = -1.0 }\n[load.motor]\non = \"wheel\"\nconstant = 13.0\n",
     );
@@ -180,7 +177,7 @@ fn closed_form_links_and_prescribed_bodies() {
     near(kinetic, 13.0, ROUNDING);
     near(m.energy().balance(), 13.0, ROUNDING);
     // A base at constant speed pulls a mass by a spring: s = v (t - sin(ω t)/ω).
-    let mut m = text(
+    let mut m = moving(
         "name = \"B\"\n[body.base]\nmotion = { rate = \"2 m/s\" }\n[body.a]\nmass = 1.0\n\
          [spring.k]\nbetween = [\"base\", \"a\"]\nstiffness = 9.0\n",
     );
@@ -189,7 +186,7 @@ fn closed_form_links_and_prescribed_bodies() {
     let (kinetic, stored) = m.kinetic_and_stored();
     near(m.energy().motions.value(), kinetic + stored, 10.0 * ROUNDING);
     // A prescribed body moves a linked mass: the work of the motion is the kinetic energy.
-    let mut m = text(
+    let mut m = moving(
         "name = \"L\"\n[body.cam]\nmotion = { amplitude = 0.5, frequency = \"2 rad/s\", rate = 1.0 }\n[body.follower]\nmass = 3.0\n\
          start = { v = 2.0 }\n[body.tip]\nmass = 1.0\n[link.rod]\nbetween = [\"cam\", \"follower\"]\n\
          [spring.k]\nbetween = [\"follower\", \"tip\"]\nstiffness = 5.0\n",
@@ -203,7 +200,7 @@ fn closed_form_links_and_prescribed_bodies() {
 
 #[test]
 fn jams_and_jumps_end_by_name() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"J\"\n[body.press]\nmotion = { rate = 1.0 }\n[body.a]\nmass = 1.0\n[stop.front]\nbetween = [\"a\", \"press\"]\n\
          gap = 0.2\nrestitution = 0.5\n[stop.wall]\nbetween = [\"ground\", \"a\"]\ngap = 0.1\nrestitution = 0.0\n",
     );
@@ -212,7 +209,7 @@ fn jams_and_jumps_end_by_name() {
         jam.contains("jammed at t = 0.3") && jam.contains("stop.front") && jam.contains("stop.wall"),
         "{jam}"
     );
-    let mut m = text(
+    let mut m = moving(
         "name = \"V\"\n[body.press]\nmotion = { steps = [[0.5, 1.0]] }\n[body.a]\nmass = 1.0\n[stop.front]\nbetween = [\"a\", \"press\"]\n\
          gap = 0.2\nrestitution = 0.5\n",
     );

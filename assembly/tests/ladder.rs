@@ -1,9 +1,7 @@
 //! Long sub-steps miss no event: stiff machines against closed forms, and against the motion in
 //! calls too short for long sub-steps.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::{Event, EventKind};
 

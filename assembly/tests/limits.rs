@@ -1,8 +1,6 @@
 //! Motions that end early: by request, or because energies would overflow.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro_assembly::description::*;

@@ -1,9 +1,7 @@
 //! Events of a single element, which are handled directly, against the general law.
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;

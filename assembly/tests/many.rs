@@ -1,8 +1,6 @@
 //! Machines of many bodies: a start takes seconds at most.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::time::{Duration, Instant};
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;

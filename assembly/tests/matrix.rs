@@ -1,23 +1,17 @@
 //! Bodies with mass and stiffness matrices.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
 use std::io;
+use vibro_assembly::Motion;
 use vibro_assembly::file::{no_records, parse};
-use vibro_assembly::{Description, Motion};
 
 /// Rounding of an eigenproblem whose eigenvalues spread over a factor of 1e7.
 const EIGEN: f64 = 1e-8;
 
 /// A thousand roundings of numbers of order one.
 const ROUNDING: f64 = 1e-11;
-
-fn machine(text: &str) -> Description {
-    parse(text, "matrix.toml", &no_records).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn of(m: &Motion, name: &str) -> [f64; 3] {
     m.body(m.assembly().description.bodies.iter().position(|body| body.name == name).unwrap())

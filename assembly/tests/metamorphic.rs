@@ -1,10 +1,8 @@
 //! Metamorphic tests: a machine mirrored, in other units, at another time or in another order has a
 //! motion that follows from the original one without another method.
 
-mod common;
-
-use common::machines::{assembly, scaled};
-use common::*;
+use crate::common::machines::{assembly, scaled};
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::sync::Arc;

@@ -1,8 +1,6 @@
 //! Bodies in modal coordinates, and nodes on them.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::{Assembly, Description, Motion};
@@ -46,10 +44,6 @@ const BODIES: &str = r#"
     link.shaken = { arms = { shaken = 1.0, q0 = -1.9, q1 = 2.0, q2 = -2.0 } }
     load.shaker = { on = "shaken", amplitude = 4.0, frequency = 1.7 }
 "#;
-
-fn machine(text: &str) -> Description {
-    parse(text, "modal.toml", &no_records).unwrap_or_else(|e| panic!("{e}"))
-}
 
 fn place(m: &Motion, name: &str) -> usize {
     m.assembly().description.bodies.iter().position(|body| body.name == name).unwrap()

@@ -1,8 +1,6 @@
 //! The 3-DOF machine as an assembly against the 3-DOF core; the two share the root finder only.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
 use vibro_impact::simulator::{Event, Pause};

@@ -1,8 +1,6 @@
 //! Motions that pause before events, are saved as bytes, or begin at another time.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::{Hybrid, Reached};

@@ -1,9 +1,7 @@
 //! Springs whose force goes by straight lines through points (docs/assembly-law.md (A45)).
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;

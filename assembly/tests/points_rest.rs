@@ -1,8 +1,6 @@
 //! Starts at rest of machines with springs by points (docs/assembly-law.md, section 10).
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::{Assembly, Error};
 

@@ -1,9 +1,7 @@
 //! Machines without coordinates: test rigs whose bodies are all prescribed or linked to prescribed
 //! ones.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::f64::consts::TAU;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;

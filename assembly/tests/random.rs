@@ -1,10 +1,8 @@
 //! Random assemblies against invariants: no stop is violated, no stop pulls, no friction exceeds
 //! its level, energy is balanced, and every motion continues.
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use vibro_assembly::Motion;

@@ -1,8 +1,6 @@
 //! The start at rest against closed forms.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::{Assembly, Error};

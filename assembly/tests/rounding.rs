@@ -1,9 +1,7 @@
 //! Rounding that counts as zero (docs/assembly-law.md (A14)): speeds left by balanced forces, and
 //! forces and impulses that cancel.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::f64::consts::TAU;
 use vibro_assembly::description::*;
 use vibro_assembly::file::{no_records, parse};

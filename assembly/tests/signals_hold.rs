@@ -1,28 +1,18 @@
 //! Records whose values are held from knot to knot, and their scale, against closed forms,
 //! differences and the same machine by steps.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::fmt::Write;
 use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::EventKind;
-use vibro_assembly::{Assembly, Differentiated, Motion};
+use vibro_assembly::{Assembly, Differentiated};
 
 /// Roundings of sums of some thousands of numbers of order one.
 const ROUNDING: f64 = 1e-11;
 /// Central differences over [`CHANGE`]: their error is its square.
 const CHANGE: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-7;
-
-fn text(toml: &str) -> Motion {
-    motion(parse(toml, "hold.toml", &no_records).unwrap_or_else(|e| panic!("{e}")))
-}
-
-fn near(a: f64, b: f64, allowed: f64) {
-    assert!((a - b).abs() < allowed, "{a} instead of {b}");
-}
 
 /// Numbers in [-1, 1] that look random.
 fn noise(count: usize) -> Vec<f64> {
@@ -46,7 +36,7 @@ fn table(values: &[f64], step: f64) -> String {
 fn closed_form_a_mass_under_a_held_force_is_piecewise_parabolic() {
     let (values, step) = (noise(2000), 1.0 / 1024.0);
     let list = table(&values, step);
-    let mut m = text(&format!(
+    let mut m = moving(&format!(
         "name = \"Held\"\n[body.b]\nmass = 2.0\n[load.l]\non = \"b\"\ntable = [{list}]\ninterpolation = \"hold\"\n"
     ));
     let (mut s, mut v) = (0.0, 0.0);
@@ -65,7 +55,7 @@ fn closed_form_a_mass_under_a_held_force_is_piecewise_parabolic() {
 
 #[test]
 fn closed_form_the_value_at_a_knot_is_the_new_one_and_equal_neighbours_are_no_event() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"Held\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\n\
          table = [[0.5, 1.0], [1.0, 1.0], [1.5, 3.0], [2.0, 3.0], [2.5, 3.0]]\ninterpolation = \"hold\"\n",
     );
@@ -82,7 +72,7 @@ fn closed_form_the_value_at_a_knot_is_the_new_one_and_equal_neighbours_are_no_ev
 fn second_method_a_held_record_is_a_sum_of_steps() {
     let (values, step) = (noise(300), 0.01);
     let machine = |signal: &str| {
-        text(&format!(
+        moving(&format!(
             "name = \"Rig\"\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 100.0\n\
              [stop.r]\nbetween = [\"ground\", \"b\"]\ngap = 0.004\nrestitution = 0.6\n\
              [friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 0.2\n[load.l]\non = \"b\"\n{signal}\n"
@@ -172,7 +162,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
 fn many_held_knots_cost_their_events_alone() {
     let time = |count: usize| {
         let list = table(&noise(count), 1e-3);
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"Held\"\n[body.b]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1e3\n\
              [load.l]\non = \"b\"\ntable = [{list}]\ninterpolation = \"hold\"\n"
         ));

@@ -1,9 +1,7 @@
 //! Motions whose rate or acceleration is prescribed, against closed forms, the same motion as a
 //! position, and differences.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibro_assembly::derivative::Gradient;
@@ -17,22 +15,9 @@ const ROUNDING: f64 = 1e-12;
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 2e-8;
 
-fn near(a: f64, b: f64, allowed: f64) {
-    assert!((a - b).abs() < allowed, "{a} instead of {b}");
-}
-
-fn assembly(toml: &str) -> Arc<Assembly> {
-    let machine = parse(toml, "m.toml", &no_records).unwrap_or_else(|e| panic!("{e}"));
-    Arc::new(Assembly::new(machine).unwrap_or_else(|e| panic!("{e}")))
-}
-
-fn text(toml: &str) -> Motion {
-    Motion::new(assembly(toml)).unwrap()
-}
-
 /// A base alone, whose spring to ground gives it something to act on.
 fn base(motion: &str) -> Motion {
-    text(&format!(
+    moving(&format!(
         "name = \"Base\"\n[body.base]\nmotion = {{ {motion} }}\n[spring.k]\nbetween = [\"ground\", \"base\"]\nstiffness = 1.0\n"
     ))
 }
@@ -117,7 +102,7 @@ fn closed_form_the_integral_of_what_repeats() {
 
 /// A machine whose base moves, with impacts and friction.
 fn rig(motion: &str) -> Arc<Assembly> {
-    assembly(&format!(
+    assembled(&format!(
         "name = \"Rig\"\n[body.b]\nmass = 1.0\nstart = {{ s = 0.01, v = 0.2 }}\n[body.base]\nmotion = {{ {motion} }}\n\
          [spring.k]\nbetween = [\"base\", \"b\"]\nstiffness = 80.0\ndamping = 0.3\n[stop.r]\nbetween = [\"base\", \"b\"]\ngap = 0.03\n\
          restitution = 0.7\n[friction.f]\nbetween = [\"base\", \"b\"]\nforce = 0.1\n"
@@ -185,7 +170,7 @@ fn second_method_steps_of_the_rate_are_a_straight_record() {
 #[test]
 fn closed_form_what_jumps_of_rate_and_acceleration_do() {
     let machine = |motion: &str| {
-        text(&format!(
+        moving(&format!(
             "name = \"Push\"\n[body.b]\nmass = 2.0\n[body.base]\nmotion = {{ {motion} }}\n[stop.r]\nbetween = [\"b\", \"base\"]\n\
              gap = 0.0\nrestitution = 0.5\n"
         ))
@@ -211,7 +196,7 @@ fn closed_form_what_jumps_of_rate_and_acceleration_do() {
 /// Steps at time 0 belong to the start: the body stands on a base that already moves.
 #[test]
 fn closed_form_steps_at_time_0_belong_to_the_start() {
-    let mut m = text(
+    let mut m = moving(
         "name = \"Start\"\n[body.b]\nmass = 1.0\nstart = { v = 2.0 }\n[body.base]\nmotion = { rate = { steps = [[0.0, 2.0]] } }\n\
          [stop.r]\nbetween = [\"b\", \"base\"]\ngap = 0.0\nrestitution = 0.5\n",
     );

@@ -1,8 +1,6 @@
 //! Steps and records that repeat, against the same written out, closed forms and differences.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::fmt::Write;
 use std::sync::Arc;
 use vibro_assembly::file::{no_records, parse};
@@ -17,10 +15,6 @@ const STEPS: [(f64, f64); 3] = [(0.0, 0.5), (0.12, -1.25), (0.25, 0.5)];
 /// Central differences over [`CHANGE`]: their error is its square.
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 1e-8;
-
-fn near(a: f64, b: f64, allowed: f64) {
-    assert!((a - b).abs() < allowed, "{a} instead of {b}");
-}
 
 fn list(pairs: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut list = String::from("[");

@@ -1,14 +1,11 @@
 //! Sine sweeps against integrals in 40 digits, their formula, harmonics and differences.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 use vibro_assembly::derivative::Gradient;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Differentiated, Motion};
+use vibro_assembly::{Differentiated, Motion};
 
 /// The error that the page allows, in amplitudes, and as much rounding.
 const ERROR: f64 = 2e-12;
@@ -120,19 +117,6 @@ const KNOWN: [Known; 16] = [
     ),
 ];
 
-fn near(a: f64, b: f64, allowed: f64) {
-    assert!((a - b).abs() < allowed, "{a} instead of {b}");
-}
-
-fn assembly(toml: &str) -> Arc<Assembly> {
-    let machine = parse(toml, "m.toml", &no_records).unwrap_or_else(|e| panic!("{e}"));
-    Arc::new(Assembly::new(machine).unwrap_or_else(|e| panic!("{e}")))
-}
-
-fn text(toml: &str) -> Motion {
-    Motion::new(assembly(toml)).unwrap()
-}
-
 fn sweep(law: &str, [from, to, duration, phase]: [f64; 4]) -> String {
     format!(
         "sweep = {{ amplitude = 1.0, from = {from:?}, to = {to:?}, duration = {duration:?}, phase = {phase:?}, law = \"{law}\" }}"
@@ -143,7 +127,7 @@ fn sweep(law: &str, [from, to, duration, phase]: [f64; 4]) -> String {
 fn second_method_masses_oscillators_and_bases_under_sweeps() {
     for (law, numbers, time, [value, once, twice, place]) in KNOWN {
         let sweep = sweep(law, numbers);
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"All\"\n[body.mass]\nmass = 1.0\n[body.oscillator]\nmass = 1.0\n[load.l]\non = \"mass\"\n{sweep}\n\
              [load.o]\non = \"oscillator\"\n{sweep}\n[spring.k]\nbetween = [\"ground\", \"oscillator\"]\nstiffness = 400.0\n\
              damping = 2.0\n"
@@ -158,7 +142,7 @@ fn second_method_masses_oscillators_and_bases_under_sweeps() {
             (format!("rate = {{ {sweep} }}"), [Some(once), Some(value), None]),
             (format!("acceleration = {{ {sweep} }}"), [Some(twice), Some(once), Some(value)]),
         ] {
-            let mut m = text(&format!(
+            let mut m = moving(&format!(
                 "name = \"Base\"\n[body.base]\nmotion = {{ {motion} }}\n[spring.k]\nbetween = [\"ground\", \"base\"]\nstiffness = 1.0\n"
             ));
             m.advance_to(time).unwrap();
@@ -175,7 +159,7 @@ fn second_method_masses_oscillators_and_bases_under_sweeps() {
 fn closed_form_long_sweeps_at_any_time() {
     for (to, duration) in [(2.0, 64.0), (500.0, 64.0), (4096.0, 1024.0)] {
         let sweep = sweep("linear", [16.0, to, duration, 0.0]);
-        let mut m = text(&format!("name = \"L\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\n{sweep}\n"));
+        let mut m = moving(&format!("name = \"L\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\n{sweep}\n"));
         let span = 3.0;
         let rise = (to - 16.0) / (2.0 * duration);
         for k in 0..200 {
@@ -205,7 +189,7 @@ fn rig(signal: &str, bodies: usize) -> String {
 }
 
 fn moved(signal: &str, bodies: usize) -> (Motion, Vec<Event>) {
-    let mut m = text(&rig(signal, bodies));
+    let mut m = moving(&rig(signal, bodies));
     let all = events(&mut m, 4.0);
     (m, all)
 }
@@ -242,7 +226,7 @@ fn second_method_derivatives_and_gradients_by_the_numbers_of_sweeps() {
             "sweep = [{{ amplitude = 4.0, from = 1.5, to = 4.0, duration = 1.6, phase = 0.5, law = \"{law}\" }}, \
              {{ amplitude = 0.5, from = 6.0, to = 2.0, duration = 3.0 }}]"
         );
-        let rig = assembly(&rig(&signal, bodies));
+        let rig = assembled(&rig(&signal, bodies));
         let all = rig.description.parameters().into_iter().map(|p| p.name);
         let names: Vec<String> = all.filter(|name| name.contains(".sweep[") || name.contains("k0")).collect();
         assert_eq!(names.len(), 13, "{names:?}");
@@ -285,7 +269,7 @@ fn second_method_derivatives_of_integrated_sweeps() {
              to = 4.0, duration = 1.6, phase = 0.5, law = \"{law}\" }} }} }}\n[spring.k]\nbetween = [\"base\", \"b\"]\n\
              stiffness = 90.0\ndamping = 1.0\n"
         );
-        let rig = assembly(&toml);
+        let rig = assembled(&toml);
         let all = rig.description.parameters().into_iter().map(|p| p.name);
         let names: Vec<String> = all.filter(|name| name.contains(".sweep.")).collect();
         assert_eq!(names.len(), 5, "{names:?}");
@@ -321,7 +305,7 @@ fn invariant_energy_balances_under_sweeps_periods_and_integrals() {
         "rate = { steps = [[0.1, 0.4], [0.3, -0.3]], repeat = 0.45, sweep = { amplitude = 0.2, from = 3.0, to = 1.0, duration = 1.5 } }",
         "table = [[0.0, 0.0], [0.1, 0.02], [0.3, -0.01]], interpolation = \"cubic\", repeat = 0.4",
     ] {
-        let mut m = text(&format!(
+        let mut m = moving(&format!(
             "name = \"Balance\"\n[body.b]\nmass = 1.0\nstart = {{ s = 0.01 }}\n[body.base]\nmotion = {{ {motion} }}\n[spring.k]\n\
              between = [\"base\", \"b\"]\nstiffness = 80.0\ndamping = 0.3\n[stop.r]\nbetween = [\"base\", \"b\"]\ngap = 0.03\n\
              restitution = 0.7\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 0.1\n[load.l]\non = \"b\"\n\

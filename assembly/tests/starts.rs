@@ -1,8 +1,6 @@
 //! Starts from a state: a motion continues from its own state, and bad states are refused.
 
-mod common;
-
-use common::machines::BLOCK_ON_BELT;
+use crate::common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
 use vibro_assembly::derivative::By;
 use vibro_assembly::motion::Event;

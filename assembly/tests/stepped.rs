@@ -1,12 +1,10 @@
 //! Stiffness that steps in time, against cosine maps, a solver in 40 digits, energies and differences.
 
-mod common;
-
+use crate::common::*;
 use std::sync::Arc;
 use vibro_assembly::derivative::Gradient;
-use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::motion::{Event, EventKind, Reached};
-use vibro_assembly::{Assembly, Description, Differentiated, Motion, Quantity, What};
+use vibro_assembly::{Assembly, Differentiated, Motion, Quantity, What};
 
 /// Roundings of some turns.
 const ROUNDING: f64 = 1e-12;
@@ -17,14 +15,6 @@ const DIFFERENCE: f64 = 2e-8;
 #[track_caller]
 fn near(a: f64, b: f64, allowed: f64) {
     assert!((a - b).abs() < allowed * (1.0 + b.abs()), "{a} instead of {b}");
-}
-
-fn read(text: &str) -> Description {
-    parse(text, "machine.toml", &no_records).unwrap_or_else(|problem| panic!("{problem}"))
-}
-
-fn machine(text: &str) -> Arc<Assembly> {
-    Arc::new(Assembly::new(read(text)).unwrap_or_else(|problem| panic!("{problem}")))
 }
 
 /// A gear mesh: stiffness `k` for `share` of the period, then `k` + `step`.
@@ -79,7 +69,7 @@ fn closed_form_a_period_is_the_product_of_two_cosine_maps() {
         let share = 0.375;
         let second = if k[0] + k[1] < 1e-12 { 0.0 } else { k[0] + k[1] };
         let map = times(cosine(second, (1.0 - share) * period), cosine(k[0], share * period));
-        let mut motion = Motion::new(machine(&mesh(k, [share, period], ""))).unwrap();
+        let mut motion = Motion::new(assembled(&mesh(k, [share, period], ""))).unwrap();
         let (begun, mut exact) = (energy(&motion), state(&motion));
         for turn in 1..=20 {
             motion.advance_to(f64::from(turn) * period).unwrap();
@@ -100,7 +90,7 @@ fn closed_form_it_grows_within_the_tongue_and_stays_bounded_outside() {
     for (period, grows) in [(std::f64::consts::PI, true), (2.2, false)] {
         let map = times(cosine(0.6, 0.5 * period), cosine(1.4, 0.5 * period));
         assert_eq!((map[0][0] + map[1][1]).abs() > 2.0, grows);
-        let mut motion = Motion::new(machine(&mesh(k, [0.5, period], ""))).unwrap();
+        let mut motion = Motion::new(assembled(&mesh(k, [0.5, period], ""))).unwrap();
         motion.advance_to(60.0 * period).unwrap();
         let [s, v] = state(&motion);
         assert_eq!(s.hypot(v) > 100.0, grows, "{s} {v}");
@@ -112,7 +102,7 @@ fn closed_form_it_grows_within_the_tongue_and_stays_bounded_outside() {
 fn closed_form_a_step_puts_in_half_its_height_times_the_square() {
     let text = "name = \"One\"\n[body.b]\nmass = 2.0\nstart = { s = 0.5 }\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\
                 stiffness = { constant = 8.0, steps = [[0.25, 10.0], [0.5, -18.0]] }\npreload = 3.0\ndamping = 0.7\n";
-    let mut motion = Motion::new(machine(text)).unwrap();
+    let mut motion = Motion::new(assembled(text)).unwrap();
     let begun = energy(&motion);
     let [at_rest, force] = [motion.coordinate(0), motion.spring(0)[2]];
     near(force, 3.0 + 8.0 * at_rest, ROUNDING);
@@ -140,7 +130,7 @@ fn buffer(damping: &str, stiffness: &str) -> String {
 #[test]
 fn closed_form_a_stop_steps_while_it_is_pressed() {
     let text = buffer("", "{ constant = 400.0, steps = [[0.12, 500.0]] }");
-    let mut motion = Motion::new(machine(&text)).unwrap();
+    let mut motion = Motion::new(assembled(&text)).unwrap();
     let begun = energy(&motion);
     let mut events = Vec::new();
     motion.advance_observed(0.12, &mut |event| events.push(event.clone())).unwrap();
@@ -167,7 +157,7 @@ fn invariant_energies_and_states_of_stops_with_all_laws() {
     for law in ["no-pull", "elastogap", "pull", "undamped-rebound"] {
         for damping in [0.0, 3.0] {
             let text = buffer(&format!("damping = {damping}\nlaw = \"{law}\"\n"), wave);
-            let start = Motion::new(machine(&text)).unwrap();
+            let start = Motion::new(assembled(&text)).unwrap();
             let (begun, general) = (energy(&start), start.clone().by_general_law());
             let found = [start, general].map(|mut motion| {
                 for k in 1..200 {
@@ -196,7 +186,7 @@ fn invariant_energies_and_states_of_stops_with_all_laws() {
 const ALL: &str = include_str!("data/stepped.toml");
 
 fn with(text: &str, name: &str, value: f64) -> Arc<Assembly> {
-    let changed = read(text).with([(name, value)]).unwrap_or_else(|problem| panic!("{problem}"));
+    let changed = machine(text).with([(name, value)]).unwrap_or_else(|problem| panic!("{problem}"));
     Arc::new(Assembly::new(changed).unwrap())
 }
 
@@ -211,7 +201,7 @@ fn second_method_a_mesh_and_a_buffer_in_40_digits() {
     let text = ALL[..wall]
         .replace("[body.table]\nmotion = { amplitude = 0.01, frequency = 3.0 }\n", "")
         .replace("\"table\"", "\"ground\"");
-    let mut motion = Motion::new(machine(&text)).unwrap();
+    let mut motion = Motion::new(assembled(&text)).unwrap();
     let (mut expected, mut count) = (Vec::new(), 0);
     for line in include_str!("data/stepped.txt").lines().filter(|line| !line.starts_with('#')) {
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -240,15 +230,15 @@ fn second_method_a_mesh_and_a_buffer_in_40_digits() {
 
 /// Derivatives by numbers against differences of whole motions, and the gradient against both.
 fn differ(text: &str, names: &[&str]) {
-    let mut motion = Differentiated::new(machine(text), names).unwrap();
+    let mut motion = Differentiated::new(assembled(text), names).unwrap();
     motion.advance_to(END).unwrap();
     let place = Quantity::of_body(0, What::S);
-    let mut gradient = Gradient::new(machine(text), names).unwrap();
+    let mut gradient = Gradient::new(assembled(text), names).unwrap();
     gradient.advance_to(END).unwrap();
     gradient.add(place, 1.0);
     let gradient = gradient.gradient().unwrap();
     for (p, name) in names.iter().enumerate() {
-        let value = read(text).get(name).unwrap();
+        let value = machine(text).get(name).unwrap();
         let change = CHANGE * value.abs().max(0.1);
         let end = |value: f64| {
             let mut motion = Motion::new(with(text, name, value)).unwrap();
@@ -301,7 +291,7 @@ fn second_method_derivatives_through_steps_friction_and_impacts() {
 
 #[test]
 fn invariant_energy_with_prescribed_bodies_friction_and_impacts() {
-    let mut motion = Motion::new(machine(ALL)).unwrap();
+    let mut motion = Motion::new(assembled(ALL)).unwrap();
     let begun = energy(&motion);
     for k in 1..=300 {
         motion.advance_to(0.01 * f64::from(k)).unwrap();
@@ -313,7 +303,7 @@ fn invariant_energy_with_prescribed_bodies_friction_and_impacts() {
 
 #[test]
 fn second_method_variations_are_differences_of_motions() {
-    let assembly = machine(ALL);
+    let assembly = assembled(ALL);
     let end = |start: &[f64]| {
         let mut motion = Motion::from_state(assembly.clone(), 0.0, start).unwrap();
         motion.advance_to(END).unwrap();
@@ -340,7 +330,7 @@ fn second_method_variations_are_differences_of_motions() {
 #[test]
 fn a_change_under_way_keeps_places_and_takes_the_new_heights() {
     let text = mesh([4.0, 9.0], [0.375, 0.31], "");
-    let mut motion = Motion::new(machine(&text)).unwrap();
+    let mut motion = Motion::new(assembled(&text)).unwrap();
     motion.advance_to(0.2).unwrap();
     let was = state(&motion);
     let motion = motion.changed(with(&text, "spring.mesh.stiffness.steps[0].height", 2.0)).unwrap();
@@ -354,11 +344,11 @@ fn closed_form_a_start_at_rest_has_the_stiffness_of_time_0() {
                 between = [\"ground\", \"b\"]\nstiffness = { constant = 50.0, steps = [[0.0, 30.0], [1.0, 20.0]] }\n\
                 [stop.buffer]\nbetween = [\"ground\", \"b\"]\ngap = 0.05\n\
                 stiffness = { constant = 10.0, steps = [[-1.0, 40.0], [2.0, 5.0]] }\n";
-    let motion = Motion::new(machine(text)).unwrap();
+    let motion = Motion::new(assembled(text)).unwrap();
     // 80 e + 50 (e - 0.05) = 20.
     near(motion.coordinate(0), 22.5 / 130.0, ROUNDING);
     let mut differentiated =
-        Differentiated::new(machine(text), &["spring.k.stiffness.steps[0].height"]).unwrap();
+        Differentiated::new(assembled(text), &["spring.k.stiffness.steps[0].height"]).unwrap();
     differentiated.advance_to(0.5).unwrap();
     let by = differentiated.derivative(Quantity::of_body(0, What::S), 0).unwrap();
     near(by, -22.5 / (130.0 * 130.0), ROUNDING);
@@ -375,7 +365,7 @@ fn second_method_machines_with_and_without_tables() {
         );
     }
     let [small, large] = [ALL, &large].map(|text| {
-        let mut motion = Motion::new(machine(text)).unwrap();
+        let mut motion = Motion::new(assembled(text)).unwrap();
         let begun = energy(&motion);
         motion.advance_to(1.5).unwrap();
         balance(&motion, begun);
@@ -388,12 +378,12 @@ fn second_method_machines_with_and_without_tables() {
 
 #[test]
 fn invariant_a_saved_motion_goes_on_and_fits_its_machine() {
-    let mut motion = Motion::new(machine(ALL)).unwrap();
+    let mut motion = Motion::new(assembled(ALL)).unwrap();
     motion.advance_to(0.2).unwrap();
     let saved = motion.save();
-    assert!(saved.fits(&machine(ALL)));
+    assert!(saved.fits(&assembled(ALL)));
     motion.advance_to(0.7).unwrap();
-    let mut again = Motion::resumed(machine(ALL), &saved).unwrap();
+    let mut again = Motion::resumed(assembled(ALL), &saved).unwrap();
     again.advance_to(0.7).unwrap();
     assert_eq!(state(&again), state(&motion));
 }

@@ -1,8 +1,6 @@
 //! Stiff machines, which take long sub-steps while no event is near.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::f64::consts::TAU;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;

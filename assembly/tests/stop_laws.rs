@@ -1,10 +1,8 @@
 //! Compliant stops that may pull, and those whose dashpot acts only while they are pressed in
 //! (docs/assembly-law.md (A13)).
 
-mod common;
-
-use common::machines::assembly;
-use common::*;
+use crate::common::machines::assembly;
+use crate::common::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;

@@ -1,8 +1,6 @@
 //! The tables of a motion's modes stay within their memory limit, whichever way a mode is entered.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use vibro_assembly::Motion;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::Reached;

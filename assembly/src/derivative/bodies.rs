@@ -1,18 +1,10 @@
 //! The derivative of all bodies' rows by one parameter (docs/assembly-law.md (A27)).
 
+use super::rows::BodyTangent;
 use crate::description::{BodyKind, Description};
 use crate::signals::SignalTangent;
 use crate::system::{BodyRows, StateRow, System};
 use nalgebra::{DMatrix, DVector};
-
-/// Derivatives of a body's rows, as those of [`BodyRows`].
-#[derive(Clone, Debug)]
-pub(super) struct BodyTangent {
-    pub s: StateRow,
-    pub v: StateRow,
-    pub weights: DVector<f64>,
-    pub drift: StateRow,
-}
 
 /// The rows of all bodies. Those of prescribed bodies follow from their signals, coordinates do not
 /// vary, and bodies that links determine obey Σ arm ds = -Σ darm s, with arms of the links.

@@ -2,23 +2,13 @@
 //! (docs/assembly-law.md, section 15).
 
 use super::machine::{Instant, Machine};
-use super::tangent::{ElongationTangent, Tangent};
+use super::rows::BranchTangent;
+use super::tangent::Tangent;
 use super::weights::Weights;
 use crate::description::{Description, SeriesLaw};
 use crate::mode::{Mode, SliderState};
 use crate::system::{StateRow, System, in_series};
 use nalgebra::{DMatrix, DVector};
-
-/// Derivatives of the rows of a spring in series.
-#[derive(Clone, Debug)]
-pub(super) struct BranchTangent {
-    pub elongation: ElongationTangent,
-    pub force: StateRow,
-    /// Of the row of the inner place's rate, where it moves.
-    pub rate: StateRow,
-    /// Of the level of a slider.
-    pub level: StateRow,
-}
 
 impl Tangent {
     pub(super) fn put_branches(&mut self, system: &System, d: &Description, along: &Description) {

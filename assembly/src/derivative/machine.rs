@@ -3,7 +3,8 @@
 use super::by::By;
 use super::lost::{Cause, Lost};
 use super::mode::{Parts, VariedMode};
-use super::tangent::{ElongationTangent, Tangent};
+use super::rows::ElongationTangent;
+use super::tangent::Tangent;
 use super::values::Point;
 use crate::assembly::Assembly;
 use crate::error::Error;

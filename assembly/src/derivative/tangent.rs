@@ -1,7 +1,9 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
-use super::bodies::{BodyTangent, bodies};
-use super::branches::BranchTangent;
+use super::bodies::bodies;
+use super::rows::{
+    BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
+};
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
@@ -10,40 +12,6 @@ use crate::slots::slots;
 use crate::stepped;
 use crate::system::{Elongation, StateRow, System};
 use nalgebra::{DMatrix, DVector};
-
-/// Derivatives of an elongation's rows, as those of [`Elongation`].
-#[derive(Clone, Debug)]
-pub(super) struct ElongationTangent {
-    pub e: StateRow,
-    pub rate: StateRow,
-    pub w: DVector<f64>,
-    pub drift: StateRow,
-}
-
-/// Derivatives of a stop's rows.
-#[derive(Clone, Debug)]
-pub(super) struct StopTangent {
-    pub elongation: ElongationTangent,
-    pub excess: StateRow,
-    pub force: StateRow,
-    pub spring: StateRow,
-    pub restitution: f64,
-}
-
-/// Derivatives of a friction's rows.
-#[derive(Clone, Debug)]
-pub(super) struct FrictionTangent {
-    pub elongation: ElongationTangent,
-    /// By the friction's levels.
-    pub levels: Vec<LevelTangent>,
-}
-
-/// Derivatives of a friction's levels.
-#[derive(Clone, Debug)]
-pub(super) struct LevelTangent {
-    pub level: StateRow,
-    pub static_level: StateRow,
-}
 
 /// The derivative of a [`System`] by one parameter.
 #[derive(Clone, Debug)]

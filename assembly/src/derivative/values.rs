@@ -1,7 +1,8 @@
 //! Derivatives of quantities: y = ℓ z has ℓ δ + dℓ z (docs/assembly-law.md (A26)).
 
 use super::mode::VariedMode;
-use super::tangent::{ElongationTangent, Tangent};
+use super::rows::ElongationTangent;
+use super::tangent::Tangent;
 use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
 use crate::system::{Part, StateRow, System};

@@ -1,11 +1,12 @@
 //! The derivative of a number by all rows and matrices of a machine, from which that by any column
 //! follows (docs/assembly-law.md (A35)).
 
-use super::bodies::BodyTangent;
-use super::branches::BranchTangent;
 use super::columns::padded;
 use super::mode::VariedMode;
-use super::tangent::{ElongationTangent, FrictionTangent, LevelTangent, StopTangent, Tangent};
+use super::rows::{
+    BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
+};
+use super::tangent::Tangent;
 use crate::mode::{Contact, FrictionState, StopState, Watch};
 use crate::system::{FrictionRows, StateRow, System};
 use nalgebra::{DMatrix, DVector};

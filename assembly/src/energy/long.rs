@@ -1,8 +1,8 @@
 //! The work of a power over many sub-steps at once: the sum of Gauss's rule over all of them, as
 //! one bilinear form in the initial state (docs/assembly-law.md (A24)).
 
-use super::{AtNodes, NODES};
 use crate::flow::Rung;
+use crate::kernel::{AtNodes, NODES};
 use nalgebra::{DMatrix, DVectorView};
 
 /// The integral of the product of two functionals over a length of time, as the scalar product of

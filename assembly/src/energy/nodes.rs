@@ -4,9 +4,8 @@
 //! A mode of a large machine is seldom met twice. What matrices would prepare for every state, by
 //! power and length, is needed for the few states from which long steps begin.
 
-use super::NODES;
 use crate::flow::{FlowTable, INTERVALS, Rung, Series};
-use crate::kernel::Sparse;
+use crate::kernel::{NODES, Sparse};
 
 /// What is left of each coordinate in the columns that are dropped, as a part of its root mean
 /// square. Works lose the square of it.

@@ -3,12 +3,10 @@
 
 use super::long::WorkIntegral;
 use super::nodes::NodeStates;
-use super::{AtNodes, EIGHT, NODES, SHORT};
-use crate::description::{SeriesLaw, StopLaw};
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
-use crate::kernel::{Sparse, SparseColumns};
-use crate::mode::{FrictionState, Mode, SliderState, StopState};
-use crate::system::{StateRow, System};
+use crate::kernel::{AtNodes, EIGHT, NODES, SHORT, Sparse, SparseColumns};
+use crate::mode::Mode;
+use crate::system::{Account, Losses, Power, StateRow, System};
 use std::sync::Arc;
 
 /// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3
@@ -67,23 +65,6 @@ impl Rule {
     }
 }
 
-/// The account to which a power belongs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Account {
-    /// Work of a load.
-    Load(usize),
-    /// Work of prescribed motions.
-    Motions,
-    /// Loss in a spring's dashpot.
-    Dashpot(usize),
-    /// Loss in a compliant stop.
-    Stop(usize),
-    /// Loss in a friction.
-    Friction(usize),
-    /// Loss in the partner of a spring in series.
-    Branch(usize),
-}
-
 /// The states within an interval of time, from which powers are computed.
 pub enum Samples<'a> {
     /// The initial state and the interval's fraction of a sub-step; requires
@@ -93,118 +74,6 @@ pub enum Samples<'a> {
     Coordinates(&'a [AtNodes], Rule),
     /// The states at the [`NODES`], one behind the other, each of so many coordinates.
     States(&'a [f64], usize),
-}
-
-/// A factor times the product of two functionals.
-#[derive(Clone, Debug)]
-struct Power {
-    account: Account,
-    factor: f64,
-    /// Places of the two functionals.
-    of: [usize; 2],
-}
-
-/// When a power is there.
-#[derive(Clone, Copy, Debug)]
-enum When {
-    Always,
-    Stop(usize, StopState),
-    Friction(usize, FrictionState),
-    /// A friction in a state while the stop that it follows is in another.
-    Following((usize, FrictionState), (usize, StopState)),
-    Slider(usize, SliderState),
-}
-
-/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
-/// its force beyond the stored energy ½ k max(0, e - gap)².
-#[derive(Clone, Debug)]
-pub struct Losses {
-    rows: Arc<Vec<Sparse>>,
-    all: Vec<(When, Power)>,
-    coordinates: usize,
-}
-
-impl Losses {
-    /// Of a machine.
-    pub fn new(system: &System) -> Self {
-        let mut rows: Vec<Sparse> = Vec::new();
-        let mut all = Vec::new();
-        let mut put = |when: When, account: Account, factor: f64, left: &StateRow, right: &StateRow| {
-            let own = [left, right].map(|row| Sparse::of(row.as_slice()));
-            if factor == 0.0 || own.iter().any(|row| row.terms().is_empty()) {
-                return;
-            }
-            let is_square = own[0] == own[1];
-            let [left, right] = own;
-            rows.push(left);
-            let of = if is_square { [rows.len() - 1; 2] } else { [rows.len() - 1, rows.len()] };
-            rows.extend((!is_square).then_some(right));
-            all.push((when, Power { account, factor, of }));
-        };
-        for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
-            put(When::Always, Account::Load(i), 1.0, row, &system.bodies[body].v);
-        }
-        for (i, spring) in system.springs.iter().enumerate() {
-            let rate = &spring.elongation.rate;
-            put(When::Always, Account::Dashpot(i), spring.damping, rate, rate);
-        }
-        for (i, stop) in system.stops.iter().enumerate() {
-            let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
-            if let StopLaw::Compliant { damping, .. } = stop.law {
-                put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
-            }
-            if stop.is_limited() {
-                put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);
-                put(When::Stop(i, StopState::Capped), account, 1.0, &stop.spring, rate);
-            }
-        }
-        for (i, friction) in system.frictions.iter().enumerate() {
-            for state in [FrictionState::Up, FrictionState::Down] {
-                let (account, rate) = (Account::Friction(i), &friction.elongation.rate);
-                for (place, own) in friction.levels.iter().enumerate() {
-                    let when = match &friction.follows {
-                        None => When::Friction(i, state),
-                        Some(all) => When::Following((i, state), all[place]),
-                    };
-                    put(when, account, state.direction(), &own.level, rate);
-                }
-            }
-        }
-        for (i, branch) in system.branches.iter().enumerate() {
-            let (account, force) = (Account::Branch(i), &branch.force);
-            match branch.law {
-                SeriesLaw::Dashpot { damping } => put(When::Always, account, 1.0 / damping, force, force),
-                SeriesLaw::Slider { .. } => {
-                    for state in [SliderState::Up, SliderState::Down] {
-                        put(When::Slider(i, state), account, 1.0, force, &branch.elongation.rate);
-                    }
-                }
-            }
-        }
-        Self { rows: Arc::new(rows), all, coordinates: system.coordinates }
-    }
-
-    /// Those of a mode.
-    fn of_mode(&self, mode: &Mode) -> impl Iterator<Item = &Power> {
-        let acts = |when: When| match when {
-            When::Always => true,
-            When::Stop(i, state) => mode.stops[i] == state,
-            When::Friction(i, state) => mode.frictions[i] == state,
-            When::Following((i, state), (stop, pressed)) => {
-                mode.frictions[i] == state && mode.stops[stop] == pressed
-            }
-            When::Slider(i, state) => mode.sliders[i] == state,
-        };
-        self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
-    }
-
-    /// The powers of a mode in a machine without prescribed bodies; its rows are these.
-    fn powers(&self, mode: &Mode) -> Powers {
-        let all: Vec<Power> = self.of_mode(mode).cloned().collect();
-        let places = |row: usize| self.rows[row].terms().iter().any(|(j, _)| *j < self.coordinates);
-        let needs_places = all.iter().any(|power| power.of.into_iter().any(places));
-        Powers { rows: self.rows.clone(), needs_places, all, ..Powers::default() }
-    }
 }
 
 /// The making of rows' Taylor coefficients, compiled for each kind of vectors that a computer may
@@ -243,7 +112,7 @@ impl Powers {
     /// The powers of a machine in a mode.
     pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
         if !table.is_dense() && !system.has_motions {
-            return system.losses().powers(mode);
+            return Self::of_losses(system, mode);
         }
         let mut powers = Self::default();
         powers.add_losses(system.losses(), mode);
@@ -255,6 +124,16 @@ impl Powers {
             powers.columns = crate::vectors::Vectors::new().dispatch(Columns { rows: &powers.rows, table });
         }
         powers
+    }
+
+    /// Those of a machine without prescribed bodies, whose rows are the machine's.
+    fn of_losses(system: &System, mode: &Mode) -> Self {
+        let losses = system.losses();
+        let all: Vec<Power> = losses.of_mode(mode).cloned().collect();
+        let is_place = |(j, _): &(usize, f64)| *j < system.coordinates;
+        let has_places = |row: usize| losses.rows[row].terms().iter().any(is_place);
+        let needs_places = all.iter().any(|power| power.of.into_iter().any(has_places));
+        Self { rows: losses.rows.clone(), needs_places, all, ..Self::default() }
     }
 
     /// Calls `take` with the account and the work of each power over 2^`k` sub-steps from `z`.

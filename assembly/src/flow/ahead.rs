@@ -8,8 +8,7 @@
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
-use crate::energy::AtNodes;
-use crate::kernel::{Sparse, largest_product, multiply_add_rows};
+use crate::kernel::{AtNodes, Sparse, largest_product, multiply_add_rows};
 
 /// Coefficients of a series at most. With rate times length 4 the first one left out is under
 /// 4⁴⁰/40! < 2e-24 of the largest coordinate.

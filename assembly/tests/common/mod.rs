@@ -7,7 +7,59 @@ pub mod machines;
 use std::sync::Arc;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Motion, file};
+use vibro_assembly::{Assembly, Motion, Quantity, What, file};
+
+/// The machine of a text.
+#[track_caller]
+pub fn machine(text: &str) -> Description {
+    file::parse(text, "machine.toml", &file::no_records).unwrap_or_else(|refusal| panic!("{refusal}"))
+}
+
+/// What is said of a text that is no machine.
+#[track_caller]
+pub fn refusal(text: &str) -> String {
+    file::parse(text, "machine.toml", &file::no_records).unwrap_err().to_string()
+}
+
+/// The assembly of a text's machine.
+#[track_caller]
+pub fn assembled(text: &str) -> Arc<Assembly> {
+    Arc::new(Assembly::new(machine(text)).unwrap_or_else(|refusal| panic!("{refusal}")))
+}
+
+/// The motion of a text's machine from its start.
+#[track_caller]
+pub fn moving(text: &str) -> Motion {
+    motion(machine(text))
+}
+
+/// The machine of a text beside ten oscillators of its own: more than twenty coordinates, of which
+/// no tables are kept.
+pub fn with_company(text: &str) -> String {
+    let one = |i: usize| {
+        format!(
+            "[body.o{i}]\nmass = 1.0\nstart = {{ s = 0.1 }}\n[spring.o{i}]\nbetween = [\"ground\", \"o{i}\"]\nstiffness = {i}0.0\n"
+        )
+    };
+    text.to_owned() + "\n" + &(1..=10).map(one).collect::<String>()
+}
+
+/// A quantity of an element, by its place.
+pub fn of(m: &Motion, element: usize, what: What) -> f64 {
+    m.value(Quantity::of_element(element, what))
+}
+
+/// The mechanical energy less what the accounts say of it: constant, J.
+pub fn unaccounted(m: &Motion) -> f64 {
+    let (kinetic, stored) = m.kinetic_and_stored();
+    kinetic + stored - m.energy().balance()
+}
+
+/// Requires a difference below what is allowed.
+#[track_caller]
+pub fn near(found: f64, exact: f64, allowed: f64) {
+    assert!((found - exact).abs() < allowed, "{found} instead of {exact}");
+}
 
 /// A machine with elements whose force has further pieces.
 pub fn laws() -> Description {

@@ -1,0 +1,59 @@
+//! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A27)), which is
+//! also the place of the weights of these rows in a gradient (A35).
+
+use crate::system::StateRow;
+use nalgebra::DVector;
+
+/// Derivatives of a body's rows, as those of [`BodyRows`](crate::system::BodyRows).
+#[derive(Clone, Debug)]
+pub(super) struct BodyTangent {
+    pub s: StateRow,
+    pub v: StateRow,
+    pub weights: DVector<f64>,
+    pub drift: StateRow,
+}
+
+/// Derivatives of an elongation's rows, as those of [`Elongation`](crate::system::Elongation).
+#[derive(Clone, Debug)]
+pub(super) struct ElongationTangent {
+    pub e: StateRow,
+    pub rate: StateRow,
+    pub w: DVector<f64>,
+    pub drift: StateRow,
+}
+
+/// Derivatives of a stop's rows.
+#[derive(Clone, Debug)]
+pub(super) struct StopTangent {
+    pub elongation: ElongationTangent,
+    pub excess: StateRow,
+    pub force: StateRow,
+    pub spring: StateRow,
+    pub restitution: f64,
+}
+
+/// Derivatives of a friction's rows.
+#[derive(Clone, Debug)]
+pub(super) struct FrictionTangent {
+    pub elongation: ElongationTangent,
+    /// By the friction's levels.
+    pub levels: Vec<LevelTangent>,
+}
+
+/// Derivatives of a friction's levels.
+#[derive(Clone, Debug)]
+pub(super) struct LevelTangent {
+    pub level: StateRow,
+    pub static_level: StateRow,
+}
+
+/// Derivatives of the rows of a spring in series.
+#[derive(Clone, Debug)]
+pub(super) struct BranchTangent {
+    pub elongation: ElongationTangent,
+    pub force: StateRow,
+    /// Of the row of the inner place's rate, where it moves.
+    pub rate: StateRow,
+    /// Of the level of a slider.
+    pub level: StateRow,
+}

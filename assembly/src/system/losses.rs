@@ -1,0 +1,131 @@
+//! The powers that a machine's loads put in and its losses take out, as products of two functionals
+//! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A16)).
+
+use super::{StateRow, System};
+use crate::description::{SeriesLaw, StopLaw};
+use crate::kernel::Sparse;
+use crate::mode::{FrictionState, Mode, SliderState, StopState};
+use std::sync::Arc;
+
+/// The account to which a power belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Account {
+    /// Work of a load.
+    Load(usize),
+    /// Work of prescribed motions.
+    Motions,
+    /// Loss in a spring's dashpot.
+    Dashpot(usize),
+    /// Loss in a compliant stop.
+    Stop(usize),
+    /// Loss in a friction.
+    Friction(usize),
+    /// Loss in the partner of a spring in series.
+    Branch(usize),
+}
+
+/// A factor times the product of two functionals.
+#[derive(Clone, Debug)]
+pub struct Power {
+    /// Where its work is summed.
+    pub account: Account,
+    /// The factor.
+    pub factor: f64,
+    /// Places of the two functionals.
+    pub of: [usize; 2],
+}
+
+/// When a power is there.
+#[derive(Clone, Copy, Debug)]
+enum When {
+    Always,
+    Stop(usize, StopState),
+    Friction(usize, FrictionState),
+    /// A friction in a state while the stop that it follows is in another.
+    Following((usize, FrictionState), (usize, StopState)),
+    Slider(usize, SliderState),
+}
+
+/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
+/// its force beyond the stored energy ½ k max(0, e - gap)².
+#[derive(Clone, Debug)]
+pub struct Losses {
+    /// The functionals of all powers.
+    pub rows: Arc<Vec<Sparse>>,
+    all: Vec<(When, Power)>,
+}
+
+impl Losses {
+    /// Of a machine.
+    pub fn new(system: &System) -> Self {
+        let mut rows: Vec<Sparse> = Vec::new();
+        let mut all = Vec::new();
+        let mut put = |when: When, account: Account, factor: f64, left: &StateRow, right: &StateRow| {
+            let own = [left, right].map(|row| Sparse::of(row.as_slice()));
+            if factor == 0.0 || own.iter().any(|row| row.terms().is_empty()) {
+                return;
+            }
+            let is_square = own[0] == own[1];
+            let [left, right] = own;
+            rows.push(left);
+            let of = if is_square { [rows.len() - 1; 2] } else { [rows.len() - 1, rows.len()] };
+            rows.extend((!is_square).then_some(right));
+            all.push((when, Power { account, factor, of }));
+        };
+        for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
+            put(When::Always, Account::Load(i), 1.0, row, &system.bodies[body].v);
+        }
+        for (i, spring) in system.springs.iter().enumerate() {
+            let rate = &spring.elongation.rate;
+            put(When::Always, Account::Dashpot(i), spring.damping, rate, rate);
+        }
+        for (i, stop) in system.stops.iter().enumerate() {
+            let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
+            if let StopLaw::Compliant { damping, .. } = stop.law {
+                put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
+            }
+            if stop.is_limited() {
+                put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);
+                put(When::Stop(i, StopState::Capped), account, 1.0, &stop.spring, rate);
+            }
+        }
+        for (i, friction) in system.frictions.iter().enumerate() {
+            for state in [FrictionState::Up, FrictionState::Down] {
+                let (account, rate) = (Account::Friction(i), &friction.elongation.rate);
+                for (place, own) in friction.levels.iter().enumerate() {
+                    let when = match &friction.follows {
+                        None => When::Friction(i, state),
+                        Some(all) => When::Following((i, state), all[place]),
+                    };
+                    put(when, account, state.direction(), &own.level, rate);
+                }
+            }
+        }
+        for (i, branch) in system.branches.iter().enumerate() {
+            let (account, force) = (Account::Branch(i), &branch.force);
+            match branch.law {
+                SeriesLaw::Dashpot { damping } => put(When::Always, account, 1.0 / damping, force, force),
+                SeriesLaw::Slider { .. } => {
+                    for state in [SliderState::Up, SliderState::Down] {
+                        put(When::Slider(i, state), account, 1.0, force, &branch.elongation.rate);
+                    }
+                }
+            }
+        }
+        Self { rows: Arc::new(rows), all }
+    }
+
+    /// Those of a mode.
+    pub fn of_mode(&self, mode: &Mode) -> impl Iterator<Item = &Power> {
+        let acts = |when: When| match when {
+            When::Always => true,
+            When::Stop(i, state) => mode.stops[i] == state,
+            When::Friction(i, state) => mode.frictions[i] == state,
+            When::Following((i, state), (stop, pressed)) => {
+                mode.frictions[i] == state && mode.stops[stop] == pressed
+            }
+            When::Slider(i, state) => mode.sliders[i] == state,
+        };
+        self.all.iter().filter(move |(when, _)| acts(*when)).map(|(_, power)| power)
+    }
+}

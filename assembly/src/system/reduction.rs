@@ -1,0 +1,83 @@
+//! The choice of minimal coordinates: what links and nodes determine follows from the rest
+//! (docs/assembly-law.md (A1)).
+
+use crate::description::{BodyKind, Description};
+use crate::error::Error;
+use nalgebra::DVector;
+
+/// Pivot of a redundant link: after elimination its largest arm on a free coordinate is below this
+/// part of its largest arm.
+const NO_PIVOT: f64 = 1e-12;
+
+/// All bodies' coordinates in terms of q and of the prescribed bodies' coordinates.
+pub struct Reduction {
+    /// The bodies whose coordinates are q.
+    pub kept: Vec<usize>,
+    /// Weights of q, by body.
+    pub q: Vec<DVector<f64>>,
+    /// Weights of the prescribed bodies' coordinates, by body.
+    pub prescribed: Vec<DVector<f64>>,
+}
+
+/// Eliminates one coordinate for each link, the one with the largest remaining arm, so that no arm
+/// is divided by a small one.
+pub fn reduce(d: &Description) -> Result<Reduction, Error> {
+    let count = d.bodies.len();
+    let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
+    // A node follows from its row; no link takes it out.
+    let mut equations: Vec<(usize, DVector<f64>)> = nodes(d).collect();
+    let follows: Vec<bool> = d.bodies.iter().map(|b| !b.kind.is_prescribed()).collect();
+    for link in &d.links {
+        let mut row: DVector<f64> = DVector::zeros(count);
+        link.arms.terms.iter().for_each(|&(body, arm)| row[body] += arm);
+        let largest = row.amax();
+        for (pivot, other) in &equations {
+            let share = row[*pivot];
+            row.axpy(-share, other, 1.0);
+            row[*pivot] = 0.0;
+        }
+        let pivot = (0..count).filter(|&i| free[i]).max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()));
+        let Some(pivot) = pivot.filter(|&p| row[p].abs() > NO_PIVOT * largest) else {
+            return Err(Error::Redundant { link: link.name.clone() });
+        };
+        row /= row[pivot];
+        row[pivot] = 1.0;
+        for (_, other) in &mut equations {
+            let share = other[pivot];
+            other.axpy(-share, &row, 1.0);
+            other[pivot] = 0.0;
+        }
+        equations.push((pivot, row));
+    }
+    let dependent = |i: usize| equations.iter().find(|(pivot, _)| *pivot == i).map(|(_, row)| row);
+    let kept: Vec<usize> = (0..count).filter(|&i| free[i] && dependent(i).is_none()).collect();
+    let n = kept.len();
+    let mut q = vec![DVector::zeros(n); count];
+    let mut prescribed = vec![DVector::zeros(count); count];
+    for i in 0..count {
+        if !follows[i] {
+            prescribed[i][i] = 1.0;
+        } else if let Some(row) = dependent(i) {
+            for j in (0..count).filter(|&j| j != i && row[j] != 0.0) {
+                match kept.iter().position(|&k| k == j) {
+                    Some(place) => q[i][place] -= row[j],
+                    None => prescribed[i][j] -= row[j],
+                }
+            }
+        } else if let Some(place) = kept.iter().position(|&k| k == i) {
+            q[i][place] = 1.0;
+        }
+    }
+    Ok(Reduction { kept, q, prescribed })
+}
+
+/// The equation s - row · q = 0 of each node, with its index as pivot.
+fn nodes(d: &Description) -> impl Iterator<Item = (usize, DVector<f64>)> {
+    d.bodies.iter().enumerate().filter_map(|(i, body)| {
+        let BodyKind::Node(terms) = &body.kind else { return None };
+        let mut row = DVector::zeros(d.bodies.len());
+        row[i] = 1.0;
+        terms.iter().for_each(|&(body, factor)| row[body] -= factor);
+        Some((i, row))
+    })
+}
