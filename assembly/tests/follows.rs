@@ -1,15 +1,15 @@
 //! Friction whose level follows the force of a compliant stop (docs/assembly-law.md, section 4).
 
+use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;
 use crate::common::*;
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
 use std::sync::Arc;
 use vibro_assembly::description::*;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::mode::FrictionState;
-use vibro_assembly::motion::{Event, EventKind, Reached};
+use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
@@ -17,6 +17,7 @@ const ROUNDING: f64 = 1e-12;
 /// Energy beside the largest energy of a random machine, and difference of the direct and the general
 /// law beside the largest coordinate: rounding, magnified by stiff buffers.
 const BALANCE: f64 = 1e-10;
+const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
 const MU: f64 = 0.3;
 
@@ -196,53 +197,25 @@ fn follows(mut d: Description) -> Option<Description> {
     Some(d)
 }
 
-/// Every event by the direct and by the general law, the balance of energy, and the level at each.
-fn follow(d: Description, events: &Cell<usize>) -> Result<(), TestCaseError> {
-    let mut direct = motion(d);
-    let energy = |m: &Motion| {
-        let (kinetic, stored) = m.kinetic_and_stored();
-        (kinetic + stored, kinetic.max(stored.abs()))
-    };
-    let begin = energy(&direct).0 - direct.energy().balance();
-    let mut general = direct.clone().by_general_law();
-    let mut largest = energy(&direct).1.max(1.0);
-    for _ in 0..200 {
-        match direct.advance_before_event(3.0, &mut |_| ()) {
-            Ok(Reached::Event) => {}
-            Ok(Reached::End) | Err(_) => break,
-        }
-        general.restore(&direct.save());
-        let results = [direct.apply_event(&mut |_| ()), general.apply_event(&mut |_| ())];
-        prop_assert_eq!(&results[0], &results[1]);
-        if results[0].is_err() {
-            break;
-        }
-        prop_assert_eq!(direct.mode(), general.mode(), "at {}", direct.time());
-        prop_assert!((direct.state() - general.state()).amax() <= BALANCE * direct.state().amax());
-        let (now, size) = energy(&direct);
-        largest = largest.max(size);
-        let off = now - begin - direct.energy().balance();
-        prop_assert!(off.abs() < BALANCE * largest, "{off:e} of {largest} at {}", direct.time());
-        let d = &direct.assembly().description;
-        for (i, own) in d.frictions.iter().enumerate() {
-            let stop = own.follows.as_ref().unwrap().stop;
-            let [normal, force] = [direct.stop(stop)[2], direct.friction(i)[2]];
-            let level = if direct.mode().frictions[i].sticks() { 0.6 } else { 0.4 } * normal.max(0.0);
-            prop_assert!(force.abs() <= level + 1e-9 * largest.max(normal), "{force} {normal}");
-        }
-        events.set(events.get() + 1);
-    }
-    Ok(())
-}
-
 #[test]
 fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() {
-    let config = ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() };
     let count = Cell::new(0);
-    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let mut runner = TestRunner::new_with_rng(config, rng);
-    let run = |d| follows(d).map_or(Ok(()), |d| follow(d, &count));
-    runner.run(&assembly(), run).unwrap();
+    on_machines(&assembly().prop_filter_map("no compliant stop", follows), 240, |start| {
+        let mut balance = Balance::new(&start);
+        BOTH.follow(start, |handled| {
+            let m = handled.direct;
+            balance.check(m, BALANCE)?;
+            for (i, own) in m.assembly().description.frictions.iter().enumerate() {
+                let stop = own.follows.as_ref().unwrap().stop;
+                let [normal, force] = [m.stop(stop)[2], m.friction(i)[2]];
+                let level = if m.mode().frictions[i].sticks() { 0.6 } else { 0.4 } * normal.max(0.0);
+                let allowed = level + 1e-9 * balance.largest.max(normal);
+                prop_assert!(force.abs() <= allowed, "{force} {normal}");
+            }
+            count.set(count.get() + 1);
+            Ok(())
+        })
+    });
     assert!(count.get() > 1000, "{}", count.get());
 }
 

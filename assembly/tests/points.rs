@@ -1,16 +1,16 @@
 //! Springs whose force goes by straight lines through points (docs/assembly-law.md (A45)).
 
+use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;
 use crate::common::*;
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use vibro_assembly::description::*;
 use vibro_assembly::file::{no_records, parse};
 use vibro_assembly::mode::StopState;
-use vibro_assembly::motion::{Event, EventKind, Reached};
+use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
@@ -22,6 +22,7 @@ const SNAP: f64 = 1e-11;
 /// Energy beside the largest energy of a random machine, and difference of the direct and the general
 /// law beside the largest coordinate: rounding, magnified by stiff buffers.
 const BALANCE: f64 = 1e-10;
+const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
 fn points(all: &[(f64, f64)]) -> Vec<ForcePoint> {
     all.iter().map(|&(e, f)| ForcePoint { e, f }).collect()
@@ -249,41 +250,6 @@ fn golden_points_in_files() {
     assert!(said.contains("spring.membrane.points[4].e") && said.contains("above 0.06"), "{said}");
 }
 
-/// Every event by the direct and by the general law, and the balance of energy at each.
-fn follow(d: Description, [events, corners]: [&Cell<usize>; 2]) -> Result<(), TestCaseError> {
-    let mut direct = motion(d);
-    let energy = |m: &Motion| {
-        let (kinetic, stored) = m.kinetic_and_stored();
-        (kinetic + stored, kinetic.max(stored.abs()))
-    };
-    let begin = energy(&direct).0 - direct.energy().balance();
-    let mut general = direct.clone().by_general_law();
-    let mut largest = energy(&direct).1.max(1.0);
-    for _ in 0..200 {
-        match direct.advance_before_event(3.0, &mut |_| ()) {
-            Ok(Reached::Event) => {}
-            Ok(Reached::End) | Err(_) => break,
-        }
-        general.restore(&direct.save());
-        let mut met = 0;
-        let mut count = |e: &Event| met += usize::from(matches!(e.kind, EventKind::Corner { .. }));
-        let results = [direct.apply_event(&mut count), general.apply_event(&mut |_| ())];
-        prop_assert_eq!(&results[0], &results[1]);
-        if results[0].is_err() {
-            break;
-        }
-        prop_assert_eq!(direct.mode(), general.mode(), "at {}", direct.time());
-        prop_assert!((direct.state() - general.state()).amax() <= BALANCE * direct.state().amax());
-        let (now, size) = energy(&direct);
-        largest = largest.max(size);
-        let off = now - begin - direct.energy().balance();
-        prop_assert!(off.abs() < BALANCE * largest, "{off:e} of {largest} at {}", direct.time());
-        corners.set(corners.get() + met);
-        events.set(events.get() + 1);
-    }
-    Ok(())
-}
-
 /// The machine with lines, one of them falling, in the place of its springs.
 fn bent(mut d: Description) -> Description {
     for spring in &mut d.springs {
@@ -295,12 +261,18 @@ fn bent(mut d: Description) -> Description {
 
 #[test]
 fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() {
-    let config = ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() };
-    let counts = [Cell::new(0), Cell::new(0)];
-    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let mut runner = TestRunner::new_with_rng(config, rng);
-    runner.run(&assembly(), |d| follow(bent(d), [&counts[0], &counts[1]])).unwrap();
-    let [events, corners] = counts.map(|count| count.get());
+    let [events, corners] = [Cell::new(0), Cell::new(0)];
+    on_machines(&assembly().prop_map(bent), 200, |start| {
+        let mut balance = Balance::new(&start);
+        BOTH.follow(start, |handled| {
+            balance.check(handled.direct, BALANCE)?;
+            let met = handled.observed.iter().filter(|e| matches!(e.kind, EventKind::Corner { .. }));
+            corners.set(corners.get() + met.count());
+            events.set(events.get() + 1);
+            Ok(())
+        })
+    });
+    let [events, corners] = [events, corners].map(|count| count.get());
     println!("{events} events, {corners} corners");
     assert!(events > 2000 && corners > 500, "{events} {corners}");
 }

@@ -1,15 +1,15 @@
 //! Compliant stops that may pull, and those whose dashpot acts only while they are pressed in
 //! (docs/assembly-law.md (A13)).
 
+use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;
 use crate::common::*;
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;
-use vibro_assembly::motion::{EventKind, Reached};
+use vibro_assembly::motion::EventKind;
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-13;
@@ -17,6 +17,7 @@ const ROUNDING: f64 = 1e-13;
 const BALANCE: f64 = 1e-10;
 /// Difference of the direct and the general law: that of tests/lone_events.rs.
 const SAME: f64 = 1e-12;
+const BOTH: BothLaws = BothLaws { events: 300, end: 4.0, rounding: SAME };
 
 const M: f64 = 2.0;
 const K: f64 = 800.0;
@@ -170,49 +171,24 @@ fn relawed(mut d: Description) -> Description {
     d
 }
 
-/// Every event by the direct and by the general law, and the balance of energy at each.
-fn follow(d: Description, [events, turns]: [&Cell<usize>; 2]) -> Result<(), TestCaseError> {
-    let mut direct = motion(d);
-    let (kinetic, stored) = direct.kinetic_and_stored();
-    let begin = kinetic + stored - direct.energy().balance();
-    let mut general = direct.clone().by_general_law();
-    let mut largest = begin.abs().max(1.0);
-    for _ in 0..300 {
-        match direct.advance_before_event(4.0, &mut |_| ()) {
-            Ok(Reached::Event) => {}
-            Ok(Reached::End) | Err(_) => break,
-        }
-        general.restore(&direct.save());
-        let before = direct.mode().clone();
-        let results = [direct.apply_event(&mut |_| ()), general.apply_event(&mut |_| ())];
-        prop_assert_eq!(&results[0], &results[1]);
-        if results[0].is_err() {
-            break;
-        }
-        prop_assert_eq!(direct.mode(), general.mode(), "at {}", direct.time());
-        let size = direct.state().amax();
-        prop_assert!((direct.state() - general.state()).amax() <= SAME * size);
-        let (kinetic, stored) = direct.kinetic_and_stored();
-        largest = largest.max(kinetic).max(stored.abs());
-        let off = kinetic + stored - begin - direct.energy().balance();
-        prop_assert!(off.abs() < BALANCE * largest, "{off:e} of {largest} at {}", direct.time());
-        prop_assert!(direct.energy().stops.iter().all(|lost| lost.value() > -BALANCE * largest));
-        let changed = before.stops.iter().zip(&direct.mode().stops);
-        let is_turn = |(a, b): (&StopState, &StopState)| a != b && *b == StopState::Rebounding;
-        turns.set(turns.get() + changed.map(is_turn).filter(|turn| *turn).count());
-        events.set(events.get() + 1);
-    }
-    Ok(())
-}
-
 #[test]
 fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() {
-    let config = ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() };
-    let counts = [Cell::new(0), Cell::new(0)];
-    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let mut runner = TestRunner::new_with_rng(config, rng);
-    runner.run(&assembly(), |d| follow(relawed(d), [&counts[0], &counts[1]])).unwrap();
-    let [events, turns] = counts.map(|count| count.get());
+    let [events, turns] = [Cell::new(0), Cell::new(0)];
+    on_machines(&assembly().prop_map(relawed), 200, |start| {
+        let mut balance = Balance::new(&start);
+        BOTH.follow(start, |handled| {
+            let m = handled.direct;
+            balance.check(m, BALANCE)?;
+            let least = -BALANCE * balance.largest;
+            prop_assert!(m.energy().stops.iter().all(|lost| lost.value() > least));
+            let changed = handled.before.stops.iter().zip(&m.mode().stops);
+            let turned = changed.filter(|(a, b)| a != b && **b == StopState::Rebounding);
+            turns.set(turns.get() + turned.count());
+            events.set(events.get() + 1);
+            Ok(())
+        })
+    });
+    let [events, turns] = [events, turns].map(|count| count.get());
     println!("{events} events, {turns} turns");
     assert!(events > 2000 && turns > 50, "{events} {turns}");
 }

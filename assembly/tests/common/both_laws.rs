@@ -58,7 +58,8 @@ impl BothLaws {
                 break;
             }
             prop_assert_eq!(direct.mode(), general.mode(), "at {}", direct.time());
-            let kinds = |all: &[Event]| all.iter().map(|e| std::mem::discriminant(&e.kind)).collect::<Vec<_>>();
+            let kinds =
+                |all: &[Event]| all.iter().map(|e| std::mem::discriminant(&e.kind)).collect::<Vec<_>>();
             prop_assert_eq!(kinds(&here), kinds(&there));
             let size = direct.state().amax();
             let off = (direct.state() - general.state()).amax();

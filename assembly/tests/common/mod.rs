@@ -1,6 +1,7 @@
 //! Short constructors of machines, for tests.
 #![allow(dead_code)]
 
+pub mod both_laws;
 pub mod differences;
 pub mod machines;
 
