@@ -1,0 +1,50 @@
+//! The site of the documentation, built with its notebooks run.
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Every page of a folder, and of its folders.
+fn pages(folder: &Path) -> Vec<PathBuf> {
+    let entries =
+        fs::read_dir(folder).expect("a folder of the site").map(|entry| entry.expect("an entry").path());
+    let of = |path: PathBuf| match path.is_dir() {
+        true => pages(&path),
+        false if path.extension().is_some_and(|ending| ending == "html") => vec![path],
+        false => vec![],
+    };
+    entries.flat_map(of).collect()
+}
+
+/// Builds the site, in which a warning is an error and so is a notebook that fails, and requires
+/// that it loads nothing from elsewhere and that its search has the words of the notebooks.
+#[test]
+#[ignore = "installs Sphinx, runs six notebooks: cargo test -p fmu-build --test site -- --ignored"]
+fn the_site_is_built_with_its_notebooks_and_loads_nothing_from_elsewhere() {
+    let python = common::python::python_with_package();
+    let ask = "import sysconfig; print(sysconfig.get_path('platlib'))";
+    let libraries = common::python::run("asking for site-packages", Command::new(&python).args(["-c", ask]));
+    let mut build = common::python::command(python);
+    build.args(["docs/site/build.py", "--execute", "--package", libraries.trim()]);
+    common::python::run("building the site", &mut build);
+
+    let site = fmu_build::compile::target().join("site/html");
+    let found = pages(&site);
+    assert!(found.len() > 50, "{} pages", found.len());
+    for page in &found {
+        let text = fs::read_to_string(page).expect("a page of the site");
+        for tag in text.split('<').filter(|tag| tag.starts_with("script") || tag.starts_with("link ")) {
+            let elsewhere =
+                tag.contains("src=\"http") || tag.contains("href=\"http") || tag.contains("=\"//");
+            assert!(!elsewhere, "{}: <{tag}", page.display());
+        }
+    }
+    let index = fs::read_to_string(site.join("searchindex.js")).expect("the index of the search");
+    for word in ["restitut", "docs/notebooks/energy-sink", "reference-commands", "solve_ivp"] {
+        assert!(index.contains(word), "the search does not have {word}");
+    }
+    let notebook = fs::read_to_string(site.join("docs/notebooks/belt.html")).expect("a notebook");
+    assert!(notebook.contains("by hand 0.671238898038 s"), "the notebook has no output");
+}
