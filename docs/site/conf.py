@@ -17,6 +17,7 @@ root_doc = "index"
 html_theme = "furo"
 html_title = f"vibro-impact {release}"
 html_copy_source = False
+html_extra_path = ["llms.txt"]
 html_static_path = ["static"]
 html_css_files = ["wide.css"]
 nb_execution_timeout = 120  # s: each notebook takes less than two minutes

@@ -1,4 +1,4 @@
-"""The Python blocks of docs/python.md, docs/derivatives.md and python/package/README.md run, print what is told, and draw the pictures shown.
+"""The Python blocks of docs/python.md, docs/derivatives.md, AGENTS.md and python/package/README.md run, print what is told, and draw the pictures shown.
 
 `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
 """
@@ -74,8 +74,9 @@ def test_a_page_prints_and_draws_what_it_shows(page, least, tmp_path):
         assert np.abs(before - now).mean() < SAME_PICTURE, f"docs/{page}/{name} is stale; VIBRO_IMPACT_UPDATE=1 writes it anew"
 
 
-def test_the_readme_of_the_package_runs(tmp_path):
-    assert run("python/package/README.md", tmp_path) == 1
+@pytest.mark.parametrize("page", ["python/package/README.md", "AGENTS.md"])
+def test_a_page_runs(page, tmp_path):
+    assert run(page, tmp_path) == 1
 
 
 def test_the_examples_of_the_docstrings_are_right():

@@ -41,6 +41,18 @@ fn differences(last: &[f64], simulator: &Simulator) -> [f64; 3] {
     std::array::from_fn(|i| (last[1 + i] - simulator.state().x[i]).abs())
 }
 
+/// Two flanks of one speed a period: the part is thrown from each to the other.
+#[test]
+fn golden_what_coding_assistants_are_told() {
+    let guide = Guide::read("../AGENTS.md");
+    let said = guide.perform("agents", &[]);
+    assert!(said[0].contains("Rattle"), "{}", said[0]);
+    let impacts = guide::texts("agents", "run/events.csv").iter().filter(|row| row[1] == "impact").count();
+    assert!(impacts > 40, "{impacts}");
+    assert_eq!(guide::rows("agents", "sweep/assembly-sweep.csv").len(), 5);
+    assert!(guide::texts("agents", "orbit/orbit-events.csv").len() > 1);
+}
+
 #[test]
 fn closed_form_of_the_recipes() {
     let guide = Guide::read("recipes.md");

@@ -21,6 +21,13 @@ pub fn rows(name: &str, table: &str) -> Vec<Vec<f64>> {
     reader.records().map(|row| row.expect("a row").iter().map(number).collect()).collect()
 }
 
+/// The cells of a table that a command has written.
+#[allow(dead_code)] // Each test program uses its share of these.
+pub fn texts(name: &str, table: &str) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_path(home(name).join(table)).expect("a table");
+    reader.records().map(|row| row.expect("a row").iter().map(str::to_owned).collect()).collect()
+}
+
 impl Guide {
     /// Reads a page of docs/.
     pub fn read(name: &str) -> Self {
