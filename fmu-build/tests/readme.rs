@@ -27,7 +27,8 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and what runs them.
-const COVERED: [(&str, &str); 12] = [
+const COVERED: [(&str, &str); 13] = [
+    ("python3 docs/site/build.py", "fmu-build/tests/site.rs, run by .ci/run"),
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
     ("cargo run --bin fmu-build", "fmu-build/tests/command.rs runs the same binary"),
@@ -103,6 +104,15 @@ fn packages() -> Vec<(String, PathBuf)> {
     children.chain([root.to_owned()]).filter_map(named).collect()
 }
 
+/// The file of a test: as the package's manifest has it, else by its name.
+fn file_of(test: &str, folder: &Path) -> PathBuf {
+    let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default();
+    let named = manifest.split_once(&format!("[[test]]\nname = \"{test}\"\npath = \""));
+    let path = named.and_then(|(_, rest)| rest.split('"').next()).map(str::to_owned);
+    let usual = if manifest.contains("autotests = false") { "none" } else { "tests" };
+    folder.join(path.unwrap_or_else(|| format!("{usual}/{test}.rs")))
+}
+
 /// What is wrong with a call of `cargo test`: a package or a test that is not there, or `--ignored`
 /// for a test without such cases.
 fn wrong_in(call: &str) -> Option<String> {
@@ -117,7 +127,7 @@ fn wrong_in(call: &str) -> Option<String> {
     let of_call = packages.iter().filter(|(name, _)| chosen.is_empty() || chosen.contains(&name.as_str()));
     let folders: Vec<&PathBuf> = of_call.map(|(_, folder)| folder).collect();
     for test in after("--test") {
-        let files = folders.iter().map(|folder| folder.join(format!("tests/{test}.rs")));
+        let files = folders.iter().map(|folder| file_of(test, folder));
         let Some(text) = files.filter_map(|file| fs::read_to_string(file).ok()).next() else {
             return Some(format!("no test is called {test}"));
         };
@@ -132,9 +142,11 @@ fn wrong_in(call: &str) -> Option<String> {
 fn calls_of_cargo_test_are_checked() {
     assert_eq!(wrong_in("cargo test -p vibro-impact --test golden"), None);
     assert_eq!(wrong_in("cargo test --test golden --test repository"), None);
+    assert_eq!(wrong_in("cargo test -p vibro-assembly --test motions points::"), None);
     assert_eq!(wrong_in("cargo test -p fmu-build --test python_package -- --ignored"), None);
     for call in [
         "cargo test -p vibro-nothing",
+        "cargo test -p vibro-assembly --test second_method",
         "cargo test -p vibro-fmi --test golden",
         "cargo test -p vibro-impact --test golden -- --ignored",
     ] {
@@ -213,6 +225,8 @@ fn every_code_block_works() {
                         "README.md shows\n{block}\nbut the run gives\n{table}"
                     );
                 }
+                // Written and used by vibro/tests/readme.rs.
+                ("toml damper.toml", "README.md") => {}
                 // Maps of the code.
                 ("text", "docs/design.md") => {}
                 // Run by the documentation tests of vibro-impact (`src/lib.rs`).

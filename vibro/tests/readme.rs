@@ -22,6 +22,15 @@ fn pages() -> Vec<PathBuf> {
     pages
 }
 
+/// The files of a page: blocks with a name after the language.
+fn files(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let blocks = text.split("\n```").skip(1).step_by(2);
+    blocks.filter_map(|block| {
+        let (info, block) = block.split_once('\n')?;
+        Some((info.split_once(' ')?.1, block))
+    })
+}
+
 #[test]
 fn every_vibro_command_of_the_pages_works() {
     let mut count = 0;
@@ -33,6 +42,9 @@ fn every_vibro_command_of_the_pages_works() {
         // Absent on the first run.
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).expect("target can be written");
+        for (name, block) in files(&text) {
+            std::fs::write(folder.join(name), block).expect("target can be written");
+        }
         for line in text.lines().filter_map(|line| line.strip_prefix(CALL)) {
             count += 1;
             let arguments = line.split('#').next().unwrap_or("").trim();
