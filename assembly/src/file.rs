@@ -1,6 +1,6 @@
 //! The file of a machine: from TOML text to a checked [`Description`], and back.
 //!
-//! `docs/assemblies.md` is the reference of the format. All problems of a file are reported at
+//! `docs/machine-file.md` is the reference of the format. All problems of a file are reported at
 //! once, each with line, dotted name, value, the allowed values and, for an unknown name, the
 //! nearest known one:
 //!

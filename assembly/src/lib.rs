@@ -5,7 +5,7 @@
 //! file → description → system → law (impacts, selection) → mode → flow → motion → energy
 //! ```
 //!
-//! `docs/assembly-law.md` states the law, `docs/assemblies.md` the grammar of the file.
+//! `docs/assembly-law.md` states the law, `docs/machine-file.md` the grammar of the file.
 #![forbid(unsafe_code)]
 
 pub mod assembly;

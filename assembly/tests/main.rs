@@ -17,6 +17,7 @@ mod derivatives_start;
 mod derivatives_under_way;
 mod follows;
 mod freewheel;
+mod gallery;
 mod jumps;
 mod known_figures;
 mod ladder;

@@ -73,7 +73,7 @@ fn second_method_matrices_are_bodies_with_springs() {
 
 /// Stiffness and mass of a cantilever of `count` Euler-Bernoulli elements with EI = ρA = L = 1;
 /// coordinates are deflection and slope from the first free node on.
-fn cantilever(count: usize) -> [DMatrix<f64>; 2] {
+pub fn cantilever(count: usize) -> [DMatrix<f64>; 2] {
     let h = 1.0 / count as f64;
     let k = [
         [12.0, 6.0 * h, -12.0, 6.0 * h],

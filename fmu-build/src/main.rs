@@ -68,7 +68,7 @@ enum Task {
         description: bool,
     },
     /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes
-    /// (docs/assemblies.md). Nothing is compiled but, once, the library that serves all machines
+    /// (docs/machine-file.md). Nothing is compiled but, once, the library that serves all machines
     Assembly {
         /// The machine's file
         file: PathBuf,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
 /// and that test.
-const RUN_ELSEWHERE: [(&str, &str); 7] = [
+const RUN_ELSEWHERE: [(&str, &str); 10] = [
     ("recipes.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
@@ -18,6 +18,9 @@ const RUN_ELSEWHERE: [(&str, &str); 7] = [
     ("orbits-of-your-machine.md", "vibro/tests/assembly_orbits.rs"),
     ("fit.md", "vibro/tests/fit.rs"),
     ("assemblies.md", "assembly/tests/file/examples.rs"),
+    ("machine-file.md", "assembly/tests/file/examples.rs"),
+    ("machine-studies.md", "assembly/tests/file/examples.rs"),
+    ("machine-fmu.md", "assembly/tests/file/examples.rs"),
 ];
 
 /// Pages outside docs/ that show commands.

@@ -112,7 +112,7 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
             compare(&gallery, &format!("{name}{further}"), command, update);
         }
     }
-    assert!(count >= 12, "{count} pages");
+    assert!(count >= 17, "{count} pages");
 }
 
 /// Words of the tutorial's commands that are replaced so that the test is quick.

@@ -53,7 +53,7 @@ class Assembly(AssemblyDescription):
     Parameters
     ----------
     machine
-        The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/assemblies.md says what may stand in
+        The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/machine-file.md says what may stand in
         it. Records beside a file are read from its folder; a text or a dictionary has them as lists.
 
     Raises

@@ -38,7 +38,7 @@ Vibro-impact machines, exactly from event to event: motions, bifurcations, expon
 Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
-PARAMETERS of a machine's FILE are named in it (docs/assemblies.md). Those of the paper's machine:
+PARAMETERS of a machine's FILE are named in it (docs/machine-file.md). Those of the paper's machine:
   Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
   SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
            stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
@@ -210,14 +210,14 @@ pub enum Command {
     /// Says what the machine of a FILE consists of: bodies, elements, degrees of freedom, modes at
     /// the start, equilibrium, natural frequencies
     Check {
-        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
     /// Draws the machine of a FILE as an engineer sketches it: bodies in a row, springs, dashpots,
     /// stops, friction, loads, as SVG and PNG
     Draw {
-        /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },

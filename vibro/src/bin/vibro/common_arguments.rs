@@ -29,7 +29,7 @@ pub const NUMBERS: &str = "\
 NUMBERS
   A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
-  Names of parameters are the file's own: docs/assemblies.md.";
+  Names of parameters are the file's own: docs/machine-file.md.";
 
 /// Help of `--start`, for either machine, after the words that say of what it is the start.
 macro_rules! start_help {

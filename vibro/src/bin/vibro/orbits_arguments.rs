@@ -54,7 +54,7 @@ impl Settling {
 /// Arguments of `orbit`.
 #[derive(Args, Debug)]
 pub struct OneOrbit {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
@@ -100,7 +100,7 @@ impl OneOrbit {
 /// Arguments of `orbits`.
 #[derive(Args, Debug)]
 pub struct Orbits {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
@@ -194,7 +194,7 @@ pub struct OrbitsOfPaper {
 /// Arguments of `locus`.
 #[derive(Args, Debug)]
 pub struct Loci {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,

@@ -14,7 +14,7 @@ use vibro_analysis::start::StartRule;
 /// Arguments of `basin`.
 #[derive(Args, Debug)]
 pub struct Basin {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
@@ -65,7 +65,7 @@ pub struct BasinOfPaper {
 /// Arguments of `section`.
 #[derive(Args, Debug)]
 pub struct SectionOfFile {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Start of the motion.

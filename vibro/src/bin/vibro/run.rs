@@ -20,7 +20,7 @@ const MOST_SAMPLES: u32 = 10_000;
 /// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct RunArguments {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,

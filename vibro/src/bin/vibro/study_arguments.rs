@@ -16,7 +16,7 @@ use vibro_analysis::start::StartRule;
 /// Arguments of `bifurcation`.
 #[derive(Args, Debug)]
 pub struct Bifurcation {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
@@ -185,7 +185,7 @@ pub struct Reproduce {
 /// Arguments of `response`.
 #[derive(Args, Debug)]
 pub struct Response {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,

@@ -49,7 +49,7 @@ values between those of --over were looked at. A design that may be the best has
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]
 pub struct Sweep {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it. Without it the
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
