@@ -10,8 +10,9 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, number, whole
 from ._assembly_many import Section, positive, section_of
-from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
+from ._start import Start
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class AssemblyOrbit(Result):
     "``stable``, ``unstable``, ``neutral`` (a machine without losses) or ``undecided``."
     violation: Optional[str]
     "Why it is no motion of the machine; none where it is one."
-    start: AssemblyStart
+    start: Start
     "A start on it, in the middle of its longest flight."
     events: list[tuple[float, str, str]]
     "Time (s), kind and element of each event."
@@ -182,23 +183,23 @@ def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, A
 def find_orbit(
     machine: AssemblyDescription,
     wanted: tuple[Optional[str], Union[None, float, str], int],
-    start: Start,
+    start: StartLike,
     settle: int,
     section: Section,
     progress: bool,
 ) -> AssemblyOrbit:
     """The orbit on which a motion settles, or one with a word or period."""
-    word, period, starts = wanted
+    word, period, tries = wanted
     numbers = numbers_of(machine, start)
-    settle, starts = whole("settle", settle, 0, _MOST_RETURNS), whole("starts", starts, 0, 100_000)
+    settle, tries = whole("settle", settle, 0, _MOST_RETURNS), whole("tries", tries, 0, 100_000)
     if word is not None and not isinstance(word, str):
         raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
     periods, time = _period(machine, period)
     with Bar(progress, 1, "orbits") as bar:
         found = _native.assembly_orbit(
-            machine._described, numbers, settle, section_of(section), word, periods, time, starts, bar.report
+            machine._described, numbers, settle, section_of(section), word, periods, time, tries, bar.report
         )
-    own = AssemblyStart(dict(found.start))
+    own = Start(dict(found.start))
     return AssemblyOrbit(
         machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
     )
@@ -223,7 +224,7 @@ def find_branches(
     name: str,
     ends: tuple[Union[float, str], Union[float, str]],
     of: Optional[str],
-    options: tuple[Start, int, int, int, Section],
+    options: tuple[StartLike, int, int, int, Section],
     progress: bool,
 ) -> list[AssemblyBranch]:
     """All branches over a range of a parameter."""

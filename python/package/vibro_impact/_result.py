@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from ._arguments import Floats
 
 
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
+EVENT = np.dtype([("t", "f8"), ("kind", "U7"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
+
+
 class Result:
     """A result: a value with named parts, shown by their shapes."""
 
@@ -32,6 +36,22 @@ Part = TypeVar("Part")
 def direction(kind: Callable[..., Part], found: dict[str, Any]) -> Part:
     """One direction of a diagram from what the computation returns, with the classes as an array."""
     return kind(**{**found, "kind": np.array(found["kind"], dtype=np.str_)})
+
+
+def place_of(names: list[str], name: str) -> int:
+    """The place of a name."""
+    try:
+        return names.index(name)
+    except ValueError:
+        if name.endswith((".impacts", ".class")) or name == "class":
+            raise KeyError(f"{name}: has no derivative; allowed are {', '.join(names)}") from None
+        raise KeyError(f"{name}: allowed are {', '.join(names) or 'none, since none were asked for'}") from None
+
+
+def column_of(columns: list[str], values: Floats, name: str) -> Floats:
+    """The column with a name."""
+    found: Floats = values[..., place_of(columns, name)]
+    return found
 
 
 def records(kind: np.dtype[np.void], parts: dict[str, Any]) -> NDArray[np.void]:
