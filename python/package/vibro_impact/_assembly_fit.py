@@ -15,6 +15,7 @@ from ._assembly_description import AssemblyDescription
 from ._base import AnyMachine
 from ._progress import Bar
 from ._start import Start
+from ._show import Line, lines
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -55,6 +56,10 @@ class AssemblyFit(Result):
     "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
     persistence: float
     "Correlation of a residual with the next one of its column."
+
+    def _picture(self) -> str:
+        some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
+        return lines(some, "time (s)", "fitted motion less record, SI")
 
 
 def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, list[tuple[str, Floats]]]:

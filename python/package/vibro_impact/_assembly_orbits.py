@@ -13,6 +13,7 @@ from ._assembly_many import Section, positive, section_of
 from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
 from ._start import Start
+from ._show import Line, lines
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -118,6 +119,11 @@ class AssemblyOrbit(Result):
         raise TypeError("an orbit is not pickled: keep its start, from which Assembly.orbit finds it again")
 
 
+def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """The points of a piece of a branch, with the first of the next piece."""
+    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblyBranch(Result):
     """A branch of periodic orbits along a parameter."""
@@ -157,6 +163,14 @@ class AssemblyBranch(Result):
     def special(self) -> list[tuple[str, float, str]]:
         """Special points as (label, value of the parameter, element), in the branch's order."""
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
+
+    def _picture(self) -> str:
+        measure = self.measure
+        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
+        some = [
+            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
+        ]
+        return lines(some, self.name, f"{self.of}, SI")
 
 
 def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:

@@ -11,6 +11,7 @@ import numpy as np
 from ._arguments import Floats
 from ._assembly_description import AssemblyDescription
 from ._start import Start
+from ._show import Line, lines
 from ._result import EVENT, Result, column_of, fields_of, place_of, records
 from ._tables import dataset, frame
 
@@ -94,6 +95,10 @@ class AssemblyRun(Result):
         """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
         return dataset(self.machine, self.columns, self.values, self.t)
 
+    def _picture(self) -> str:
+        names = [name for name in self.columns if name.endswith(".s")][:4]
+        return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
+
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblyEnds(Result):
@@ -172,6 +177,10 @@ class AssemblyDiagram(Result):
     "Where the two end on different motions for certain, shape (n,)."
     at_section: bool
     "Whether `maxima` has values at the section instead."
+
+    def _picture(self) -> str:
+        down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
+        return lines([down, up], self.name, f"{self.of}, SI")
 
 
 def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> AssemblyRun:

@@ -13,6 +13,7 @@ from ._assembly_many import Section, section_of
 from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
 from ._start import Start
+from ._show import Line, cells, lines
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -69,6 +70,9 @@ class AssemblyBasins(Result):
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
 
+    def _picture(self) -> str:
+        return cells(self.cells, self.edges, *self.names)
+
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblySection(Result):
@@ -94,6 +98,14 @@ class AssemblySection(Result):
         found: Floats = self.values[:, names.index(column)]
         return found
 
+    def _picture(self) -> str:
+        if self.phase is not None and self.speed is not None:
+            return lines([Line(self.phase, self.speed, dots=True)], "phase (rad)", f"closing speed of {self.at}, SI")
+        names = self.machine.columns
+        place = next((name for name in names if name.endswith(".s")), names[0])
+        rate = place[:-2] + ".v"
+        return lines([Line(self[place], self[rate if rate in names else place], dots=True)], place, rate)
+
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblySpectrum(Result):
@@ -109,6 +121,10 @@ class AssemblySpectrum(Result):
     "Times after the count began, shape (n,), s."
     running: Floats
     "The exponents up to there, shape (n, k), 1/s."
+
+    def _picture(self) -> str:
+        some = [Line(self.t, self.running[:, k], colour=k) for k in range(min(self.running.shape[1], 8))]
+        return lines(some, "time (s)", "running exponents (1/s)")
 
 
 def basins_of(

@@ -207,9 +207,12 @@ class AnyMachine:
         """Writes the machine's FMU and returns its path."""
         raise NotImplementedError
 
-    def _repr_svg_(self) -> str:
-        """The sketch, by which a notebook shows the machine."""
-        return self.sketch().svg
+    def _repr_svg_(self) -> Optional[str]:
+        """The sketch, by which a notebook shows the machine; none of a machine that no file describes."""
+        try:
+            return self.sketch().svg
+        except ValueError:
+            return None
 
 
 def merged(first: Optional[Mapping[str, Any]], more: Mapping[str, Any], what: str) -> dict[str, Any]:

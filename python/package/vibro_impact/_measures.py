@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats
+from ._show import Line, lines
 from ._result import Result
 from ._values import ParameterValues
 
@@ -66,3 +67,7 @@ class Spectrum(Result):
         """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
         found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
         return found
+
+    def _picture(self) -> str:
+        periods = np.arange(1.0, len(self.running) + 1.0)
+        return lines([Line(periods, self.running[:, k], colour=k) for k in range(self.running.shape[1])], "drive periods", "running exponents (1/s)")

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _native
 from ._arguments import SI_COORDINATES, Floats, array, choice
+from ._show import Line, lines
 from ._result import EVENT, Result, column_of, fields_of, records
 from ._tables import dataset, frame
 from ._start import Start
@@ -181,6 +182,10 @@ class Run(Result):
         """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
         return dataset(self.machine, self.columns, self.values, self.t)
 
+    def _picture(self) -> str:
+        names = [name for name in self.columns if name.endswith(".s")][:4]
+        return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
+
 
 def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> Run:
     """A run from what the computation returns."""
@@ -208,3 +213,8 @@ class Section(Result):
     "Phase of the drive, shape (n,), rad in [0, 2 pi)."
     speed: Floats
     "|w'| before the impact, shape (n,), m/s; zero for a section at a phase."
+
+    def _picture(self) -> str:
+        if self.at == "phase":
+            return lines([Line(self.s[:, 1], self.v[:, 1], dots=True)], "block.s (m)", "block.v (m/s)")
+        return lines([Line(self.phase, self.speed, dots=True)], "phase (rad)", f"speed at stop.{self.at} (m/s)")

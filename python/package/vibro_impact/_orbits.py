@@ -14,6 +14,7 @@ from ._start import Start
 from ._arguments import SI_COORDINATES
 from ._parameters import find
 from ._progress import Bar
+from ._show import Line, lines
 from ._result import Result
 from ._values import ParameterValues
 
@@ -108,6 +109,11 @@ class Orbit(Result):
         return _branch(self.machine, name, of, found)
 
 
+def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """The points of a piece of a branch, with the first of the next piece."""
+    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Branch(Result):
     """A branch of periodic orbits along a parameter."""
@@ -148,6 +154,14 @@ class Branch(Result):
     def special(self) -> list[tuple[str, float]]:
         """Special points as (label, value of the parameter), in the branch's order."""
         return [(str(self.labels[i]), float(self.value[i])) for i in np.flatnonzero(self.labels != "")]
+
+    def _picture(self) -> str:
+        measure = np.array([m[0] if len(m) else np.nan for m in self.maxima])
+        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
+        some = [
+            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
+        ]
+        return lines(some, self.name, f"largest maximum of {self.of} (m)")
 
 
 def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple[str, tuple[float, float]]:

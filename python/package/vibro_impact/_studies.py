@@ -11,6 +11,7 @@ from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, StartOfMachine, array, choice, coordinates, discarded_and_kept, displacement, state, whole
 from ._parameters import find
 from ._progress import Bar
+from ._show import Line, cells, lines
 from ._result import Result, direction
 from ._values import ParameterValues
 
@@ -62,6 +63,10 @@ class Diagram(Result):
     "With the value falling, in the order of rising values."
     hysteresis: NDArray[np.bool_]
     "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
+
+    def _picture(self) -> str:
+        down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
+        return lines([down, up], self.name, f"maxima of {self.of} (units of L)")
 
 
 def diagram_of(
@@ -145,6 +150,9 @@ class Basins(Result):
     "Whether it is the attractor's mirror image, shape (ny, nx)."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
+
+    def _picture(self) -> str:
+        return cells(self.cells, self.edges, *self.names)
 
 
 def basins_of(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union, overload
 
 import numpy as np
 
+from ._show import Line, lines, shades
 from ._result import Result
 from ._tables import needed
 
@@ -88,6 +89,19 @@ class Table(Result):
         table = arrow.table(columns).replace_schema_metadata(self.units)
         parquet.write_table(table, os.fspath(path), compression="zstd")
         return Path(path)
+
+    def _picture(self) -> str:
+        numbers = {name: values for name, values in self.values.items() if values.dtype.kind == "f"}
+        given = list(self.parameters.items())
+        if not numbers or not given:
+            return ""
+        name, values = next(iter(numbers.items()))
+        if self.axes is not None and len(self.shape) == 2 and min(self.shape) > 1:
+            (up, rows), (across, columns) = given
+            edges = (float(columns.min()), float(columns.max()), float(rows.min()), float(rows.max()))
+            return shades(values, edges, across, up, name)
+        order = np.argsort(given[0][1].reshape(-1), kind="stable")
+        return lines([Line(given[0][1].reshape(-1)[order], values.reshape(-1)[order], dots=len(given) > 1)], given[0][0], f"{name}, SI")
 
 
 def _plain(value: Any) -> Any:
