@@ -71,7 +71,7 @@ def processor_time(process):
 def assemblies():
     """The table of machines of one's own."""
     damper = vi.Assembly(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
-    machines = [damper.replace(**{"stop.steel.gap": gap}) for gap in np.linspace(5e-3, 130e-3, 1000)]
+    machines = [damper.replace({"stop.steel.gap": gap}) for gap in np.linspace(5e-3, 130e-3, 1000)]
     (package, library), ratio = beside_rust("many_assemblies", lambda: vi.simulate_many(machines, until=20.0))
     gaps = np.linspace(5e-3, 130e-3, 200)
     diagram = least(lambda: damper.bifurcation("box.s", **{"stop.steel.gap": gaps}), 3)

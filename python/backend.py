@@ -1,8 +1,8 @@
-"""maturin's build backend, with the FMU archives, and the library of those of other machines, put into the package first.
+"""maturin's build backend, which first puts the FMU archives, and the library of those of other machines, into the package.
 
-`cargo run --bin fmu-build` makes the archives in `target/`; they are copied from there, or from the folder that the environment
-variable `VIBRO_IMPACT_ARCHIVES` names. A source distribution brings them along. Where that folder lacks them the build ends with the
-command that makes them; `VIBRO_IMPACT_WITHOUT_ARCHIVES=1` builds a package without them, whose `fmu_path` and `Assembly.fmu` say what is missing.
+They are copied from `target/`, where `cargo run --bin fmu-build` makes them; a source distribution brings them along. A package is
+complete without them but for `fmu_path` and `fmu`, which then say how to get them: so those that are missing are left out. Where the
+environment variable `VIBRO_IMPACT_ARCHIVES` names the folder, as the build of a release does, it must have all of them.
 """
 
 import os
@@ -17,18 +17,18 @@ HERE = Path(__file__).resolve().parent
 
 
 def fetch_archives():
-    """Copies the archives into the package; one that is missing is named with the command that makes it."""
-    target = os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target")
-    folder = Path(os.environ.get("VIBRO_IMPACT_ARCHIVES", target))
+    """Copies the archives into the package, and names those that are left out."""
+    named = os.environ.get("VIBRO_IMPACT_ARCHIVES")
+    folder = Path(named or os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
     inside = HERE / "package" / "vibro_impact" / "fmu"
     inside.mkdir(exist_ok=True)
     for name in ARCHIVES:
         if (folder / name).exists():
             shutil.copyfile(folder / name, inside / name)
         elif not (inside / name).exists():
-            message = f"{folder / name} is missing: make it by `cargo run --bin fmu-build`"
-            if os.environ.get("VIBRO_IMPACT_WITHOUT_ARCHIVES") != "1":
-                raise SystemExit(message + ", or set VIBRO_IMPACT_WITHOUT_ARCHIVES=1 for a wheel without it")
+            if named:
+                raise SystemExit(f"{folder / name} is missing: make it by `cargo run --bin fmu-build`")
+            print(f"{name} is left out: it is not in {folder}, where `cargo run --bin fmu-build` makes it")
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

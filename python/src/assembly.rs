@@ -2,6 +2,7 @@
 
 use crate::arrays::{Array1, column};
 use crate::background::{Control, compute, each_of};
+use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
 use crate::studies::{MeasureRow, in_parts, row};
 use fmi_doors::Version;
@@ -10,7 +11,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibro_analysis::assembly::diagram::{self, AssemblyPoint};
-use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, measure};
+use vibro_analysis::assembly::{Machine, Measure, SectionRule, Start, columns, common_period, measure};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_analysis::measures::Measured;
 use vibro_analysis::plane::ParameterAxis;
@@ -59,6 +60,11 @@ impl Described {
     /// The text of its file, in SI and with every digit.
     fn text(&self) -> String {
         self.description.to_toml()
+    }
+
+    /// The common period of all that drives it, s.
+    fn period(&self) -> Option<f64> {
+        common_period(&self.description)
     }
 
     /// Name, SI unit, value and meaning of each parameter.
@@ -126,6 +132,11 @@ impl Described {
 }
 
 impl Described {
+    /// A machine whose description has been checked.
+    pub fn of(description: Description) -> Self {
+        Self { description: Arc::new(description) }
+    }
+
     /// The machine with its matrices.
     pub fn assembly(&self) -> Result<Arc<Assembly>, Failure> {
         Ok(Arc::new(Assembly::new((*self.description).clone())?))
@@ -169,18 +180,13 @@ fn rule(section: Option<SectionChoice>) -> SectionRule {
     }
 }
 
-/// Copies of machines, for another thread.
-pub fn clones(machines: &[PyRef<'_, Described>]) -> Vec<Described> {
-    machines.iter().map(|m| (*m).clone()).collect()
-}
-
-/// Measures of many machines' settled motions, each from a start, a row for each.
+/// Measures of many machines' settled motions, each from its start or all from one, a row for each.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, names, settle, periods, section, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn measure_assemblies(
     py: Python<'_>,
-    machines: Vec<PyRef<'_, Described>>,
+    machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
     names: Vec<String>,
     settle: u32,
@@ -192,12 +198,12 @@ pub fn measure_assemblies(
     let measures = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let measures = measures.map_err(Failure::from)?;
     let rule = rule(section);
-    let machines = clones(&machines);
+    let machines = machines.owned()?;
     let count = machines.len();
     let one = move |control: &Control, index: usize| -> Result<Measured, Failure> {
-        let own = &machines[index];
+        let own = machines.machine(index)?;
         let machine = Machine { section: rule.clone(), ..own.machine(None) };
-        let (mut motion, section) = machine.motion(&own.start_of(&starts[index])?)?;
+        let (mut motion, section) = machine.motion(&own.start_of(start_of(&starts, index))?)?;
         vibro_analysis::assembly::settle(&mut motion, &section, settle)?;
         control.check()?;
         Ok(measure(&mut motion, &section, &measures, periods)?)

@@ -1,8 +1,9 @@
 //! Motions of described machines, with their derivatives.
 
 use crate::arrays::{Array1, Array2, column, numbers, plane, table};
-use crate::assembly::{Described, Numbers, clones};
+use crate::assembly::{Described, Numbers};
 use crate::background::{Control, compute, each_of};
+use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -201,40 +202,53 @@ pub fn simulate_assembly<'py>(
 #[pyo3(signature = (machines, starts, t, parameters, progress = None))]
 pub fn follow_assemblies(
     py: Python<'_>,
-    machines: Vec<PyRef<'_, Described>>,
+    machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
     t: PyReadonlyArray1<'_, f64>,
     parameters: Vec<String>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Sampled>> {
-    let (count, machines, times) = (machines.len(), clones(&machines), numbers(&t)?);
+    let (machines, times) = (machines.owned()?, numbers(&t)?);
+    let count = machines.len();
     let one = move |control: &Control, index: usize| {
-        let of = (&machines[index], &starts[index]);
+        let of = (&machines.machine(index)?, start_of(&starts, index));
         Sampled::new(of, &times, &parameters, &mut || control.check())
     };
     each_of(py, count, progress, one)
 }
 
-/// The ends of many machines' motions, each from its start, at a time (s); all have the same
-/// columns.
+/// Ends of many motions: a row of numbers for each, and for each the reason why there are none, if
+/// rows give reasons; numbers are then 0.
+pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
+
+/// The ends of many machines' motions, each from its start or all from one, at a time (s); all have
+/// the same columns.
 #[pyfunction]
-#[pyo3(signature = (machines, starts, until, progress = None))]
+#[pyo3(signature = (machines, starts, until, in_rows, progress = None))]
 pub fn simulate_assemblies<'py>(
     py: Python<'py>,
-    machines: Vec<PyRef<'_, Described>>,
+    machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
     until: f64,
+    in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Array2<'py, f64>> {
-    let count = machines.first().map_or(0, |m| m.description().quantities().count());
-    let machines = clones(&machines);
-    let ends = each_of(py, machines.len(), progress, move |_, index| {
-        let own = &machines[index];
-        let mut motion = own.start_of(&starts[index])?.motion(own.assembly()?)?.without_energy_accounts();
+) -> PyResult<Ends<'py>> {
+    let machines = machines.owned()?;
+    let (count, columns) = (machines.len(), machines.columns());
+    let ended = move |index: usize| -> Result<Vec<f64>, Failure> {
+        let own = machines.machine(index)?;
+        let start = own.start_of(start_of(&starts, index))?;
+        let mut motion = start.motion(own.assembly()?)?.without_energy_accounts();
         motion.advance_to(until)?;
         Ok(values(&motion))
-    })?;
-    plane(py, &ends.concat(), ends.len(), count)
+    };
+    let one = move |_: &Control, index: usize| match ended(index) {
+        Ok(row) => Ok((row, None)),
+        Err(failure) if in_rows => Ok((vec![0.0; columns], Some(failure.reason()?))),
+        Err(failure) => Err(failure),
+    };
+    let (rows, reasons): (Vec<_>, Vec<_>) = each_of(py, count, progress, one)?.into_iter().unzip();
+    Ok((plane(py, &rows.concat(), rows.len(), columns)?, reasons))
 }
 
 /// The derivatives of a motion's state at its end by that at its start.

@@ -16,6 +16,7 @@
 //! | `assembly_fit.rs` | their fits to records |
 //! | `assembly_orbits.rs` | their periodic orbits and branches of them |
 //! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
+//! | `designs.rs` | machines of many motions, given one by one or as rows of numbers |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
 //! | `failure.rs` | errors as Python's exceptions |
 //! | `arrays.rs` | arrays from rows |
@@ -27,6 +28,7 @@ mod assembly_motion;
 mod assembly_orbits;
 mod assembly_settled;
 mod background;
+mod designs;
 mod failure;
 mod motion;
 mod orbits;
@@ -54,13 +56,13 @@ mod _native {
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};
     #[pymodule_export]
-    use super::orbits::{Orbit, follow, orbit, settled_orbit};
+    use super::orbits::{Orbit, branches, follow, orbit, settled_orbit};
     #[pymodule_export]
     use super::steady::{steady, steady_motion};
     #[pymodule_export]
     use super::studies::{basins, bifurcation, lyapunov, measure, measure_many, measures};
     #[pymodule_export]
-    use super::system::{Load, System, find_name, parameters};
+    use super::system::{Load, System, find_name, in_si, parameters};
 
     /// The package's version is the workspace's.
     #[pymodule_init]

@@ -1,10 +1,11 @@
 //! Motions: sampled with their events, many at once, and as sections.
 
-use crate::arrays::{Array1, Array2, column, numbers, rows_of_states, state, states, table};
+use crate::arrays::{Array1, Array2, column, numbers, state, states, table};
 use crate::background::{Control, compute, pool, with_partial};
+use crate::designs::{GivenStarts, GivenSystems, Starts, Systems};
 use crate::failure::Failure;
 use crate::system::{Load, System};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -139,49 +140,72 @@ fn sampled(
     Ok(found)
 }
 
-/// The states of many machines after a number of whole drive periods, from a state each at time 0.
+/// A motion's end, or the reason why there is none.
+type End = Result<State, String>;
+
+/// Displacements (m), velocities (m/s), and for each motion the reason why there are none.
+type Ends<'py> = (Array2<'py, f64>, Array2<'py, f64>, Vec<Option<String>>);
+
+/// The states of many machines after a number of whole drive periods, each from its start at time
+/// 0 or all from one. If `in_rows` is set, a motion without an end has zeros and its reason.
 #[pyfunction]
-#[pyo3(signature = (systems, starts, periods, progress = None))]
+#[pyo3(signature = (systems, starts, periods, in_rows, progress = None))]
 pub fn simulate_many<'py>(
     py: Python<'py>,
-    systems: Vec<PyRef<'_, System>>,
-    starts: PyReadonlyArray2<'_, f64>,
+    systems: GivenSystems<'_>,
+    starts: GivenStarts<'_>,
     periods: u32,
+    in_rows: bool,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Array2<'py, f64>, Array2<'py, f64>)> {
-    let pairs = systems.iter().zip(rows_of_states(&starts)?);
-    let starts: Vec<Start> =
-        pairs.map(|(system, state)| Start { parameters: *system.parameters(), state }).collect();
-    let (count, ends) = (starts.len(), Arc::new(Mutex::new(Vec::new())));
+) -> PyResult<Ends<'py>> {
+    let (systems, starts) = (systems.owned()?, starts.owned()?);
+    let (count, ends) = (systems.len(), Arc::new(Mutex::new(Vec::new())));
     let theirs = Arc::clone(&ends);
-    let ended = compute(py, progress, move |control| together(control, &starts, periods, &theirs));
+    let ended = compute(py, progress, move |control| {
+        together(control, (&systems, &starts), periods, in_rows, &theirs)
+    });
     let ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
     ended.map_err(|error| {
-        let row = |end: &State| end.x.iter().chain(&end.v).copied().collect::<Vec<f64>>();
+        let row = |end: &End| end.as_ref().map_or(Vec::new(), |end| end.x.iter().chain(&end.v).copied().collect());
         with_partial(py, error, (0..count).map(|index| ends.get(index).map(row)).collect())
     })?;
-    states(py, &ends)
+    let rows: Vec<State> = ends.iter().map(|end| *end.as_ref().unwrap_or(&State::default())).collect();
+    let (s, v) = states(py, &rows)?;
+    Ok((s, v, ends.iter().map(|end| end.as_ref().err().cloned()).collect()))
 }
 
-/// Appends the final states of motions in the order of the motions.
+/// Appends the ends of motions in the order of the motions.
 fn together(
     control: &Control,
-    starts: &[Start],
+    (systems, starts): (&Systems, &Starts),
     periods: u32,
-    ends: &Mutex<Vec<State>>,
+    in_rows: bool,
+    ends: &Mutex<Vec<End>>,
 ) -> Result<(), Failure> {
-    let pool = pool()?;
+    let (pool, count) = (pool()?, systems.len());
     let ends = || ends.lock().unwrap_or_else(PoisonError::into_inner);
-    ends().try_reserve_exact(starts.len())?;
+    ends().try_reserve_exact(count)?;
     let motions = PERIODS_A_THREAD / periods.max(1) as usize;
     let motions = motions.clamp(*MOTIONS_A_THREAD.start(), *MOTIONS_A_THREAD.end());
-    for some in starts.chunks(motions * pool.current_num_threads()) {
+    let size = motions * pool.current_num_threads();
+    let refused = |index: usize, failure: Failure| {
+        if in_rows { failure.reason() } else { Err(failure.of_motion(index)) }
+    };
+    for begin in (0..count).step_by(size) {
         control.check()?;
-        let found = pool.install(|| propagate(some, periods, &|| control.add(1)));
+        let made = (begin..count.min(begin + size)).map(|index| systems.motion(starts, index));
+        let made: Vec<Result<Start, Failure>> =
+            made.map(|own| own.map(|(parameters, state)| Start { parameters, state })).collect();
+        let some: Vec<Start> = made.iter().flatten().cloned().collect();
+        let mut found = pool.install(|| propagate(&some, periods, &|| control.add(1))).into_iter();
         let mut ends = ends();
-        for end in found {
+        for one in made {
             let index = ends.len();
-            ends.push(end.map_err(|error| Failure::Motion(index, error))?);
+            let end = one.and_then(|_| found.next().map_or(Err(Failure::Cancelled), |end| Ok(end?)));
+            ends.push(match end {
+                Ok(end) => Ok(end),
+                Err(failure) => Err(refused(index, failure)?),
+            });
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use vibro_analysis::ParameterSet;
-use vibro_orbits::{Family, OrbitWord, PathOptions, Span};
+use vibro_orbits::{Branch, Family, OrbitWord, PathOptions, Span, TreeOptions};
 
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -200,13 +200,23 @@ pub fn follow<'py>(
     let (branch, maxima) = compute(py, progress, move |_| {
         let family = Family::new(&set, span)?;
         let found = vibro_orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
-        let mut maxima = found.maxima(&family, weights);
-        for (maxima, point) in maxima.iter_mut().zip(&found.points) {
-            let gap = family.parameter_set(&[point.value])?.parameters().stop_gap;
-            maxima.iter_mut().for_each(|x| *x *= gap);
-        }
+        let maxima = maxima_of(&family, &found, weights)?;
         Ok((found, maxima))
     })?;
+    branch_arrays(py, &branch, &maxima)
+}
+
+/// Local maxima of a displacement at each point of a branch, m.
+fn maxima_of(family: &Family, found: &Branch, weights: [f64; 3]) -> Result<Vec<Vec<f64>>, Failure> {
+    let mut maxima = found.maxima(family, weights);
+    for (maxima, point) in maxima.iter_mut().zip(&found.points) {
+        let gap = family.parameter_set(&[point.value])?.parameters().stop_gap;
+        maxima.iter_mut().for_each(|x| *x *= gap);
+    }
+    Ok(maxima)
+}
+
+fn branch_arrays<'py>(py: Python<'py>, branch: &Branch, maxima: &[Vec<f64>]) -> PyResult<BranchArrays<'py>> {
     let points = &branch.points;
     let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
     Ok(BranchArrays {
@@ -221,4 +231,37 @@ pub fn follow<'py>(
         labels: points.iter().map(|p| p.label().map_or("", |label| label.name())).collect(),
         maxima: maxima.iter().map(|m| column(py, m)).collect(),
     })
+}
+
+/// All branches of orbits over a range of a parameter, from the orbits on which motions settle, and
+/// at most `depth` changes of branches away from these.
+#[pyfunction]
+#[pyo3(signature = (system, name, ends, weights, seeds, depth, settle, starts, progress = None))]
+#[allow(clippy::too_many_arguments)]
+pub fn branches<'py>(
+    py: Python<'py>,
+    system: &System,
+    name: &str,
+    ends: (f64, f64),
+    weights: [f64; 3],
+    seeds: usize,
+    depth: u32,
+    settle: u32,
+    starts: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<BranchArrays<'py>>> {
+    let span = Span::new(find(name)?, ends.0, ends.1).map_err(Failure::from)?;
+    let set = system.set().map_err(Failure::from)?.clone();
+    let options = TreeOptions { seeds, depth, settle, starts, ..TreeOptions::default() };
+    let found = compute(py, progress, move |control| {
+        let family = Family::new(&set, span)?;
+        let told = |_: usize, waiting: usize| {
+            control.add(1);
+            control.expect(waiting);
+        };
+        let found = vibro_orbits::tree(&family, &options, &told)?;
+        let maxima = |branch: Branch| Ok((maxima_of(&family, &branch, weights)?, branch));
+        found.branches.into_iter().map(maxima).collect::<Result<Vec<_>, Failure>>()
+    })?;
+    found.iter().map(|(maxima, branch)| branch_arrays(py, branch, maxima)).collect()
 }

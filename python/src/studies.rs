@@ -1,11 +1,11 @@
 //! Studies: bifurcation diagrams, Lyapunov exponents, basins of attraction, measures of settled
 //! motions.
 
-use crate::arrays::{Array1, Array2, column, plane, rows_of_states, state, table};
+use crate::arrays::{Array1, Array2, column, plane, state, table};
 use crate::background::{Control, compute, each_of, pool};
+use crate::designs::{GivenStarts, GivenSystems};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
-use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use vibro_analysis::attractor::{Attractor, MotionClass};
 use vibro_analysis::basin::{self, Destination, InitialValueAxis};
@@ -250,17 +250,19 @@ pub struct Basins<'py> {
 /// stops, -2 where it has not settled, -3 where the attractor is undecided, with whether it is the
 /// mirror image; rows of constant y.
 #[pyfunction]
-#[pyo3(signature = (system, x, y, discard, progress = None))]
+#[pyo3(signature = (system, x, y, start, discard, progress = None))]
 pub fn basins<'py>(
     py: Python<'py>,
     system: &System,
     x: (usize, f64, f64, usize),
     y: (usize, f64, f64, usize),
+    start: [f64; 6],
     discard: u32,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Basins<'py>> {
     let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
-    let request = basin::BasinRequest { x: axis(x), y: axis(y), discard, start: basin::in_the_middle() };
+    let start = StartRule::scaled(start);
+    let request = basin::BasinRequest { x: axis(x), y: axis(y), discard, start };
     let p = *system.set().map_err(Failure::from)?.parameters();
     let found = compute(py, progress, move |control| {
         in_parts(control, basin::count(&request), |task| basin::basin(&p, &request, task))
@@ -335,14 +337,15 @@ pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow
     }
 }
 
-/// Measures of many machines' motions, from a state each, on all threads: a row of each.
+/// Measures of many machines' motions, each from its start or all from one, on all threads: a row
+/// of each.
 #[pyfunction]
 #[pyo3(signature = (systems, starts, names, discard, periods, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
 pub fn measure_many(
     py: Python<'_>,
-    systems: Vec<PyRef<'_, System>>,
-    starts: PyReadonlyArray2<'_, f64>,
+    systems: GivenSystems<'_>,
+    starts: GivenStarts<'_>,
     names: Vec<String>,
     discard: u32,
     periods: u32,
@@ -351,10 +354,11 @@ pub fn measure_many(
 ) -> PyResult<Vec<MeasureRow>> {
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let named = named.map_err(Failure::from)?;
-    let parameters = systems.iter().map(|system| *system.parameters());
-    let motions: Vec<(Parameters, State)> = parameters.zip(rows_of_states(&starts)?).collect();
-    each_of(py, motions.len(), progress, move |control, index| {
-        let (p, start) = &motions[index];
-        row(one(control, p, start, &named, (discard, periods)), in_rows)
+    let (systems, starts) = (systems.owned()?, starts.owned()?);
+    each_of(py, systems.len(), progress, move |control, index| {
+        let measured = systems.motion(&starts, index).and_then(|(p, start)| {
+            one(control, &p, &start, &named, (discard, periods))
+        });
+        row(measured, in_rows)
     })
 }

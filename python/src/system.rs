@@ -34,6 +34,27 @@ impl System {
         }
     }
 
+    /// The default set with these values: first those in SI, then the groups.
+    ///
+    /// # Errors
+    /// For values out of their range.
+    pub fn of(si: &[(Name, f64)], groups: &[(Name, f64)]) -> Result<Self, Failure> {
+        let free = physical(si)?;
+        if free.box_stiffness == 0.0 && groups.is_empty() {
+            let given = |field: &&'static Field| {
+                field.name == "drive.phase" || si.iter().any(|(name, _)| *name == Name::Si(field))
+            };
+            let missing = FIELDS.iter().filter(|field| !given(field)).map(Name::Si).collect();
+            return Ok(Self { parameters: free, set: None, missing });
+        }
+        let mut set = ParameterSet::basic();
+        for part in [si, groups] {
+            set.assign(part)?;
+        }
+        let missing = set.not_given();
+        Ok(Self { parameters: *set.parameters(), set: Some(set), missing })
+    }
+
     /// The physical parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
@@ -73,21 +94,7 @@ impl System {
         let named = |part: &[(String, f64)]| {
             part.iter().map(|(name, value)| Ok((find(name)?, *value))).collect::<PyResult<Vec<_>>>()
         };
-        let (si, groups) = (named(&si)?, named(&groups)?);
-        let free = physical(&si).map_err(Failure::from)?;
-        if free.box_stiffness == 0.0 && groups.is_empty() {
-            let given = |field: &&'static Field| {
-                field.name == "drive.phase" || si.iter().any(|(name, _)| *name == Name::Si(field))
-            };
-            let missing = FIELDS.iter().filter(|field| !given(field)).map(Name::Si).collect();
-            return Ok(Self { parameters: free, set: None, missing });
-        }
-        let mut set = ParameterSet::basic();
-        for part in [si, groups] {
-            set.assign(&part).map_err(Failure::from)?;
-        }
-        let missing = set.not_given();
-        Ok(Self { parameters: *set.parameters(), set: Some(set), missing })
+        Ok(Self::of(&named(&si)?, &named(&groups)?)?)
     }
 
     /// The values of all parameters in the order of `parameters()`; of those in SI alone where the
@@ -140,6 +147,13 @@ pub fn find(name: &str) -> PyResult<Name> {
 #[pyfunction(name = "find")]
 pub fn find_name(name: &str) -> PyResult<String> {
     Ok(in_python(find(name)?.name()))
+}
+
+/// The value in SI of a text that is a number, with a unit of a dimension or without, and whether it
+/// has one.
+#[pyfunction]
+pub fn in_si(si: &str, text: &str) -> Option<(f64, bool)> {
+    vibro_impact::quantities::quantity_in(si, text).map(|found| (found.value, found.unit.is_some()))
 }
 
 /// How many parameters are in SI, and every parameter, those first, as (name in Python, label of an

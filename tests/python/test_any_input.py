@@ -49,18 +49,18 @@ def ask(changes, start, periods, kind, values):
         again = pickle.loads(pickle.dumps(machine))
         assert again == machine and eval(repr(machine), {"Machine": vi.Machine}) == machine
         if kind == "simulate":
-            run = machine.simulate(start, periods=periods, per_period=3)
+            run = machine.simulate(start=start, periods=periods, per_period=3)
             checked(run.t, run.s, run.v, *(run.energy[n] for n in run.energy.dtype.names))
             checked(*(run.impacts[n] for n in run.impacts.dtype.names))
         elif kind == "times":
             load = vi.Load("block", values, values[::-1])
-            checked(machine.simulate(start, t=sorted(values), loads=[load]).s)
+            checked(machine.simulate(start=start, times=sorted(values), loads=[load]).s)
         elif kind == "many":
-            checked(vi.simulate_many([machine] * 3, start, periods=periods).states)
+            checked(vi.simulate_many([machine] * 3, starts=start, periods=periods).states)
         elif kind == "section":
-            checked(machine.poincare(start, at="upper", periods=periods, settle=periods).s)
+            checked(machine.poincare("upper", start=start, periods=periods, settle=periods).s)
         elif kind == "exponents":
-            checked(machine.lyapunov(start, periods=periods, settle=periods).exponents)
+            checked(machine.spectrum(start=start, periods=periods, settle=periods).exponents)
         elif kind == "steady":
             for found in (machine.steady().exact_orbit, machine.steady(sheet="lower").multiple_scales):
                 if found is not None:
@@ -70,9 +70,9 @@ def ask(changes, start, periods, kind, values):
             found = machine.bifurcation(**{name: values}, periods=(periods, periods))
             checked(found.up.maxima, found.down.impacts)
         elif kind == "basins":
-            checked(machine.basins(x1=(-1, 1, 2), v2=(-1, 1, 2), periods=periods).cells)
+            checked(machine.basins(x1=(-1, 1, 2), v2=(-1, 1, 2), settle=periods).cells)
         elif kind == "measure":
-            checked([x for x in machine.measure(["amplitude.x1", "power.input"], start, periods=periods).values() if x is not None])
+            checked([x for x in machine.measure(["amplitude.x1", "power.input"], start=start, periods=periods).values() if x is not None])
         else:
             orbit = machine.orbit("UL", tries=4)
             checked(orbit.phases, orbit.speeds, *orbit.motion([0.0, 1.0]))

@@ -71,7 +71,7 @@ def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator
 
 
 def test_second_method_basins_are_where_single_motions_settle():
-    bistable = vi.Assembly(OSCILLATOR).replace(**{"load.shaker.frequency": "4.2 Hz"})
+    bistable = vi.Assembly(OSCILLATOR).replace({"load.shaker.frequency": "4.2 Hz"})
     found = bistable.basins(**{"box.s": ("-10 mm", "9.9 mm", 5), "box.v": (-0.5, 0.5, 4)})
     assert found.cells.shape == (4, 5) and found.ended is None
     assert sorted(attractor.word for attractor in found.attractors) == ["", "impact wall"]
@@ -85,7 +85,7 @@ def test_second_method_basins_are_where_single_motions_settle():
 
 
 def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
-    quiet = vi.Assembly(OSCILLATOR).replace(**{"load.shaker.frequency": "1.5 Hz"})
+    quiet = vi.Assembly(OSCILLATOR).replace({"load.shaker.frequency": "1.5 Hz"})
     section, omega = quiet.poincare(phase=np.pi / 2, periods=5), 3 * np.pi
     re, im = 400 - omega**2, 2 * omega
     np.testing.assert_allclose(section["box.s"], 2 * re / (re**2 + im**2), rtol=1e-8)
@@ -93,7 +93,7 @@ def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
     hits = vi.Assembly(OSCILLATOR).poincare("wall", periods=7)
     assert (hits.speed > 0).all() and np.allclose(hits["box.v"], -0.8 * hits.speed)
     # c/m, and 2 ln 0.8 an impact: one in two periods of 1/3 s.
-    exponents = vi.Assembly(OSCILLATOR).lyapunov(periods=30).exponents
+    exponents = vi.Assembly(OSCILLATOR).spectrum(periods=30).exponents
     assert abs(exponents.sum() - (-2 + 2 * np.log(0.8) * 1.5)) < 1e-9
     with pytest.raises(KeyError, match="allowed are box.s"):
         section["boz.s"]
@@ -119,7 +119,7 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
         orbit = machine.orbit(**wanted)
         assert (orbit.word, orbit.periods, orbit.stability) == ("impact wall", 1, "unstable")
     # The branch of the stable one at a lower frequency leads there.
-    slower = machine.replace(**{"load.shaker.frequency": 2.55}).orbit("impact wall", period="1T")
+    slower = machine.replace({"load.shaker.frequency": 2.55}).orbit("impact wall", period="1T")
     branch = slower.follow("load.shaker.frequency", 2.5, 3.0, of="impact.speed.wall")
     assert abs(branch.measure[-1] - orbit.measure("impact.speed.wall")) < 1e-11
 
@@ -134,7 +134,7 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
         (lambda: example("impact_pair.toml").orbit().measure("power.lost"), "no measure of an orbit"),
         (lambda: example("impact_pair.toml").orbit().gradient("class"), "no measure of an orbit"),
         (lambda: vi.Assembly(OSCILLATOR).poincare("wall", phase=1.0), "allowed is 0 at a section of an element's events"),
-        (lambda: vi.Assembly(OSCILLATOR).lyapunov(periods=7), "periods = 7"),
+        (lambda: vi.Assembly(OSCILLATOR).spectrum(periods=7), "periods = 7"),
         (lambda: vi.Assembly(OSCILLATOR).orbit("open wall"), "it cannot close"),
         (lambda: vi.Assembly(OSCILLATOR).orbit(period="0T"), "allowed are '1T' to '32T'"),
         (lambda: vi.Assembly(OSCILLATOR).orbit(period=0.1), "a multiple of the drive's period"),

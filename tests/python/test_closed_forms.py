@@ -18,7 +18,7 @@ def machine():
 def test_exact_orbit_is_the_settled_motion(machine):
     orbit = machine.steady().exact_orbit
     assert orbit.stable and orbit.eigenvalues.shape == (0,) and orbit.multipliers.shape == (6,)
-    run = machine.simulate(orbit.start, periods=3, per_period=64)
+    run = machine.simulate(start=orbit.start, periods=3, per_period=64)
     s, v = orbit.motion(machine.drive_frequency * run.t)
     np.testing.assert_allclose(run.s, s, rtol=0, atol=SETTLED)
     np.testing.assert_allclose(run.v, v, rtol=0, atol=SETTLED)
@@ -59,12 +59,12 @@ def test_orbit_of_a_word_is_the_closed_form(machine):
 
 def test_an_orbit_passed_twice_is_said_to_be_that():
     machine = vi.Machine.from_groups(f10=2.2)
-    once, twice = machine.orbit("UL"), machine.orbit("ULUL", period=2)
+    once, twice = machine.orbit("UL"), machine.orbit("ULUL", period="2T")
     assert (once.word, once.passages, once.multiplier_periods) == ("UL", 1, 1.0)
     assert (twice.period, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
     np.testing.assert_allclose(np.abs(twice.multipliers), np.abs(once.multipliers), atol=1e-9)
     # Past the doubling the word has an orbit of its own.
-    assert machine.replace(f10=2.43).orbit("ULUL", period=2).period == 2
+    assert machine.replace(f10=2.43).orbit("ULUL", period="2T").period == 2
 
 
 def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():
@@ -78,7 +78,7 @@ def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():
 def test_an_orbit_with_three_impacts_is_a_motion_of_the_simulator():
     machine = vi.Machine.from_groups(f10=2.7)
     orbit = machine.orbit("UUL")
-    run = machine.simulate(orbit.start, periods=1, per_period=1)
+    run = machine.simulate(start=orbit.start, periods=1, per_period=1)
     np.testing.assert_allclose(run.end, run.s[0].tolist() + run.v[0].tolist(), rtol=0, atol=1e-8)
     assert sorted(run.impacts["stop"]) == [-1, 1, 1]
     speeds = np.sort(run.impacts["speed"])
@@ -87,7 +87,7 @@ def test_an_orbit_with_three_impacts_is_a_motion_of_the_simulator():
 
 def test_sections(machine):
     orbit = machine.steady().exact_orbit
-    upper, lower = (machine.poincare(orbit.start, at=at, settle=10, periods=20) for at in ("upper", "lower"))
+    upper, lower = (machine.poincare(at, start=orbit.start, settle=10, periods=20) for at in ("upper", "lower"))
     assert len(upper.t) == len(lower.t) == 20
     np.testing.assert_allclose(upper.phase, orbit.drive_phase, atol=1e-8)
     np.testing.assert_allclose(upper.s[:, 1] - upper.s[:, 0], machine.stop_gap, atol=1e-12)
@@ -100,7 +100,7 @@ def test_sections(machine):
 def test_measures_of_the_exact_orbit(machine):
     orbit = machine.steady().exact_orbit
     names = ["amplitude.x1", "amplitude.x2", "amplitude.x3", "impacts", "class", "exponent"]
-    found = machine.measure(names, orbit.start, periods=8, settle=10)
+    found = machine.measure(names, start=orbit.start, periods=8, settle=10)
     np.testing.assert_allclose([found[n] for n in names[:3]], orbit.amplitudes, rtol=1e-9)
     assert list(found) == names and found["impacts"] == 2.0 and found["class"] == "1T"
     assert set(names) < set(vi.MEASURES) and vi.MEASURES["amplitude.x1"][0] == "m"
@@ -116,7 +116,7 @@ def test_energy_is_balanced(machine):
 def test_a_run_goes_on_from_its_end(machine):
     whole = machine.simulate(periods=4, per_period=4)
     first = machine.simulate(periods=2, per_period=4)
-    second = machine.simulate(first.end, begin=first.t[-1], periods=2, per_period=4)
+    second = machine.simulate(start=first.end, periods=2, per_period=4)
     np.testing.assert_allclose(second.s, whole.s[8:], rtol=0, atol=1e-13)
     table = whole.to_pandas()
     assert table.index[-1] == whole.t[-1] and table["block.v"].iloc[-1] == whole.v[-1, 1]
@@ -125,11 +125,11 @@ def test_a_run_goes_on_from_its_end(machine):
 
 def test_many_starts_of_one_machine_and_one_by_one(machine):
     starts = [{"x2": x2, "v1": 0.1} for x2 in np.linspace(-0.9, 0.9, 9)]
-    ends = vi.simulate_many(machine, starts, periods=10)
+    ends = vi.simulate_many(machine, starts=starts, periods=10)
     for start, s in zip(starts, ends.s):
         # Ten periods amplify the rounding by which the two ways differ.
-        np.testing.assert_allclose(machine.simulate(start, periods=10, per_period=1).s[-1], s, rtol=0, atol=1e-9)
-    again = vi.simulate_many([machine] * 9, ends.states, periods=1)
+        np.testing.assert_allclose(machine.simulate(start=start, periods=10, per_period=1).s[-1], s, rtol=0, atol=1e-9)
+    again = vi.simulate_many([machine] * 9, starts=ends.states, periods=1)
     assert again.s.shape == (9, 3) and (again.t == machine.period).all()
 
 
@@ -138,5 +138,5 @@ def test_the_orbit_without_impacts_is_the_swing_of_the_box():
     orbit = machine.orbit(start={"x2": 0.0})
     assert (orbit.word, orbit.stable, len(orbit.phases)) == ("-", True, 0)
     assert orbit.maxima("x1")[0] == pytest.approx(machine.measure(["amplitude.without_block"])["amplitude.without_block"], rel=1e-12)
-    np.testing.assert_allclose(machine.simulate(list(orbit.start), periods=1).end, orbit.start, atol=1e-12)
+    np.testing.assert_allclose(machine.simulate(start=orbit.start, periods=1).end, orbit.start, atol=1e-12)
     assert [label for label, _ in orbit.follow("f10", 0.1, 4.0).special] == ["EP", "GR"]

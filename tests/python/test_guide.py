@@ -31,6 +31,8 @@ def run(page, folder):
     names, printed, count = {}, None, 0
     with contextlib.chdir(folder) if hasattr(contextlib, "chdir") else _folder(folder):
         for language, file, text in blocks(page):
+            if file == "no-run":
+                continue
             if file:
                 Path(file).write_text(text, encoding="utf-8")
             elif language == "python":

@@ -35,7 +35,7 @@ def results():
         plot.portrait: run,
         plot.section: M.poincare(periods=50),
         plot.bifurcation: diagram,
-        plot.basins: M.replace(f10=2.5).basins(v2=(-2, 2, 5), x1=(-1.2, 1.2, 5), periods=100),
+        plot.basins: M.replace(f10=2.5).basins(v2=(-2, 2, 5), x1=(-1.2, 1.2, 5), settle=100),
         plot.branch: M.orbit("UL").follow("f10", 1.4, 1.6),
     }
 
@@ -143,7 +143,7 @@ def test_orbits_basins_and_sections_of_a_machine_of_ones_own_are_drawn_with_thei
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [section.phase, section.speed])
     axes = plot.section(section, plt.figure().gca(), of="wall.e")
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [section["wall.e"], section["wall.rate"]])
-    basins = machine.replace(**{"load.shaker.frequency": 4.2}).basins(**{"box.s": (-0.01, 0.02, 3), "box.v": (-1, 1, 3)}, settle=100)
+    basins = machine.replace({"load.shaker.frequency": 4.2}).basins(**{"box.s": (-0.01, 0.02, 3), "box.v": (-1, 1, 3)}, settle=100)
     axes = plot.basins(basins, plt.figure().gca())
     np.testing.assert_array_equal(axes.images[0].get_array(), basins.cells + 3)
     assert -1 in basins.cells and axes.get_xlabel() == "start of box.s (m)"

@@ -24,8 +24,8 @@ PROMPT = 0.2
 LONG = {
     "simulate": lambda m, **more: m.simulate(periods=400_000, per_period=10, **more),
     "poincare": lambda m, **more: m.poincare(periods=50_000_000, **more),
-    "lyapunov": lambda m, **more: m.lyapunov(periods=400_000, **more),
-    "many": lambda m, **more: vi.simulate_many(m, np.zeros((300_000, 6)), periods=100, **more),
+    "lyapunov": lambda m, **more: m.spectrum(periods=400_000, **more),
+    "many": lambda m, **more: vi.simulate_many(m, starts=np.zeros((300_000, 6)), periods=100, **more),
     "bifurcation": lambda m, **more: m.bifurcation(f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
     "basins": lambda m, **more: m.basins(v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
 }
@@ -91,8 +91,7 @@ def rows(machines):
     return vi.measure_many(machines, names, **own)
 call = {"ends": ends, "rows": rows}[sys.argv[2]]
 wanted = call([machine])[0]
-vi._many.Bar.report = property(lambda self: done)
-vi._assembly.Bar.report = property(lambda self: done)
+vi._progress.Bar.report = property(lambda self: done)
 try:
     call([machine] * 100_000)
 except KeyboardInterrupt as stop:
@@ -133,7 +132,7 @@ def test_threads_find_what_one_finds():
         diagram = machine.bifurcation("box.s", periods=(20, 20), **{GAP: np.linspace(0.01, 0.1, 6)})
         found[machine] = (machine.simulate(5.0).values, diagram.up.maxima)
 
-    assemblies = [vi.Assembly(DAMPER).replace(**{"body.block.mass": m}) for m in (0.3, 0.5)]
+    assemblies = [vi.Assembly(DAMPER).replace({"body.block.mass": m}) for m in (0.3, 0.5)]
     threads = [threading.Thread(target=run, args=[m]) for m in machines]
     threads += [threading.Thread(target=run_assembly, args=[m]) for m in assemblies]
     for thread in threads:
@@ -156,7 +155,7 @@ def _end(machine):
 @pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
 def test_processes_made_in_any_way(method):
     machines = [vi.Machine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
-    machines += [vi.Assembly(DAMPER).replace(**{GAP: gap}) for gap in (0.004, 0.05)]
+    machines += [vi.Assembly(DAMPER).replace({GAP: gap}) for gap in (0.004, 0.05)]
     expected = [_end(m) for m in machines]  # the parent has its threads
     with multiprocessing.get_context(method).Pool(2) as pool:
         found = pool.map_async(_end, machines).get(timeout=120)

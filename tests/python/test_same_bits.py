@@ -66,7 +66,7 @@ def test_library_bifurcation_diagram(native):
 
 
 def test_library_basins(native):
-    found = vi.Machine.from_groups(f10=2.5).basins(v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), periods=200)
+    found = vi.Machine.from_groups(f10=2.5).basins(v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), settle=200)
 
     def word(number, mirror):
         return "Outside" if number < 0 else f"{'Mirror' if mirror else 'Attractor'}({number})"
@@ -78,7 +78,7 @@ def test_library_basins(native):
 
 
 def test_library_exponents(native):
-    found = vi.Machine.from_groups(f10=3.6).lyapunov(periods=120, settle=50)
+    found = vi.Machine.from_groups(f10=3.6).spectrum(periods=120, settle=50)
     np.testing.assert_array_equal(found.exponents, native["exponents"])
     assert found.exponents[0] > 0.01 and found.running.shape == (120, 7)
 
@@ -102,14 +102,14 @@ def test_fmu_at_steps_that_are_binary_fractions(version):
         output=[*STATES, "impacts.upper", "impacts.lower"],
         fmi_type="CoSimulation",
     )
-    run = vi.Machine(drive_amplitude=0.15, stop_restitution=0.6).simulate({"block_v": 0.3}, t=rows["time"])
+    run = vi.Machine(drive_amplitude=0.15, stop_restitution=0.6).simulate(start={"block_v": 0.3}, times=rows["time"])
     np.testing.assert_array_equal(np.hstack([run.s, run.v]), np.stack([rows[name] for name in STATES], axis=1))
     assert len(run.impacts) == rows["impacts.upper"][-1] + rows["impacts.lower"][-1] > 100
 
 
 def test_fmu_at_other_steps():
     rows = fmpy.simulate_fmu(str(vi.fmu_path()), stop_time=600.0, output_interval=0.3, output=STATES, fmi_type="CoSimulation")
-    run = vi.Machine().simulate([0.0] * 6, t=rows["time"])
+    run = vi.Machine().simulate(start=[0.0] * 6, times=rows["time"])
     found = np.stack([rows[name] for name in STATES], axis=1)
     np.testing.assert_allclose(np.hstack([run.s, run.v]), found, rtol=0, atol=SAME)
 

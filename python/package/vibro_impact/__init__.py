@@ -17,10 +17,9 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 from ._assembly import Assembly
 from ._assembly_fit import AssemblyFit, fit
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
-from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition, Sketch
-from ._assembly_start import AssemblyStart
+from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition
 from ._assembly_studies import AssemblyAttractor, AssemblyBasins, AssemblySection, AssemblySpectrum
-from ._deprecated import basins, bifurcation
+from ._base import AnyMachine
 from ._fmu import fmu_path
 from ._machine import Machine
 from ._many import Ends, measure_many, simulate_many
@@ -29,8 +28,11 @@ from ._motion import Load, Run, Section
 from ._native import __version__
 from ._orbits import LABELS, Branch, Orbit
 from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
+from ._sketch import Sketch
+from ._start import Start
 from ._steady import SteadyState, SteadyStates
 from ._studies import Attractor, Basins, Diagram, Direction
+from ._table import Table
 
 __all__ = [
     "ASSEMBLY_LABELS",
@@ -39,6 +41,7 @@ __all__ = [
     "MEASURES",
     "PARAMETERS",
     "SI_NAMES",
+    "AnyMachine",
     "Assembly",
     "AssemblyAttractor",
     "AssemblyBasins",
@@ -51,7 +54,6 @@ __all__ = [
     "AssemblyRun",
     "AssemblySection",
     "AssemblySpectrum",
-    "AssemblyStart",
     "AssemblyTransition",
     "Attractor",
     "Basins",
@@ -68,11 +70,11 @@ __all__ = [
     "SimilarNameWarning",
     "Sketch",
     "Spectrum",
+    "Start",
     "SteadyState",
     "SteadyStates",
+    "Table",
     "__version__",
-    "basins",
-    "bifurcation",
     "fit",
     "fmu_path",
     "measure_many",

@@ -5,23 +5,20 @@ from __future__ import annotations
 import numbers
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _native
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-    from . import _native
 
 #: An array of doubles.
 Floats = NDArray[np.float64]
 
-#: A state by names, or as six numbers: displacements (m), then velocities (m/s) of box, block and secondary oscillator.
-Start = Union[Mapping[str, float], Sequence[float], Floats, None]
-
-SI_COORDINATES = ("box_s", "block_s", "secondary_s", "box_v", "block_v", "secondary_v")
+SI_COORDINATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 COORDINATES = ("x1", "x2", "x3", "v1", "v2", "v3")
 
 MOST_PERIODS = 1_000_000_000
@@ -92,29 +89,81 @@ def array(name: str, value: ArrayLike, allowed: str, dimensions: int = 1) -> Flo
     return found
 
 
-def state(name: str, value: Start, system: _native.System) -> list[float]:
-    """A start as displacements (m) and velocities (m/s); without one, the block moves up from the middle with L omega10."""
+def displacement(of: Optional[str]) -> str:
+    """A displacement of the paper's machine, x2 unless given; columns are other names."""
+    names = {"box.s": "x1", "block.s": "x2", "secondary.s": "x3"}
+    return "x2" if of is None else choice("of", names.get(of, of) if isinstance(of, str) else of, ("x1", "x2", "x3", "w"))
+
+
+#: A start of the paper's machine: numbers by name, or six numbers.
+StartOfMachine = Union[Mapping[str, Union[float, str]], Sequence[float], Floats, None]
+
+
+class Coordinates(NamedTuple):
+    """A start of the paper's machine by its six coordinates, each in units of L or L omega10, or in SI."""
+
+    time: float
+    scaled: list[float]
+    si: list[Optional[float]]
+
+    def state(self, system: _native.System) -> list[float]:
+        """Displacements (m) and velocities (m/s) of a machine."""
+        return [a if b is None else b for a, b in zip(system.dimensional(self.scaled), self.si)]
+
+
+def coordinates(name: str, value: StartOfMachine) -> Coordinates:
+    """A start; without one, the block moves up from the middle with L omega10."""
     if value is None:
-        return system.dimensional([0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+        return Coordinates(0.0, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0], [None] * 6)
     if not isinstance(value, Mapping):
-        found = array(name, value, "six numbers, or a mapping such as {'x2': 0.5, 'block_v': 0.2}")
+        found = array(name, value, "six numbers, or a mapping such as {'x2': 0.5, 'block.v': 0.2}")
         if found.shape != (6,):
             raise ValueError(f"{name} has the shape {found.shape}: allowed is (6,): {', '.join(SI_COORDINATES)}")
-        return [float(x) for x in found]
-    scaled = [0.0] * 6
-    si = [None] * 6  # type: list[Any]
+        return Coordinates(0.0, [0.0] * 6, [float(x) for x in found])
+    start = Coordinates(_coordinate(name, "time", value.get("time", 0.0)), [0.0] * 6, [None] * 6)
     named: dict[int, str] = {}
     for key, given in value.items():
-        coordinate = choice(f"a name in {name}", key, (*COORDINATES, *SI_COORDINATES))
-        plain = number(f"{name}[{key!r}]", given)
-        first = named.setdefault((*COORDINATES, *SI_COORDINATES).index(coordinate) % 6, coordinate)
+        if key == "time":
+            continue
+        own = key.replace("_", ".") if isinstance(key, str) else key
+        coordinate = choice(f"a name in {name}", own, (*COORDINATES, *SI_COORDINATES))
+        plain = _coordinate(name, key, given)
+        index = (*COORDINATES, *SI_COORDINATES).index(coordinate) % 6
+        first = named.setdefault(index, coordinate)
         if first != coordinate:
             raise ValueError(
                 f"{name} = {dict(value)!r}: {first} and {coordinate} are one coordinate, in units of L or L omega10 and in SI: allowed "
                 "is each coordinate once"
             )
         if coordinate in COORDINATES:
-            scaled[COORDINATES.index(coordinate)] = plain
+            start.scaled[index] = plain
         else:
-            si[SI_COORDINATES.index(coordinate)] = plain
-    return [a if b is None else b for a, b in zip(system.dimensional(scaled), si)]
+            start.si[index] = plain
+    return start
+
+
+def _coordinate(name: str, key: str, given: object) -> float:
+    """A number of a start: in SI, in units of L or L omega10, or a text with a unit."""
+    if not isinstance(given, str):
+        return number(f"{name}[{key!r}]", given)
+    unit = "1" if key in COORDINATES else "s" if key == "time" else "m" if key[-1:] == "s" else "m/s"
+    return quantity(f"{name}[{key!r}]", unit, given)
+
+
+def quantity(name: str, unit: str, text: str) -> float:
+    """The value in SI of a text with a unit."""
+    found = _native.in_si("" if unit == "1" else unit, text)
+    if found is None:
+        raise ValueError(f"{name} = {text!r}: allowed is a number, which is in {unit}, or a text with a unit of it")
+    value, has_unit = found
+    if not has_unit and unit not in ("", "1"):
+        raise ValueError(f"{name} = {text!r}: allowed is a number, which is in {unit}, or a text with a unit")
+    return number(name, value)
+
+
+def state(name: str, value: StartOfMachine, system: _native.System) -> list[float]:
+    """A start at time 0 as displacements (m) and velocities (m/s)."""
+    start = coordinates(name, value)
+    if start.time != 0.0:
+        raise ValueError(f"{name}: time = {start.time}: allowed is 0, where this begins; simulate begins at other times")
+    return start.state(system)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,8 +11,11 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, array, discarded_and_kept, whole
+from ._base import merged
+from ._instants import after, instants
 from ._assembly_description import AssemblyDescription
-from ._assembly_many import Section, after, instants, measures_of, names_of, section_of
+from ._assembly_fit import fit
+from ._assembly_many import Section, measures_of, names_of, section_of
 from ._assembly_orbits import AssemblyBranch, AssemblyOrbit, find_branches, find_orbit
 from ._assembly_results import (
     AssemblyDiagram,
@@ -20,11 +23,12 @@ from ._assembly_results import (
     AssemblyEnds,
     AssemblyRun,
     AssemblyTransition,
-    Sketch,
     run_of,
     transition_of,
 )
-from ._assembly_start import AssemblyStart, Start, numbers_of, time_of
+from ._assembly_start import StartLike, numbers_of, time_of
+from ._sketch import Sketch
+from ._start import Start
 from ._assembly_studies import AssemblyBasins, AssemblySection, AssemblySpectrum, basins_of, poincare_of, spectrum_of
 from ._fmu import kit_path
 from ._progress import Bar
@@ -33,7 +37,8 @@ from ._result import direction
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-_MOST_SAMPLES = 10_000_000
+    from ._table import Table
+
 _MOST_VALUES = 20_000
 
 
@@ -68,10 +73,12 @@ class Assembly(AssemblyDescription):
         self,
         until: Optional[float] = None,
         *,
-        samples: int = 1000,
+        periods: Optional[int] = None,
         times: Optional[ArrayLike] = None,
+        start: StartLike = None,
+        samples: int = 1000,
+        per_period: int = 200,
         derivatives: Iterable[str] = (),
-        start: Start = None,
         progress: bool = False,
     ) -> AssemblyRun:
         """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
@@ -80,6 +87,8 @@ class Assembly(AssemblyDescription):
         ----------
         until, samples
             End of the motion, s, and number of equal parts; there is a sample at the start too.
+        periods, per_period
+            Instead of a time: common periods of what drives the machine (:attr:`period`), and reports in each.
         times
             Instants instead, shape (n,), s, ascending.
         start
@@ -97,23 +106,15 @@ class Assembly(AssemblyDescription):
         RuntimeError
             For a motion that cannot go on, with the elements and the time.
         """
-        if (until is None) == (times is None):
-            raise TypeError("until or times: allowed is one of them")
         numbers = numbers_of(self, start)
-        begin = time_of(numbers)
-        if times is None:
-            end = after("until", until, begin)
-            count = whole("samples", samples, 1, _MOST_SAMPLES)
-            t = np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
-        else:
-            t = instants(times, begin)
+        t = instants(time_of(numbers), self.period, until, periods, times, samples, per_period)
         parameters = names_of(derivatives)
         with Bar(progress, len(t), "samples") as bar:
             found = _native.simulate_assembly(self._described, numbers, t, parameters, bar.report)
         return run_of(self, t, found, parameters)
 
-    def start(self, numbers: Start) -> AssemblyStart:
-        """A start of the machine: from numbers by name, in SI or as texts with units, or from a start's file, such as the ``end.toml`` of ``vibro
+    def start(self, numbers: StartLike = None) -> Start:
+        """A start of the machine, of which what is not named is the machine's own: from numbers by name, in SI or as texts with units, or from a start's file, such as the ``end.toml`` of ``vibro
         run``.
 
         Raises
@@ -121,9 +122,9 @@ class Assembly(AssemblyDescription):
         ValueError, TypeError
             For unknown names (the message gives the nearest one), bodies with a ``motion``, and coordinates that links determine.
         """
-        return AssemblyStart({"time": 0.0, **dict(numbers_of(self, numbers))})
+        return Start({"time": 0.0, **dict(numbers_of(self, numbers, "numbers"))})
 
-    def transition(self, until: float, *, start: Start = None, progress: bool = False) -> AssemblyTransition:
+    def transition(self, until: float, *, start: StartLike = None, progress: bool = False) -> AssemblyTransition:
         """The exact derivatives of the state at a time by the state at the start, through impacts, contacts and sticking.
 
         The product of the matrices of parts of a motion is that of the whole. Over a period its eigenvalues are the multipliers of a periodic
@@ -148,7 +149,14 @@ class Assembly(AssemblyDescription):
         return transition_of(self, found)
 
     def measure(
-        self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, section: Section = None, start: Start = None
+        self,
+        measures: Sequence[str],
+        *,
+        periods: int = 60,
+        settle: int = 300,
+        section: Section = None,
+        start: StartLike = None,
+        progress: bool = False,
     ) -> dict[str, float | str | None]:
         """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
 
@@ -161,56 +169,43 @@ class Assembly(AssemblyDescription):
         start
             As of :meth:`simulate`.
         """
-        return measures_of([self], start, measures, periods, settle, section, "raise", False)[0]
+        return measures_of(self, measures, start, periods, settle, section, progress)
 
     def sweep(
         self,
         measures: Sequence[str],
+        parameters: Optional[Mapping[str, ArrayLike]] = None,
         *,
         periods: int = 60,
         settle: int = 300,
         section: Section = None,
-        start: Start = None,
+        start: StartLike = None,
         errors: str = "raise",
+        executor: Any = None,
+        checkpoint: Union[None, str, os.PathLike[str]] = None,
         progress: bool = False,
-        **parameters: ArrayLike,
-    ) -> list[dict[str, Any]]:
-        """Measures of all combinations of parameters, on all cores: a dictionary for each, of its parameters and its measures.
+        **more: ArrayLike,
+    ) -> Table:
+        """Measures of all combinations of parameters, on all cores.
 
-        ``damper.sweep(["amplitude.box.s"], **{"stop.upper.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` has four rows; the
-        last parameter varies fastest.
+        ``damper.sweep(["amplitude.box.s"], {"stop.upper.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` is a table of shape (2, 2).
 
         Parameters
         ----------
         measures, periods, settle, section, start
             As of :meth:`measure`.
-        errors
-            As of :func:`measure_many`.
-        **parameters
+        parameters, **more
             Each parameter by name with its values, as :meth:`replace` takes them.
+        errors, executor, checkpoint
+            As of :func:`measure_many`.
         """
         from ._many import sweep_of
 
-        return sweep_of(
-            self, parameters, measures, start, periods=periods, settle=settle, section=section, errors=errors, progress=progress
-        )
+        options = {"periods": periods, "settle": settle, "starts": start, "errors": errors, "executor": executor, "checkpoint": checkpoint}
+        return sweep_of(self, merged(parameters, more, "parameters"), measures, progress=progress, section=section, **options)
 
-    def largest_exponent(self, *, settle: int = 300, section: Section = None, start: Start = None) -> Optional[float]:
-        """The largest Lyapunov exponent, 1/s, through impacts, sticking and sliding; None where the motion has none.
-
-        It is the measure ``exponent``. Over a parameter: ``bifurcation`` with ``exponents``. All exponents of a motion, the spectrum:
-        :meth:`lyapunov`.
-
-        Parameters
-        ----------
-        settle, section, start
-            As of :meth:`measure`.
-        """
-        found = self.measure(["exponent"], settle=settle, section=section, start=start)["exponent"]
-        return None if found is None else float(found)
-
-    def lyapunov(
-        self, *, periods: int = 400, settle: int = 300, section: Section = None, start: Start = None, progress: bool = False
+    def spectrum(
+        self, *, periods: int = 400, settle: int = 300, section: Section = None, start: StartLike = None, progress: bool = False
     ) -> AssemblySpectrum:
         """All Lyapunov exponents of the settled motion, exactly through impacts, sticking and sliding: ``vibro lyapunov FILE --spectrum``.
 
@@ -235,7 +230,7 @@ class Assembly(AssemblyDescription):
         phase: float = 0.0,
         periods: int = 1000,
         settle: int = 300,
-        start: Start = None,
+        start: StartLike = None,
         progress: bool = False,
     ) -> AssemblySection:
         """A Poincaré section of the settled motion: ``vibro section FILE``.
@@ -259,15 +254,22 @@ class Assembly(AssemblyDescription):
         return poincare_of(self, section, phase, (start, periods, settle), progress)
 
     def basins(
-        self, *, settle: int = 300, section: Section = None, start: Start = None, progress: bool = False, **ranges: Any
+        self,
+        ranges: Optional[Mapping[str, Any]] = None,
+        *,
+        settle: int = 300,
+        section: Section = None,
+        start: StartLike = None,
+        progress: bool = False,
+        **more: Any,
     ) -> AssemblyBasins:
         """Basins of attraction over two numbers of the starts, on all cores: bit-identical to ``vibro basin FILE``.
 
-        ``damper.basins(**{"block.s": ("-4 mm", "4 mm", 60), "block.v": (-1.0, 1.0, 60)})``
+        ``damper.basins({"block.s": ("-4 mm", "4 mm", 60), "block.v": (-1.0, 1.0, 60)})``
 
         Parameters
         ----------
-        **ranges
+        ranges, **more
             Two of ``time`` and the bodies' coordinates and rates with (from, to, cells), in SI or as texts with units; the first across.
         settle, section
             As of :meth:`measure`.
@@ -279,30 +281,31 @@ class Assembly(AssemblyDescription):
         ValueError, TypeError
             For arguments out of their range.
         """
-        return basins_of(self, ranges, start, settle, section, progress)
+        return basins_of(self, merged(ranges, more, "ranges"), start, settle, section, progress)
 
     def bifurcation(
         self,
-        of: str,
+        of: Optional[str] = None,
+        parameter: Optional[Mapping[str, ArrayLike]] = None,
         *,
         at_section: bool = False,
         periods: tuple[int, int] = (300, 100),
         exponents: Union[bool, int] = False,
         section: Section = None,
         anew: bool = False,
-        start: Start = None,
+        start: StartLike = None,
         progress: bool = False,
-        **parameter: ArrayLike,
+        **more: ArrayLike,
     ) -> AssemblyDiagram:
         """Local maxima of a quantity over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
 
-        ``damper.bifurcation("box.s", **{"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
+        ``damper.bifurcation("box.s", {"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
 
         Parameters
         ----------
         of
-            A name of :attr:`columns`.
-        **parameter
+            A name of :attr:`columns`; the first without it.
+        parameter, **more
             The parameter by name with its values, equally spaced and rising: numbers in SI, whatever unit the file has, or texts with
             their units, as :meth:`replace` takes them: ``["3 mm", "4 mm", "5 mm"]``.
         at_section
@@ -319,9 +322,11 @@ class Assembly(AssemblyDescription):
         start
             As of :meth:`simulate`: where the motion begins at the first value of either direction.
         """
-        if len(parameter) != 1:
-            raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, rising and equally spaced")
-        ((name, given),) = parameter.items()
+        of = self.columns[0] if of is None else of
+        given_by_name = merged(parameter, more, "parameter")
+        if len(given_by_name) != 1:
+            raise TypeError(f"parameters {list(given_by_name)}: allowed is exactly one with its values, rising and equally spaced")
+        ((name, given),) = given_by_name.items()
         values = array(name, self._in_si(name, given), "an array of shape (n,) of values in SI, or of texts with units")
         even = len(values) >= 2 and np.allclose(np.diff(values), (values[-1] - values[0]) / (len(values) - 1), rtol=1e-6, atol=0)
         if not even or len(values) > _MOST_VALUES or not values[0] < values[-1]:
@@ -342,8 +347,8 @@ class Assembly(AssemblyDescription):
         word: Optional[str] = None,
         *,
         period: Union[None, float, str] = None,
-        start: Start = None,
-        starts: int = 32,
+        start: StartLike = None,
+        tries: int = 32,
         settle: int = 400,
         section: Section = None,
         progress: bool = False,
@@ -359,7 +364,7 @@ class Assembly(AssemblyDescription):
             Its period: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
         start
             As of :meth:`simulate`: where the motion begins.
-        starts
+        tries
             Number of random starts from which an orbit with a word or period is sought, where the first motion does not pass near one.
         settle
             Returns to the section before the motion counts as settled, unless it has settled before.
@@ -372,7 +377,7 @@ class Assembly(AssemblyDescription):
             For arguments out of their range, a word that cannot close, a motion that settles on no periodic orbit, with its class, and where
             none is found, with those that were.
         """
-        return find_orbit(self, (word, period, starts), start, settle, section, progress)
+        return find_orbit(self, (word, period, tries), start, settle, section, progress)
 
     def branches(
         self,
@@ -381,7 +386,7 @@ class Assembly(AssemblyDescription):
         high: Union[float, str],
         *,
         of: Optional[str] = None,
-        start: Start = None,
+        start: StartLike = None,
         seeds: int = 24,
         depth: int = 3,
         settle: int = 400,
@@ -417,7 +422,7 @@ class Assembly(AssemblyDescription):
         high: Union[float, str],
         *,
         of: Optional[str] = None,
-        start: Start = None,
+        start: StartLike = None,
         seeds: int = 24,
         depth: int = 0,
         settle: int = 400,
@@ -445,6 +450,10 @@ class Assembly(AssemblyDescription):
                 "discarded returns (settle), more values (seeds)"
             )
         return found
+
+    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+        """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
+        return fit(self, record, **options)
 
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""

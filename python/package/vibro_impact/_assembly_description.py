@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import number
+from ._arguments import Floats, number
+from ._base import AnyMachine, Value, merged
 from ._toml import toml
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from typing_extensions import Self
 
-#: A new value of a parameter: a number in SI, or a text with a unit.
-Value = Union[float, str]
 
-
-class AssemblyDescription:
+class AssemblyDescription(AnyMachine):
     """A described machine: its parameters, columns and measures. Base of :class:`Assembly`, from which results import it."""
 
     __slots__ = ("_described",)
@@ -80,7 +78,7 @@ class AssemblyDescription:
         ValueError, TypeError
             For an unknown name (the message gives the nearest one), or a value not allowed in a file either.
         """
-        parameters = {**(changes or {}), **parameters}
+        parameters = merged(changes, parameters, "changes")
         units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
         for name, value in parameters.items():
             if not isinstance(value, str):
@@ -89,6 +87,20 @@ class AssemblyDescription:
                 raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
         new = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
         return self._of(self._described.replace(new))
+
+    @property
+    def period(self) -> float:
+        """Common period of all that drives the machine, s; infinite where nothing does, or where there is none."""
+        found = self._described.period()
+        return float("inf") if found is None else found
+
+    def _rows(self, names: list[str], table: Floats) -> tuple[Any, ...]:
+        """The machine with rows of values of some parameters, as the library reads it."""
+        own = self.parameters
+        for name in names:
+            if name not in own:
+                self.replace({name: 0.0})  # says which name is near
+        return self._described, names, table
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
         """The values in SI: texts with units are converted, numbers are returned unchanged."""

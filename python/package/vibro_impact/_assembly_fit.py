@@ -10,14 +10,16 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, number, whole
-from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._assembly_start import StartLike, numbers_of
+from ._assembly_description import AssemblyDescription
+from ._base import AnyMachine
 from ._progress import Bar
+from ._start import Start
+from ._show import Line, lines
 from ._result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-    from ._assembly import Assembly
 
 _LOSSES = ("linear", "soft_l1", "huber")
 
@@ -26,9 +28,9 @@ _LOSSES = ("linear", "soft_l1", "huber")
 class AssemblyFit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
-    machine: Assembly
+    machine: AnyMachine
     "The machine with the fitted numbers."
-    start: AssemblyStart
+    start: Start
     "The start of its motion; empty for the machine's own."
     values: dict[str, float]
     "The fitted numbers by name."
@@ -55,6 +57,10 @@ class AssemblyFit(Result):
     persistence: float
     "Correlation of a residual with the next one of its column."
 
+    def _picture(self) -> str:
+        some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
+        return lines(some, "time (s)", "fitted motion less record, SI")
+
 
 def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, list[tuple[str, Floats]]]:
     """The times and the columns of a record."""
@@ -76,7 +82,7 @@ def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, 
 
 
 def fit(
-    machine: Assembly,
+    machine: AssemblyDescription,
     record: Mapping[str, tuple[ArrayLike, ArrayLike]],
     *,
     free: Iterable[str],
@@ -85,7 +91,7 @@ def fit(
     sigma: Optional[Mapping[str, float]] = None,
     loss: str = "linear",
     starts: int = 0,
-    start: Start = None,
+    start: StartLike = None,
     progress: bool = False,
 ) -> AssemblyFit:
     """Numbers of a machine of your own fitted to a record, with their errors: ``vibro fit FILE``.
@@ -128,9 +134,7 @@ def fit(
     RuntimeError
         Where no motion of the machine covers the record.
     """
-    from ._assembly import Assembly
-
-    if not isinstance(machine, Assembly):
+    if not isinstance(machine, AssemblyDescription):
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed is a machine of your own (Assembly)")
     names = [free] if isinstance(free, str) else list(free)
     t, columns = _record(record)
@@ -154,7 +158,7 @@ def fit(
             whole("starts", starts, 0, 10_000),
             bar.report,
         )
-    return _fitted(names, t, [name for name, _ in columns], found)
+    return _fitted(type(machine), names, t, [name for name, _ in columns], found)
 
 
 def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[list[float]]:
@@ -166,12 +170,10 @@ def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[l
     return [number("sigma", sigma[name]) for name in names]
 
 
-def _fitted(names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:
-    from ._assembly import Assembly
-
+def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:
     return AssemblyFit(
-        machine=Assembly(found["machine"]),
-        start=AssemblyStart(dict(found["start"])),
+        machine=kind(found["machine"]),
+        start=Start(dict(found["start"])),
         values=dict(zip(names, found["values"])),
         errors=dict(zip(names, found["errors"])),
         white_errors=dict(zip(names, found["white_errors"])),

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
-import numpy as np
-
 from . import _native
-from ._arguments import MOST_PERIODS, Floats, array, number, whole
+from ._arguments import MOST_PERIODS, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_results import AssemblyEnds, AssemblyRun, run_of
-from ._assembly_start import starts_of, time_of
-from ._measures import keeping, rows
+from ._assembly_results import AssemblyRun, run_of
+from ._assembly_start import StartLike, numbers_of, starts_of, time_of
+from ._instants import after, listed
+from ._measures import keeping, measure_names, measured
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ def runs(
 ) -> list[AssemblyRun]:
     """Assemblies' motions at instants, for :func:`simulate_many`."""
     machines, begins = starts_of(machines, starts)
-    t, parameters = instants(times, max((time_of(begin) for begin in begins), default=0.0)), names_of(derivatives)
+    t, parameters = listed(times, max((time_of(begin) for begin in begins), default=0.0)), names_of(derivatives)
 
     def run(index: int, found: dict[str, Any]) -> AssemblyRun:
         return run_of(machines[index], t, found, parameters)
@@ -36,14 +35,6 @@ def runs(
     with Bar(progress, len(machines), "motions") as bar, keeping(run):
         found = _native.follow_assemblies(described, begins, t, parameters, bar.report)
     return [run(index, one) for index, one in enumerate(found)]
-
-
-def instants(times: ArrayLike, begin: float) -> Floats:
-    """Ascending times from that of a start on."""
-    t: Floats = array("times", times, "an array of shape (n,) of times in s").copy()
-    if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= begin or not np.isfinite(t).all():
-        raise ValueError(f"times: allowed are ascending finite times from {begin:g} on")
-    return t
 
 
 def names_of(parameters: Iterable[str]) -> list[str]:
@@ -59,40 +50,22 @@ def names_of(parameters: Iterable[str]) -> list[str]:
     return names
 
 
-def ends(machines: list[AssemblyDescription], starts: Any, until: object, progress: bool) -> AssemblyEnds:
-    """The ends of assemblies' motions, for :func:`simulate_many`."""
-    machines, begins = starts_of(machines, starts)
-    end = after("until", until, max((time_of(begin) for begin in begins), default=0.0))
-    columns = machines[0].columns if machines else []
-    for index, machine in enumerate(machines):
-        if machine.columns != columns:
-            raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
-    with Bar(progress, len(machines), "motions") as bar:
-        with keeping(lambda _, one: np.array(one)):
-            values = _native.simulate_assemblies([m._described for m in machines], begins, end, bar.report)
-    return AssemblyEnds(end, columns, values)
-
-
 def measures_of(
-    machines: list[AssemblyDescription],
-    starts: Any,
+    machine: AssemblyDescription,
     measures: Sequence[str],
+    start: StartLike,
     periods: int,
     settle: int,
     section: Section,
-    errors: str,
     progress: bool,
-) -> list[dict[str, float | str | None]]:
-    """Measures of assemblies' settled motions, for :func:`measure_many`."""
-    if isinstance(measures, str):
-        raise TypeError(f"measures = {measures!r}: allowed is a sequence of names")
-    names = list(measures)
-    machines, begins = starts_of(machines, starts)
-    periods = whole("periods", periods, 1, MOST_PERIODS)
-    settle = whole("settle", settle, 0, MOST_PERIODS)
-    with Bar(progress, len(machines), "motions") as bar:
-        described, at = [m._described for m in machines], section_of(section)
-        return rows(names, errors, lambda told: _native.measure_assemblies(described, begins, names, settle, periods, at, told, bar.report))
+) -> dict[str, float | str | None]:
+    """Measures of an assembly's settled motion."""
+    names = measure_names(measures)
+    periods, settle = whole("periods", periods, 1, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
+    with Bar(progress, 1, "motions") as bar:
+        begin, at = [numbers_of(machine, start)], section_of(section)
+        ((numbers, kind, _),) = _native.measure_assemblies([machine._described], begin, names, settle, periods, at, False, bar.report)
+    return measured(names, numbers, kind)
 
 
 def section_of(section: Section) -> Union[None, float, str]:
@@ -103,11 +76,3 @@ def section_of(section: Section) -> Union[None, float, str]:
 def positive(name: str, value: object) -> float:
     """A number above 0."""
     return after(name, value, 0.0)
-
-
-def after(name: str, value: object, begin: float) -> float:
-    """A number above another."""
-    found = number(name, value)
-    if not found > begin:
-        raise ValueError(f"{name} = {value!r}: allowed is a finite number above {begin:g}")
-    return found

@@ -10,8 +10,10 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, number, whole
 from ._assembly_many import Section, positive, section_of
-from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
+from ._start import Start
+from ._show import Line, lines
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -54,7 +56,7 @@ class AssemblyOrbit(Result):
     "``stable``, ``unstable``, ``neutral`` (a machine without losses) or ``undecided``."
     violation: Optional[str]
     "Why it is no motion of the machine; none where it is one."
-    start: AssemblyStart
+    start: Start
     "A start on it, in the middle of its longest flight."
     events: list[tuple[float, str, str]]
     "Time (s), kind and element of each event."
@@ -117,6 +119,11 @@ class AssemblyOrbit(Result):
         raise TypeError("an orbit is not pickled: keep its start, from which Assembly.orbit finds it again")
 
 
+def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """The points of a piece of a branch, with the first of the next piece."""
+    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblyBranch(Result):
     """A branch of periodic orbits along a parameter."""
@@ -157,6 +164,14 @@ class AssemblyBranch(Result):
         """Special points as (label, value of the parameter, element), in the branch's order."""
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
 
+    def _picture(self) -> str:
+        measure = self.measure
+        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
+        some = [
+            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
+        ]
+        return lines(some, self.name, f"{self.of}, SI")
+
 
 def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
@@ -182,23 +197,23 @@ def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, A
 def find_orbit(
     machine: AssemblyDescription,
     wanted: tuple[Optional[str], Union[None, float, str], int],
-    start: Start,
+    start: StartLike,
     settle: int,
     section: Section,
     progress: bool,
 ) -> AssemblyOrbit:
     """The orbit on which a motion settles, or one with a word or period."""
-    word, period, starts = wanted
+    word, period, tries = wanted
     numbers = numbers_of(machine, start)
-    settle, starts = whole("settle", settle, 0, _MOST_RETURNS), whole("starts", starts, 0, 100_000)
+    settle, tries = whole("settle", settle, 0, _MOST_RETURNS), whole("tries", tries, 0, 100_000)
     if word is not None and not isinstance(word, str):
         raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
     periods, time = _period(machine, period)
     with Bar(progress, 1, "orbits") as bar:
         found = _native.assembly_orbit(
-            machine._described, numbers, settle, section_of(section), word, periods, time, starts, bar.report
+            machine._described, numbers, settle, section_of(section), word, periods, time, tries, bar.report
         )
-    own = AssemblyStart(dict(found.start))
+    own = Start(dict(found.start))
     return AssemblyOrbit(
         machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
     )
@@ -223,7 +238,7 @@ def find_branches(
     name: str,
     ends: tuple[Union[float, str], Union[float, str]],
     of: Optional[str],
-    options: tuple[Start, int, int, int, Section],
+    options: tuple[StartLike, int, int, int, Section],
     progress: bool,
 ) -> list[AssemblyBranch]:
     """All branches over a range of a parameter."""

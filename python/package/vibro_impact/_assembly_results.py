@@ -3,44 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from . import _native
 from ._arguments import Floats
 from ._assembly_description import AssemblyDescription
-from ._assembly_start import AssemblyStart
-from ._result import Result, fields_of, records
+from ._start import Start
+from ._show import Line, lines
+from ._result import EVENT, Result, column_of, fields_of, place_of, records
+from ._tables import dataset, frame
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from numpy.typing import NDArray
 
-#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
-EVENT = np.dtype([("t", "f8"), ("kind", "U6"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
 #: Energies, J: kinetic, stored, and what work and steps of stiffness put in less losses since the start;
 #: kinetic + stored - balance is constant.
 ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
-
-
-def _place(names: list[str], name: str) -> int:
-    """The place of a name."""
-    try:
-        return names.index(name)
-    except ValueError:
-        if name.endswith((".impacts", ".class")) or name == "class":
-            raise KeyError(f"{name}: has no derivative; allowed are {', '.join(names)}") from None
-        raise KeyError(f"{name}: allowed are {', '.join(names) or 'none, since none were asked for'}") from None
-
-
-def _column(columns: list[str], values: Floats, name: str) -> Floats:
-    """The column with a name."""
-    found: Floats = values[:, _place(columns, name)]
-    return found
 
 
 def _masked(
@@ -67,7 +49,7 @@ class AssemblyRun(Result):
     "All events, fields t (s), kind, element, value, stops."
     energy: NDArray[np.void]
     "Energies, shape (n,), fields kinetic, stored, balance, J."
-    end: AssemblyStart
+    end: Start
     "Time and state at the end, a start of a further motion."
     parameters: list[str] = dataclasses.field(default_factory=list)
     "The parameters by which there are derivatives."
@@ -86,7 +68,7 @@ class AssemblyRun(Result):
         KeyError
             For another column or parameter.
         """
-        place = _place(self.columns, column) * len(self.parameters) + _place(self.parameters, parameter)
+        place = place_of(self.columns, column) * len(self.parameters) + place_of(self.parameters, parameter)
         return _masked(self._derivatives, place)
 
     def event_derivative(self, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
@@ -97,19 +79,25 @@ class AssemblyRun(Result):
         KeyError
             For another parameter.
         """
-        return _masked(self._event_derivatives, _place(self.parameters, parameter))
+        return _masked(self._event_derivatives, place_of(self.parameters, parameter))
 
     def __getitem__(self, name: str) -> Floats:
-        return _column(self.columns, self.values, name)
+        return column_of(self.columns, self.values, name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The samples as a table of pandas, which must be installed, with times as index."""
-        import pandas
+        return frame(dict(zip(self.columns, self.values.T)), self.t)
 
-        return pandas.DataFrame(dict(zip(self.columns, self.values.T)), index=pandas.Index(self.t, name="time"))
+    def to_xarray(self) -> xarray.Dataset:
+        """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
+        return dataset(self.machine, self.columns, self.values, self.t)
+
+    def _picture(self) -> str:
+        names = [name for name in self.columns if name.endswith(".s")][:4]
+        return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -122,9 +110,11 @@ class AssemblyEnds(Result):
     "Names of the columns of `values`."
     values: Floats
     "Shape (n, k), SI."
+    error: Optional[NDArray[Any]] = None
+    "With ``errors='row'`` the reason why a motion has no end, None where it has one; its numbers are then masked."
 
     def __getitem__(self, name: str) -> Floats:
-        return _column(self.columns, self.values, name)
+        return column_of(self.columns, self.values, name)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -133,9 +123,9 @@ class AssemblyTransition(Result):
 
     machine: AssemblyDescription
     "Whose motion it is."
-    start: AssemblyStart
+    start: Start
     "The start, with all its numbers."
-    end: AssemblyStart
+    end: Start
     "The end."
     states: list[str]
     "Names of rows and columns: coordinates that links leave free, ``box.s``, then their rates, ``box.v``."
@@ -188,43 +178,9 @@ class AssemblyDiagram(Result):
     at_section: bool
     "Whether `maxima` has values at the section instead."
 
-
-class Sketch:
-    """The sketch of a machine; a notebook shows it as a picture."""
-
-    __slots__ = ("_described", "svg")
-    svg: str
-    "The picture as SVG."
-
-    def __init__(self, described: _native.Described) -> None:
-        self._described = described
-        self.svg = described.sketch()
-
-    def save(self, path: Union[str, os.PathLike[str]]) -> Path:
-        """Writes the picture into a file that ends in ``.svg`` or ``.png``; returns its path.
-
-        Raises
-        ------
-        ValueError
-            For another ending.
-        OSError
-            Where the file cannot be written.
-        """
-        to = Path(path)
-        if to.suffix == ".svg":
-            to.write_text(self.svg, encoding="utf-8")
-        elif to.suffix == ".png":
-            to.write_bytes(self._described.sketch_as_png())
-        else:
-            raise ValueError(f"path = {to}: allowed are files that end in .svg or .png")
-        return to
-
-    def _repr_svg_(self) -> str:
-        """The SVG, by which a notebook shows the sketch."""
-        return self.svg
-
-    def __repr__(self) -> str:
-        return f"Sketch({self._described.name()!r})"
+    def _picture(self) -> str:
+        down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
+        return lines([down, up], self.name, f"{self.of}, SI")
 
 
 def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> AssemblyRun:
@@ -232,12 +188,12 @@ def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], param
     lost = {name: why for name, why in zip(parameters, found["lost"]) if why}
     varied = (found["derivatives"], found["event_derivatives"]) if parameters else (None, None)
     values, events = found["values"], records(EVENT, found)
-    end = AssemblyStart(dict(found["end"]))
+    end = Start(dict(found["end"]))
     return AssemblyRun(machine, t, machine.columns, values, events, energy, end, parameters, lost, *varied)
 
 
 def transition_of(machine: AssemblyDescription, found: dict[str, Any]) -> AssemblyTransition:
     numbers, known = found["matrix"]
     lost = {name: why for name, why in zip(found["names"], found["lost"]) if why}
-    start, end = (AssemblyStart(dict(found[of])) for of in ("start", "end"))
+    start, end = (Start(dict(found[of])) for of in ("start", "end"))
     return AssemblyTransition(machine, start, end, found["names"], np.ma.MaskedArray(numbers, ~known), lost)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Union
 
 from ._arguments import number
@@ -14,75 +13,14 @@ if TYPE_CHECKING:
     from ._assembly_description import AssemblyDescription
 
 
-class AssemblyStart(Mapping[str, float]):
-    """A time and a state from which a motion starts; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
-
-    ``run.end`` is one, and ``{**run.end, "box.v": 0.0}`` one with another speed. :meth:`save` writes a file that reads back to an equal
-    start, which :meth:`Assembly.start` and ``vibro run FILE --start`` read.
-    """
-
-    __slots__ = ("_numbers",)
-
-    def __init__(self, numbers: Mapping[str, float]) -> None:
-        self._numbers = dict(numbers)
-
-    @property
-    def time(self) -> float:
-        """The time, s, at which signals have their values."""
-        return self._numbers["time"]
-
-    @property
-    def toml(self) -> str:
-        """The text of its file, in SI and with every digit."""
-        bodies: dict[str, str] = {}
-        for name, value in self._numbers.items():
-            body, _, key = name.rpartition(".")
-            if body:
-                bodies[body] = bodies.get(body, f"\n[body.{body}]\n") + f"{key} = {value!r}\n"
-        return f"time = {self.time!r}\n" + "".join(bodies.values())
-
-    def save(self, path: Union[str, os.PathLike[str]]) -> Path:
-        """Writes its file; returns the path.
-
-        Raises
-        ------
-        OSError
-            Where the file cannot be written.
-        """
-        to = Path(path)
-        to.write_text(self.toml, encoding="utf-8")
-        return to
-
-    def __getitem__(self, name: str) -> float:
-        try:
-            return self._numbers[name]
-        except KeyError:
-            raise KeyError(f"{name}: allowed are {', '.join(self._numbers)}") from None
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._numbers)
-
-    def __len__(self) -> int:
-        return len(self._numbers)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._numbers.items()))
-
-    def __repr__(self) -> str:
-        return f"AssemblyStart({self._numbers!r})"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (AssemblyStart, (self._numbers,))
-
-
 #: A start: numbers by name, in SI or as texts with units, or the path of a start's file; without it the machine's own.
-Start = Union[None, Mapping[str, Union[float, str]], str, os.PathLike[str]]
+StartLike = Union[None, Mapping[str, Union[float, str]], str, os.PathLike[str]]
 
 #: Names and numbers of a start, SI; none of a machine's own.
 Numbers = list[tuple[str, float]]
 
 
-def numbers_of(machine: AssemblyDescription, start: Start, name: str = "start") -> Numbers:
+def numbers_of(machine: AssemblyDescription, start: StartLike, name: str = "start") -> Numbers:
     """The numbers of a start of a machine."""
     if start is None:
         return []

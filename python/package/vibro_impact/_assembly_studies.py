@@ -10,8 +10,10 @@ import numpy as np
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, number, whole
 from ._assembly_many import Section, section_of
-from ._assembly_start import AssemblyStart, Start, numbers_of
+from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
+from ._start import Start
+from ._show import Line, cells, lines
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -42,7 +44,7 @@ class AssemblyAttractor(Result):
     "The events of its orbit in their order; empty without a period or events."
     stability: str
     "Stability of that orbit; empty where none was found."
-    start: AssemblyStart
+    start: Start
     "A start on it, or near it where it has no period."
 
 
@@ -67,6 +69,9 @@ class AssemblyBasins(Result):
     "Why the first motion that ended did."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
+
+    def _picture(self) -> str:
+        return cells(self.cells, self.edges, *self.names)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -93,6 +98,14 @@ class AssemblySection(Result):
         found: Floats = self.values[:, names.index(column)]
         return found
 
+    def _picture(self) -> str:
+        if self.phase is not None and self.speed is not None:
+            return lines([Line(self.phase, self.speed, dots=True)], "phase (rad)", f"closing speed of {self.at}, SI")
+        names = self.machine.columns
+        place = next((name for name in names if name.endswith(".s")), names[0])
+        rate = place[:-2] + ".v"
+        return lines([Line(self[place], self[rate if rate in names else place], dots=True)], place, rate)
+
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblySpectrum(Result):
@@ -109,20 +122,24 @@ class AssemblySpectrum(Result):
     running: Floats
     "The exponents up to there, shape (n, k), 1/s."
 
+    def _picture(self) -> str:
+        some = [Line(self.t, self.running[:, k], colour=k) for k in range(min(self.running.shape[1], 8))]
+        return lines(some, "time (s)", "running exponents (1/s)")
+
 
 def basins_of(
-    machine: AssemblyDescription, ranges: dict[str, Any], start: Start, settle: int, section: Section, progress: bool
+    machine: AssemblyDescription, ranges: dict[str, Any], start: StartLike, settle: int, section: Section, progress: bool
 ) -> AssemblyBasins:
     """What :meth:`Assembly.basins` returns."""
     if len(ranges) != 2:
-        raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. **{{'block.s': ('-4 mm', '4 mm', 60)}}")
+        raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
     x, y = (_range(machine, name, given) for name, given in ranges.items())
     settle = whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, 0, "parts") as bar:
         found = _native.assembly_basins(
             machine._described, x, y, numbers_of(machine, start), settle, section_of(section), bar.report
         )
-    attractors = tuple(AssemblyAttractor(**{**a, "start": AssemblyStart(dict(a["start"]))}) for a in found["attractors"])
+    attractors = tuple(AssemblyAttractor(**{**a, "start": Start(dict(a["start"]))}) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])
     return AssemblyBasins(machine, (x[0], y[0]), _centres(x), _centres(y), attractors, found["cells"], found["ended"], edges)
 
@@ -146,7 +163,7 @@ def _centres(axis: tuple[str, float, float, int]) -> Floats:
 
 
 def poincare_of(
-    machine: AssemblyDescription, section: Section, phase: float, options: tuple[Start, int, int], progress: bool
+    machine: AssemblyDescription, section: Section, phase: float, options: tuple[StartLike, int, int], progress: bool
 ) -> AssemblySection:
     """What :meth:`Assembly.poincare` returns."""
     start, periods, settle = options
@@ -159,9 +176,9 @@ def poincare_of(
 
 
 def spectrum_of(
-    machine: AssemblyDescription, periods: int, settle: int, section: Section, start: Start, progress: bool
+    machine: AssemblyDescription, periods: int, settle: int, section: Section, start: StartLike, progress: bool
 ) -> AssemblySpectrum:
-    """What :meth:`Assembly.lyapunov` returns."""
+    """What :meth:`Assembly.spectrum` returns."""
     periods, settle = whole("periods", periods, 8, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, periods, "periods") as bar:
         found = _native.assembly_spectrum(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from ._arguments import whole
@@ -17,7 +18,7 @@ def fmu_path(version: int = 2) -> Path:
     ValueError, TypeError
         For another version.
     FileNotFoundError
-        Where the package was built without the archives.
+        Where the package was built without the archives; the message says how to get them.
     """
     return _inside(_NAMES[whole("version", version, 2, 3)])
 
@@ -28,10 +29,13 @@ def kit_path() -> Path:
 
 
 def _inside(name: str) -> Path:
-    path = Path(__file__).with_name("fmu") / name
-    if not path.exists():
-        raise FileNotFoundError(
-            f"{path} is missing: the package was built without it. Make it by `cargo run --bin fmu-build` and build the "
-            "package again by `pip install ./python`"
-        )
-    return path
+    """A file of the package, or of the folder that the environment variable `VIBRO_IMPACT_ARCHIVES` names."""
+    own = Path(__file__).with_name("fmu") / name
+    named = os.environ.get("VIBRO_IMPACT_ARCHIVES")
+    for path in [own] + ([Path(named) / name] if named else []):
+        if path.exists():
+            return path
+    raise FileNotFoundError(
+        f"{own} is missing: this package was built without it. The wheel of a release has it. In the repository `cargo run --bin fmu-build` "
+        "makes it in target/: then set VIBRO_IMPACT_ARCHIVES to that folder, or build the package again by `pip install ./python`"
+    )

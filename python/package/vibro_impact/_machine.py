@@ -1,18 +1,37 @@
-"""The machine with its motions, closed forms, orbits and measures."""
+"""The paper's machine with its motions, closed forms, orbits and measures."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
-import numpy as np
-
 from . import _native
-from ._arguments import MOST_PERIODS, MOST_ROWS, Start, array, choice, number, state, whole
-from ._measures import Spectrum, measure_names, measured
+from ._arguments import (
+    MOST_PERIODS,
+    MOST_ROWS,
+    SI_COORDINATES,
+    StartOfMachine,
+    choice,
+    coordinates,
+    number,
+    state,
+    whole,
+)
+from ._assembly import Assembly
+from ._assembly_fit import fit
+from ._base import Value, merged
+from ._instants import instants
+from ._measures import MEASURES, Spectrum, measure_names, measured
 from ._motion import Load, Run, Section, load_list, run_of
-from ._orbits import Orbit, find_orbit
+from ._orbits import Branch, Orbit, find_branches, find_orbit
+from ._parameters import SI_NAMES
 from ._progress import Bar
+from ._sketch import Sketch
+from ._start import Start
 from ._steady import SteadyStates, steady_states
+from ._studies import basins_of, diagram_of
 from ._values import ParameterValues
 
 if TYPE_CHECKING:
@@ -21,6 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ._studies import Basins, Diagram
+    from ._table import Table
 
 
 class Machine(ParameterValues):
@@ -60,32 +80,34 @@ class Machine(ParameterValues):
 
     def simulate(
         self,
-        start: Start = None,
+        until: Optional[float] = None,
         *,
-        periods: int = 200,
+        periods: Optional[int] = None,
+        times: Optional[ArrayLike] = None,
+        start: StartOfMachine = None,
+        samples: int = 1000,
         per_period: int = 200,
-        t: Optional[ArrayLike] = None,
-        begin: float = 0.0,
         loads: Iterable[Load] = (),
         progress: bool = False,
     ) -> Run:
-        """The exact motion with all its impacts, reported at equal steps of the drive's period or at given times.
+        """The exact motion with all its impacts, reported at equal steps or at given times.
 
         Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
         FMU that is asked for the same times.
 
         Parameters
         ----------
-        start
-            The state at `begin`: a mapping of coordinates, ``x1, x2, x3`` (units of L), ``v1, v2, v3`` (L omega10) or ``box_s,
-            block_s, secondary_s`` (m), ``box_v, block_v, secondary_v`` (m/s), all others zero; or the six last ones as numbers.
-            Without it everything rests in the middle but the block, which moves up with L omega10.
+        until, samples
+            End of the motion, s, and number of equal parts; there is a sample at the start too.
         periods, per_period
-            Drive periods from `begin` on and reports in each; ``periods * per_period + 1`` instants in all.
-        t
-            Instants instead, shape (n,), s, ascending from `begin` on.
-        begin
-            The time of the start, s. The phase of the drive is ``drive_frequency * time + drive_phase``.
+            Instead of a time: drive periods from the start on, and reports in each; ``periods * per_period + 1`` instants in all.
+        times
+            Instants instead, shape (n,), s, ascending from the start on.
+        start
+            Where the motion begins: numbers by name, ``x1, x2, x3`` (units of L), ``v1, v2, v3`` (L omega10) or ``box.s``, ``block.v``, ... in SI
+            or as texts with units, all others zero, and ``time`` (s), at which the phase of the drive is ``drive_frequency * time +
+            drive_phase``; or six numbers, displacements (m), then velocities (m/s); or ``run.end`` of another motion. Without it everything
+            rests in the middle at time 0 but the block, which moves up with L omega10.
         loads
             Force histories on the bodies.
         progress
@@ -98,78 +120,117 @@ class Machine(ParameterValues):
         RuntimeError
             For a motion that hardly progresses: a block that bounces without end.
         """
-        begin = number("begin", begin)
-        if t is None:
+        begun = coordinates("start", start)
+        if periods is not None:
             self._needs_period("a run over periods")
-            whole("periods", periods, 0, MOST_PERIODS)
-            rows = whole("per_period", per_period, 1, MOST_ROWS) * periods + 1
-            whole("periods * per_period + 1", rows, 1, MOST_ROWS)
-            if not np.isfinite(begin + self.period * rows):
-                raise ValueError(f"periods = {periods}: allowed is an end of the run that a double can hold")
-            times = begin + self.period * np.arange(rows) / per_period
-        else:
-            times = array("t", t, "an array of shape (n,) of times in s, ascending")
-            if len(times) and (times[0] < begin or (np.diff(times) < 0).any()):
-                raise ValueError("t does not ascend from begin on: allowed are times in s, ascending from begin on")
-        with Bar(progress, len(times), "instants") as bar:
+        t = instants(begun.time, self.period, until, periods, times, samples, per_period)
+        with Bar(progress, len(t), "instants") as bar:
             found = _native.simulate(
-                self._system, state("start", start, self._system), begin, times, load_list(loads), bar.report
+                self._system, begun.state(self._system), begun.time, t, load_list(loads), bar.report
             )
-        return run_of(self, times, found)
+        return run_of(self, t, found)
 
-    def poincare(
+    def start(self, numbers: StartOfMachine = None) -> Start:
+        """A start of the machine with all its numbers in SI: from what :meth:`simulate` takes.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For unknown names, with the nearest one.
+        """
+        begun = coordinates("numbers", numbers)
+        return Start({"time": begun.time, **dict(zip(SI_COORDINATES, begun.state(self._system)))})
+
+    def _begun(self, start: StartOfMachine) -> tuple[_native.System, list[float], float]:
+        """A machine whose drive has at time 0 the phase that this one has at the start, with the state and the time there."""
+        begun = coordinates("start", start)
+        shift = self.drive_frequency * begun.time
+        own = self.replace(drive_phase=self.drive_phase + shift) if shift else self
+        return own._system, begun.state(self._system), begun.time
+
+    def measure(
         self,
-        start: Start = None,
+        measures: Sequence[str],
         *,
-        at: str = "phase",
-        phase: float = 0.0,
-        periods: int = 2000,
+        periods: int = 60,
         settle: int = 400,
+        start: StartOfMachine = None,
         progress: bool = False,
-    ) -> Section:
-        """A Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
+    ) -> dict[str, float | str | None]:
+        """Measures of the settled motion by name: :attr:`measures` has all, with units.
+
+        A number is exact for the motion, not for samples of it; the measure ``class`` is a text, and one that is not defined for the
+        machine is None.
 
         Parameters
         ----------
-        start
-            As of :meth:`simulate`, at time 0.
-        at
-            ``"phase"``, ``"upper"`` or ``"lower"``.
-        phase
-            The phase of the drive (rad) for ``at="phase"``.
+        measures
+            Names such as ``"amplitude.x1"``, ``"impacts"``, ``"power.input"``.
         periods, settle
-            Drive periods of the section, and those before it in which the transient dies out.
+            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+        start
+            As of :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As :meth:`simulate`; for a name that is none, with the nearest one.
         """
-        self._needs_period("a section")
-        stop = {"phase": 0, "upper": 1, "lower": -1}[choice("at", at, ("phase", "upper", "lower"))]
-        periods = whole("periods", periods, 0, MOST_ROWS)
-        settle = whole("settle", settle, 0, MOST_PERIODS)
-        with Bar(progress, periods + settle, "periods") as bar:
-            found = _native.poincare(
-                self._system,
-                state("start", start, self._system),
-                stop,
-                number("phase", phase),
-                settle,
-                periods,
-                bar.report,
-            )
-        return Section(self, at, **found)
+        self._needs_period("a measure")
+        names = measure_names(measures)
+        system, begin, _ = self._begun(start)
+        settle, periods = whole("settle", settle, 0, MOST_PERIODS), whole("periods", periods, 1, MOST_PERIODS)
+        with Bar(progress, 1, "motions") as bar:
+            numbers, kind = _native.measure(system, begin, names, settle, periods, bar.report)
+        return measured(names, numbers, kind)
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """All measures by name: SI unit (``1`` for none) and meaning."""
+        return {name: f"{unit or '1'}: {what}" for name, (unit, what) in MEASURES.items()}
+
+    def sweep(
+        self,
+        measures: Sequence[str],
+        parameters: Optional[Mapping[str, ArrayLike]] = None,
+        *,
+        periods: int = 60,
+        settle: int = 400,
+        start: StartOfMachine = None,
+        errors: str = "raise",
+        executor: Any = None,
+        checkpoint: Union[None, str, os.PathLike[str]] = None,
+        progress: bool = False,
+        **more: ArrayLike,
+    ) -> Table:
+        """Measures of all combinations of parameters, on all cores.
+
+        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` is a table of shape (2, 9).
+
+        Parameters
+        ----------
+        measures, periods, settle, start
+            As of :meth:`measure`.
+        parameters, **more
+            Each parameter by name with its values, in SI or as texts with units.
+        errors, executor, checkpoint
+            As of :func:`measure_many`.
+        """
+        from ._many import sweep_of
+
+        options = {"periods": periods, "settle": settle, "starts": start, "errors": errors, "executor": executor, "checkpoint": checkpoint}
+        return sweep_of(self, merged(parameters, more, "parameters"), measures, progress=progress, **options)
 
     def bifurcation(
         self,
+        of: Optional[str] = None,
+        parameter: Optional[Mapping[str, ArrayLike]] = None,
         *,
-        start: Start = None,
         periods: tuple[int, int] = (400, 800),
-        of: str = "x2",
         exponents: Union[bool, int] = False,
+        start: StartOfMachine = None,
         progress: bool = False,
-        **parameter: ArrayLike,
+        **more: ArrayLike,
     ) -> Diagram:
         """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
 
@@ -178,16 +239,16 @@ class Machine(ParameterValues):
 
         Parameters
         ----------
-        **parameter
+        of
+            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``, also ``"box.s"``, ``"block.s"``, ``"secondary.s"``; ``"x2"`` without it.
+        parameter, **more
             The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
-        start
-            Where the motion at the first value of either direction starts, as of :meth:`simulate`: of the machine itself.
         periods
             Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
-        of
-            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``.
         exponents
             Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
+        start
+            Where the motion at the first value of either direction starts, as of :meth:`simulate`, at time 0.
 
         Raises
         ------
@@ -199,21 +260,187 @@ class Machine(ParameterValues):
         SimilarNameWarning
             For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
         """
-        from ._studies import diagram_of
+        return diagram_of(self, merged(parameter, more, "parameter"), start, periods, of, exponents, progress)
 
-        return diagram_of(self, parameter, start, periods, of, exponents, progress)
+    def orbit(
+        self,
+        word: Optional[str] = None,
+        *,
+        period: Union[None, float, str] = None,
+        start: StartOfMachine = None,
+        tries: int = 400,
+        settle: int = 2000,
+        symmetric: bool = False,
+        progress: bool = False,
+    ) -> Orbit:
+        """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
 
-    def lyapunov(
-        self, start: Start = None, *, periods: int = 1500, settle: int = 400, progress: bool = False
+        It is solved for its impact phases by Newton's method and certified: no impact that the word does not list
+        (docs/theory.md, section 14).
+
+        Parameters
+        ----------
+        word
+            The stops in order, letters U and L; without it the orbit of the motion from `start` after `settle` drive periods.
+        period
+            Its period: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; ``"1T"`` without it.
+        tries
+            Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
+            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
+            ``passages``.
+        symmetric
+            Whether the word is half of a symmetric orbit and closes with the opposite sign, after half of an odd number of drive periods.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            Where none is found.
+        """
+        self._needs_period("a periodic orbit")
+        settle = whole("settle", settle, 0, MOST_PERIODS)
+        tries = whole("tries", tries, 1, 1_000_000)
+        if word is None:
+            system, begin, _ = self._begun(start)
+            return find_orbit(self, None, (system, begin, settle), 1, False, tries, progress)
+        return find_orbit(self, word, None, self._turns(period), bool(symmetric), tries, progress)
+
+    def _turns(self, period: Union[None, float, str]) -> int:
+        """A period in drive periods."""
+        allowed = f"allowed are '1T' to '1000T', or a multiple of the drive's period, {self.period:.9g} s"
+        if period is None:
+            return 1
+        if isinstance(period, str) and period.strip().endswith("T"):
+            turns = period.strip()[:-1].strip()
+            if turns.isdecimal() and 1 <= int(turns) <= 1000:
+                return int(turns)
+            raise ValueError(f"period = {period!r}: {allowed}")
+        time = coordinates("period", {"time": period}).time
+        count = round(time / self.period)
+        if not 1 <= count <= 1000 or abs(time - count * self.period) > 1e-6 * time:
+            raise ValueError(f"period = {period!r}: {allowed}")
+        return count
+
+    def branches(
+        self,
+        name: str,
+        low: Value,
+        high: Value,
+        *,
+        of: Optional[str] = None,
+        seeds: int = 24,
+        depth: int = 3,
+        settle: int = 1000,
+        progress: bool = False,
+    ) -> list[Branch]:
+        """Branches of periodic orbits over a parameter, stable or not, with their bifurcations: ``vibro orbits --tree``.
+
+        Parameters
+        ----------
+        name, low, high
+            The parameter and its range, in SI or as texts with units.
+        of
+            The displacement whose maxima are kept, as of :meth:`bifurcation`.
+        seeds
+            Values of the parameter at which motions are followed until they settle, rising and falling.
+        depth
+            Most changes from one branch to another in a row.
+        settle
+            Drive periods in which transients die out.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        """
+        self._needs_period("a branch of orbits")
+        return find_branches(self, name, (low, high), of, (seeds, depth, settle), progress)
+
+    def response(
+        self,
+        name: str,
+        low: Value,
+        high: Value,
+        *,
+        of: Optional[str] = None,
+        seeds: int = 24,
+        depth: int = 0,
+        settle: int = 1000,
+        progress: bool = False,
+    ) -> list[Branch]:
+        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling.
+
+        Parameters
+        ----------
+        name, low, high, of, seeds, depth, settle
+            As of :meth:`branches`, of which it is the case of depth 0.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range, and where no motion settles on an orbit that can be followed.
+        """
+        found = self.branches(name, low, high, of=of, seeds=seeds, depth=depth, settle=settle, progress=progress)
+        if not found:
+            raise ValueError(
+                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are more "
+                "discarded periods (settle), more values (seeds)"
+            )
+        return found
+
+    def poincare(
+        self,
+        section: Optional[str] = None,
+        *,
+        phase: float = 0.0,
+        periods: int = 2000,
+        settle: int = 400,
+        start: StartOfMachine = None,
+        progress: bool = False,
+    ) -> Section:
+        """A Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
+
+        Parameters
+        ----------
+        section
+            A stop, ``"upper"`` or ``"lower"``; without it the section is at a phase.
+        phase
+            That phase of the drive, rad.
+        periods, settle
+            Drive periods of the section, and those before it in which the transient dies out.
+        start
+            As of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        self._needs_period("a section")
+        at = "phase" if section is None else choice("section", section, ("upper", "lower"))
+        stop = {"phase": 0, "upper": 1, "lower": -1}[at]
+        periods = whole("periods", periods, 0, MOST_ROWS)
+        settle = whole("settle", settle, 0, MOST_PERIODS)
+        angle = number("phase", phase)
+        if stop and angle:
+            raise ValueError(f"phase = {phase!r}: allowed is 0 at a section of a stop's impacts")
+        system, begin, time = self._begun(start)
+        with Bar(progress, periods + settle, "periods") as bar:
+            found = _native.poincare(system, begin, stop, angle, settle, periods, bar.report)
+        return Section(self, at, **{**found, "t": found["t"] + time if time else found["t"]})
+
+    def spectrum(
+        self, *, periods: int = 1500, settle: int = 400, start: StartOfMachine = None, progress: bool = False
     ) -> Spectrum:
         """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
 
         Parameters
         ----------
-        start
-            As of :meth:`simulate`, at time 0.
         periods, settle
             Drive periods counted, and those before in which the transient dies out.
+        start
+            As of :meth:`simulate`.
 
         Raises
         ------
@@ -223,100 +450,100 @@ class Machine(ParameterValues):
         self._needs_period("a Lyapunov spectrum")
         periods = whole("periods", periods, 1, 10_000_000)
         settle = whole("settle", settle, 0, MOST_PERIODS)
+        system, begin, _ = self._begun(start)
         with Bar(progress, periods + 50, "periods") as bar:
-            found = _native.lyapunov(
-                self._system, state("start", start, self._system), settle, periods, bar.report
-            )
+            found = _native.lyapunov(system, begin, settle, periods, bar.report)
         return Spectrum(self, **found)
 
-    def measure(
+    def basins(
         self,
-        measures: Sequence[str],
-        start: Start = None,
+        ranges: Optional[Mapping[str, tuple[float, float, int]]] = None,
         *,
-        periods: int = 60,
-        settle: int = 400,
+        settle: int = 300,
+        start: StartOfMachine = None,
         progress: bool = False,
-    ) -> dict[str, float | str | None]:
-        """Measures of the settled motion by name: :data:`MEASURES` has all, with units.
-
-        A number is exact for the motion, not for samples of it; the measure ``class`` is a text, and one that is not defined for the
-        machine is None.
-
-        Parameters
-        ----------
-        measures
-            Names such as ``"amplitude.x1"``, ``"impacts"``, ``"power.input"``.
-        start
-            As of :meth:`simulate`, at time 0.
-        periods, settle
-            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
-
-        Raises
-        ------
-        ValueError, TypeError, RuntimeError
-            As :meth:`simulate`; for a name that is none, with the nearest one.
-        """
-        self._needs_period("a measure")
-        names = measure_names(measures)
-        with Bar(progress, 1, "motions") as bar:
-            numbers, kind = _native.measure(
-                self._system,
-                state("start", start, self._system),
-                names,
-                whole("settle", settle, 0, MOST_PERIODS),
-                whole("periods", periods, 1, MOST_PERIODS),
-                bar.report,
-            )
-        return measured(names, numbers, kind)
-
-    def sweep(
-        self,
-        measures: Sequence[str],
-        start: Start = None,
-        *,
-        periods: int = 60,
-        settle: int = 400,
-        errors: str = "raise",
-        progress: bool = False,
-        **parameters: ArrayLike,
-    ) -> list[dict[str, Any]]:
-        """Measures of all combinations of parameters, on all cores: a dictionary for each, of its parameters and its measures.
-
-        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` has 18 rows; the last parameter varies fastest.
-
-        Parameters
-        ----------
-        measures, start, periods, settle
-            As of :meth:`measure`.
-        errors
-            As of :func:`measure_many`.
-        **parameters
-            Each parameter by name with its values.
-        """
-        from ._many import sweep_of
-
-        return sweep_of(self, parameters, measures, start, periods=periods, settle=settle, errors=errors, progress=progress)
-
-    def basins(self, *, periods: int = 300, progress: bool = False, **ranges: tuple[float, float, int]) -> Basins:
+        **more: tuple[float, float, int],
+    ) -> Basins:
         """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
 
         Parameters
         ----------
-        **ranges
-            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of box_s, block_s, secondary_s (m), box_v, block_v,
-            secondary_v (m/s), the first across, each as (from, to, cells); the others are zero: ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
-        periods
+        ranges, **more
+            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of ``box.s``, ``block.v``, ..., the first across, each as (from, to,
+            cells): ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
+        settle
             Drive periods before a motion is recognized.
+        start
+            The other numbers, as of :meth:`simulate`, at time 0; zero without it.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
             For arguments out of their range; what the simulator refuses, starts outside the stops apart.
         """
-        from ._studies import basins_of
+        middle = [0.0] * 6 if start is None else state("start", start, self._system)
+        return basins_of(self, merged(ranges, more, "ranges"), settle, middle, progress)
 
-        return basins_of(self, ranges, periods, progress)
+    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+        """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
+        return fit(self, record, **options)  # type: ignore[arg-type, unused-ignore]
+
+    def assembly(self) -> Assembly:
+        """The machine as one of your own: the same bodies, springs, stops and loads with these numbers, started in the middle.
+
+        Its motions are the same but for round-off; it has what needs no groups: a file, a sketch, an FMU, derivatives, joining to other parts.
+
+        Raises
+        ------
+        ValueError
+            For a machine whose drive has no frequency.
+        """
+        self._needs_period("the machine as an assembly")
+        value = {name: repr(getattr(self, name)) for name in SI_NAMES}
+        stop = f"gap = {value['stop_gap']}, restitution = {value['stop_restitution']} }}"
+        start = self.start()["block.v"] if self.box_k > 0.0 else 0.0
+        text = f"""name = "{self.name}"
+body.box = {{ mass = {value["box_m"]} }}
+body.block = {{ mass = {value["block_m"]}, start = {{ v = {start!r} }} }}
+body.secondary = {{ mass = {value["secondary_m"]} }}
+stop.upper = {{ between = ["box", "block"], {stop}
+stop.lower = {{ between = ["block", "box"], {stop}
+load.drive = {{ on = "box", amplitude = {value["drive_amplitude"]}, frequency = "{value["drive_frequency"]} rad/s", phase = {value["drive_phase"]} }}
+"""
+        springs = (("mount", "ground", "box", "box"), ("secondary_mount", "ground", "secondary", "secondary"), ("coupling", "block", "secondary", ""))
+        for spring, first, second, own in springs:
+            stiffness = value[f"{own}_k"] if own else value["coupling_k"]
+            damping = value[f"{own}_c"] if own else "0.0"
+            if (float(stiffness), float(damping)) != (0.0, 0.0):
+                text += f'spring.{spring} = {{ between = ["{first}", "{second}"], stiffness = {stiffness}, damping = {damping} }}\n'
+        for body in ("box", "block", "secondary"):
+            if getattr(self, f"load_{body}"):
+                text += f'load.{body} = {{ on = "{body}", constant = {value[f"load_{body}"]} }}\n'
+        return Assembly(text)
+
+    @property
+    def toml(self) -> str:
+        """The text of the file of :meth:`assembly`."""
+        return self.assembly().toml
+
+    def sketch(self) -> Sketch:
+        """The machine as an engineer draws it; a notebook shows the picture."""
+        return self.assembly().sketch()
+
+    def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
+        """Writes an FMU of the machine with these numbers: that of :meth:`assembly`. :func:`fmu_path` has the one of all paper's machines.
+
+        Parameters
+        ----------
+        path, version
+            As of :meth:`Assembly.fmu`.
+
+        Raises
+        ------
+        ValueError, TypeError, FileNotFoundError, OSError
+            As :meth:`Assembly.fmu`.
+        """
+        return self.assembly().fmu(path, version)
 
     def steady(self, *, sheet: str = "upper") -> SteadyStates:
         """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
@@ -332,47 +559,3 @@ class Machine(ParameterValues):
             For another word.
         """
         return steady_states(self, choice("sheet", sheet, ("upper", "lower")))
-
-    def orbit(
-        self,
-        word: Optional[str] = None,
-        *,
-        start: Start = None,
-        period: int = 1,
-        symmetric: bool = False,
-        settle: int = 2000,
-        tries: int = 400,
-        progress: bool = False,
-    ) -> Orbit:
-        """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
-
-        It is solved for its impact phases by Newton's method and certified: no impact that the word does not list
-        (docs/theory.md, section 14).
-
-        Parameters
-        ----------
-        word
-            The stops in order over `period` drive periods, letters U and L; without it the orbit of the motion from `start` after
-            `settle` drive periods.
-        period
-            Drive periods until the word repeats itself.
-        symmetric
-            Whether the word is half of a symmetric orbit and closes with the opposite sign; it then takes ``period`` half drive
-            periods, an odd number.
-        tries
-            Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
-            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
-            ``passages``.
-
-        Raises
-        ------
-        ValueError, TypeError
-            For arguments out of their range.
-        RuntimeError
-            Where none is found.
-        """
-        self._needs_period("a periodic orbit")
-        settle = whole("settle", settle, 0, MOST_PERIODS)
-        period = whole("period", period, 1, 1000)
-        tries = whole("tries", tries, 1, 1_000_000)
-        return find_orbit(self, word, start, period, bool(symmetric), settle, tries, progress)

@@ -3,30 +3,35 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
-from collections.abc import Iterable, Sequence
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union, overload
 
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, Floats, Start, array, state, whole
+from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array, choice, coordinates, state, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_many import Section, ends, measures_of, names_of, runs
+from ._assembly_many import Section, names_of, runs, section_of
 from ._assembly_results import AssemblyEnds, AssemblyRun
-from ._assembly_start import Start as AssemblyStartLike
-from ._measures import keeping, measure_names, rows
-from ._progress import Bar
+from ._assembly_start import StartLike, numbers_of, starts_of, time_of
+from ._base import AnyMachine, merged
+from ._instants import after
+from ._measures import MEASURES, keeping, measure_names, measured
 from ._result import Result
+from ._table import Table, table_of
 from ._values import ParameterValues
+from ._work import rows_of
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
+
+_Path = Union[None, str, os.PathLike[str]]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Ends(Result):
-    """The ends of many motions."""
+    """The ends of many motions of paper's machines; ``ends["box.s"]`` is an array."""
 
     t: Floats
     "Times of the ends, shape (n,), s."
@@ -34,55 +39,178 @@ class Ends(Result):
     "Displacements x1, x2, x3, shape (n, 3), m."
     v: Floats
     "Velocities, shape (n, 3), m/s."
+    error: Optional[NDArray[Any]] = None
+    "With ``errors='row'`` the reason why a motion has no end, None where it has one; its numbers are then masked."
 
     @property
     def states(self) -> Floats:
         """The states as starts of further motions, shape (n, 6)."""
-        return np.concatenate([self.s, self.v], axis=1)
+        found: Floats = np.ma.concatenate([self.s, self.v], axis=-1) if isinstance(self.s, np.ma.MaskedArray) else np.concatenate([self.s, self.v], axis=-1)
+        return found
+
+    def __getitem__(self, name: str) -> Floats:
+        found: Floats = self.states[..., ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v").index(name)]
+        return found
+
+
+@dataclasses.dataclass(frozen=True)
+class _Motions:
+    """Machines and their starts: of each motion its own, or one machine with rows of values, or one start for all."""
+
+    machines: list[Any]
+    starts: Any
+    names: Optional[list[str]] = None
+    table: Optional[Floats] = None
+
+    def count(self) -> int:
+        """Number of motions."""
+        return len(self.machines) if self.table is None else len(self.table)
+
+    def part(self, begin: int, end: int) -> _Motions:
+        """Some of them."""
+        one = isinstance(self.starts, Coordinates) or (isinstance(self.starts, list) and len(self.starts) == 1)
+        starts = self.starts if one else self.starts[begin:end]
+        if self.table is None:
+            return dataclasses.replace(self, machines=self.machines[begin:end], starts=starts)
+        return dataclasses.replace(self, table=self.table[begin:end], starts=starts)
+
+    def told(self) -> Iterator[bytes]:
+        """All on which they depend."""
+        yield from (m.toml.encode() if isinstance(m, AssemblyDescription) else repr(m).encode() for m in self.machines)
+        yield repr(self.names).encode()
+        yield b"" if self.table is None else np.ascontiguousarray(self.table).tobytes()
+        yield self.starts.tobytes() if isinstance(self.starts, np.ndarray) else repr(self.starts).encode()
+
+    @property
+    def is_assembly(self) -> bool:
+        """Whether they are assemblies."""
+        return bool(self.machines) and isinstance(self.machines[0], AssemblyDescription)
+
+    @property
+    def given(self) -> tuple[Any, Any]:
+        """Machines and starts as the library reads them."""
+        starts = (self.starts.scaled, self.starts.si) if isinstance(self.starts, Coordinates) else self.starts
+        if self.table is not None:
+            return self.machines[0]._rows(self.names, np.ascontiguousarray(self.table)), starts
+        own = [m._described if isinstance(m, AssemblyDescription) else m._system for m in self.machines]
+        return own, starts
+
+
+@dataclasses.dataclass(frozen=True)
+class _Work:
+    """Motions with what is asked of them."""
+
+    motions: _Motions
+    in_rows: bool
+
+    def count(self) -> int:
+        """Number of motions."""
+        return self.motions.count()
+
+    def part(self, begin: int, end: int) -> Any:
+        """Some of them."""
+        return dataclasses.replace(self, motions=self.motions.part(begin, end))
+
+    def told(self) -> Iterator[bytes]:
+        """All on which the rows depend."""
+        yield from self.motions.told()
+        rest = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "motions"}
+        yield repr((type(self).__name__, rest)).encode()
+
+
+@dataclasses.dataclass(frozen=True)
+class _Measures(_Work):
+    names: list[str]
+    periods: int
+    settle: int
+    section: Union[None, float, str]
+
+    def rows(self, report: Any) -> list[Any]:
+        """Measures, class and reason of each."""
+        machines, starts = self.motions.given
+        if not self.motions.is_assembly:
+            return _native.measure_many(machines, starts, self.names, self.settle, self.periods, self.in_rows, report)
+        return _native.measure_assemblies(machines, starts, self.names, self.settle, self.periods, self.section, self.in_rows, report)
+
+
+@dataclasses.dataclass(frozen=True)
+class _EndsOf(_Work):
+    until: float
+    periods: int
+
+    def rows(self, report: Any) -> list[Any]:
+        """Numbers and reason of each."""
+        machines, starts = self.motions.given
+        if self.motions.is_assembly:
+            values, reasons = _native.simulate_assemblies(machines, starts, self.until, self.in_rows, report)
+        else:
+            with keeping(lambda _, one: (one, None)):
+                s, v, reasons = _native.simulate_many(machines, starts, self.periods, self.in_rows, report)
+            values = np.concatenate([s, v], axis=1)
+        return list(zip(values.tolist(), reasons))
 
 
 @overload
 def simulate_many(
     machines: Union[ParameterValues, Iterable[ParameterValues]],
-    starts: Union[Start, Sequence[Start]] = None,
+    parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
+    starts: Union[StartOfMachine, Sequence[StartOfMachine]] = None,
     periods: int = 400,
+    errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
+    **more: ArrayLike,
 ) -> Ends: ...
 
 
 @overload
 def simulate_many(
     machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
-    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
+    parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
+    starts: Union[StartLike, Sequence[StartLike]] = None,
     until: float,
+    errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
+    **more: ArrayLike,
 ) -> AssemblyEnds: ...
 
 
 @overload
 def simulate_many(
     machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
-    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
+    parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
+    starts: Union[StartLike, Sequence[StartLike]] = None,
     times: ArrayLike,
     derivatives: Iterable[str] = (),
     progress: bool = False,
+    **more: ArrayLike,
 ) -> list[AssemblyRun]: ...
 
 
 def simulate_many(
     machines: Any,
-    starts: Any = None,
+    parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
+    starts: Any = None,
     periods: Optional[int] = None,
     until: Optional[float] = None,
     times: Optional[ArrayLike] = None,
     derivatives: Iterable[str] = (),
+    errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
-) -> Union[Ends, AssemblyEnds, list[AssemblyRun]]:
+    **more: ArrayLike,
+) -> Any:
     """Many motions on all cores: of :class:`Machine` over whole drive periods from time 0, of :class:`Assembly` until a time or at instants.
+
+    ``simulate_many(damper, {"stop.steel.gap": gaps}, until=2.0)`` makes each machine where its motion runs, and no object for it.
 
     Those of :class:`Machine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`Machine.simulate`, but not on
     the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Assembly`
@@ -91,17 +219,19 @@ def simulate_many(
     Parameters
     ----------
     machines
-        Machines of one kind, or one for all starts. Neighbours that are equal share their tables. Of assemblies with `until` all have one
-        structure: :meth:`Assembly.replace` makes them.
+        A machine, or machines of one kind. Of several assemblies with `until` all have one structure.
+    parameters, **more
+        Arrays of values of some parameters of one machine, SI, broadcast against each other: the results have their shape.
     starts
-        Of machines: a start as of :meth:`Machine.simulate` for all, a sequence of starts, or an array of shape (n, 6). Of assemblies: a start
-        as of :meth:`Assembly.simulate` for all, or a sequence of starts.
+        A start as of `simulate` for all, or a sequence of starts; of :class:`Machine` also an array of shape (n, 6).
     periods
-        Of machines: drive periods, each machine's own; 400 unless given.
+        Of :class:`Machine`: drive periods, each machine's own; 400 unless given.
     until
         Of assemblies: end of the motions, s.
     times, derivatives
         Of assemblies: as of :meth:`Assembly.simulate`; a run for each.
+    errors, executor, checkpoint
+        As of :func:`measure_many`; not with `times`.
 
     Raises
     ------
@@ -110,85 +240,133 @@ def simulate_many(
         for assemblies of different columns.
     KeyboardInterrupt
         On Ctrl-C, with the ends found until then as its attribute ``partial``: a list with an array for each motion, None where it was not
-        at its end; of machines the state, shape (6,), of assemblies the values in the order of ``columns``.
+        at its end; of :class:`Machine` the state, shape (6,), of assemblies the values in the order of ``columns``.
     """
-    machines = _listed(machines)
-    if until is not None or times is not None or _are_assemblies(machines):
+    several, is_assembly = _listed(machines)
+    given, shape = _arrays(several, merged(parameters, more, "parameters"))
+    if until is not None or times is not None or is_assembly:
         if (until is None) == (times is None) or periods is not None:
-            raise TypeError("of assemblies allowed is `until` or `times`, and no `periods`; of machines the other way round")
-        if times is not None:
-            return runs(_several(machines), starts, times, derivatives, progress)
-        if names_of(derivatives):
-            raise TypeError("derivatives: allowed with `times`")
-        return ends(_several(machines), starts, until, progress)
+            raise TypeError("of assemblies allowed is `until` or `times`, and no `periods`; of Machine the other way round")
+    if times is not None:
+        if given or (errors, executor, checkpoint) != ("raise", None, None):
+            raise TypeError("times: allowed with several machines, without arrays, errors, executor and checkpoint")
+        return runs(_checked(several, AssemblyDescription), starts, times, derivatives, progress)
     if names_of(derivatives):
         raise TypeError("derivatives: allowed for assemblies, with `times`")
-    periods = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
-    several, begins = _motions(machines, starts, "a motion over periods")
-    with Bar(progress, len(several), "motions") as bar, keeping(lambda _, one: np.array(one)):
-        s, v = _native.simulate_many([m._system for m in several], begins, periods, bar.report)
-    return Ends(np.array([periods * m.period for m in several]), s, v)
+    in_rows = choice("errors", errors, ("raise", "row")) == "row"
+    count = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
+    motions = _motions(several, starts, given, is_assembly, "a motion over periods")
+    end = after("until", until, max((time_of(begin) for begin in motions.starts), default=0.0)) if is_assembly else 0.0
+    if is_assembly:
+        _of_one_structure(motions.machines)
+    work = _EndsOf(motions, in_rows, end, count)
+    with keeping(lambda _, row: np.array(row[0])):
+        rows = rows_of(work, executor, checkpoint, progress)
+    width = len(several[0].columns) if several else 0
+    values = np.array([numbers for numbers, _ in rows], dtype=np.float64).reshape(len(rows), width or 6)
+    refused = np.array([reason is not None for _, reason in rows], dtype=bool)
+    if refused.any():
+        values = np.ma.MaskedArray(values, np.broadcast_to(refused[:, None], values.shape))
+    shape = (len(rows),) if shape is None else shape
+    values = values.reshape(*shape, values.shape[1])
+    error = np.array([reason for _, reason in rows], dtype=object).reshape(shape) if in_rows else None
+    if is_assembly:
+        return AssemblyEnds(end, several[0].columns, values, error)
+    return Ends(_times(motions, count).reshape(shape), values[..., :3], values[..., 3:], error)
+
+
+def _times(motions: _Motions, periods: int) -> Floats:
+    """Ends of motions over periods, s."""
+    if motions.table is None:
+        return np.array([periods * m.period for m in motions.machines])
+    base, names = motions.machines[0], motions.names or []
+    if not any(base._changes_period(name) for name in names):
+        return np.full(len(motions.table), periods * base.period)
+    found = []
+    for row in motions.table:
+        try:
+            found.append(periods * base.replace(dict(zip(names, row.tolist()))).period)
+        except ValueError:
+            found.append(0.0)  # of a machine that is refused
+    return np.array(found)
 
 
 @overload
 def measure_many(
     machines: Union[ParameterValues, Iterable[ParameterValues]],
-    measures: Sequence[str],
-    starts: Union[Start, Sequence[Start]] = None,
+    parameters: Union[Mapping[str, ArrayLike], Sequence[str]],
+    measures: Optional[Sequence[str]] = None,
     *,
+    starts: Union[StartOfMachine, Sequence[StartOfMachine]] = None,
     periods: int = 60,
     settle: int = 400,
     errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
-) -> list[dict[str, float | str | None]]: ...
+) -> Table: ...
 
 
 @overload
 def measure_many(
     machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
-    measures: Sequence[str],
-    starts: Union[AssemblyStartLike, Sequence[AssemblyStartLike]] = None,
+    parameters: Union[Mapping[str, ArrayLike], Sequence[str]],
+    measures: Optional[Sequence[str]] = None,
     *,
+    starts: Union[StartLike, Sequence[StartLike]] = None,
     periods: int = 60,
     settle: int = 300,
     section: Section = None,
     errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
-) -> list[dict[str, float | str | None]]: ...
+) -> Table: ...
 
 
 def measure_many(
     machines: Any,
-    measures: Sequence[str],
-    starts: Any = None,
+    parameters: Union[Mapping[str, ArrayLike], Sequence[str]],
+    measures: Optional[Sequence[str]] = None,
     *,
+    starts: Any = None,
     periods: int = 60,
     settle: Optional[int] = None,
     section: Section = None,
     errors: str = "raise",
+    executor: Any = None,
+    checkpoint: _Path = None,
     progress: bool = False,
-) -> list[dict[str, float | str | None]]:
-    """Measures of many settled motions on all cores: a dictionary for each, with the bits of :meth:`Machine.measure` and
-    :meth:`Assembly.measure`.
+) -> Table:
+    """Measures of many settled motions on all cores, with the bits of :meth:`Machine.measure` and :meth:`Assembly.measure`.
 
-    ``pandas.DataFrame(measure_many(...))`` makes a table of them.
+    ``measure_many(damper, {"stop.steel.gap": gaps}, ["amplitude.box.s"])`` of one machine with arrays of values, which needs no object for
+    each; ``measure_many(machines, ["amplitude.box.s"])`` of several.
 
     Parameters
     ----------
     machines
-        Machines or assemblies, or one for all starts.
+        A machine, or machines of one kind.
+    parameters
+        Arrays of values of some parameters of one machine, SI, broadcast against each other: the table has their shape. Left out for machines
+        as they are.
     measures
-        Names: :data:`MEASURES` has those of machines, :attr:`Assembly.measures` those of an assembly, with units.
+        Names: `measures` of the machine has all, with units.
     starts
         As of :func:`simulate_many`.
     periods, settle
-        Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep`` and ``vibro
-        assembly sweep``.
+        Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
     section
         Of assemblies, as of :meth:`Assembly.measure`.
     errors
-        ``"raise"``: a motion that is refused or cannot go on raises its exception. ``"row"``: its dictionary has None for every measure and
-        the reason under ``"error"``, which is None in all others; what is asked wrongly of all motions is raised all the same.
+        ``"raise"``: a motion that is refused or cannot go on raises its exception. ``"row"``: its measures are masked and the table's
+        ``error`` has the reason; what is asked wrongly of all motions is raised all the same.
+    executor
+        What has ``submit``, as executors of ``concurrent.futures``, loky and mpi4py and a Client of dask: it computes parts of the work in
+        other processes, which need this package alone. Without it this process does on all its cores.
+    checkpoint
+        A folder in which finished parts are kept: the same call goes on from there after Ctrl-C or a crash, and returns at once where all is
+        done. It is of this work alone, and yours to delete.
 
     Raises
     ------
@@ -198,64 +376,128 @@ def measure_many(
         On Ctrl-C, with the dictionaries found until then as its attribute ``partial``: a list with None for each motion that was not at its
         end.
     """
-    machines = _listed(machines)
-    if _are_assemblies(machines):
-        settle = 300 if settle is None else settle
-        return measures_of(_several(machines), starts, measures, periods, settle, section, errors, progress)
-    if section is not None:
-        raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
+    if measures is None:
+        measures, parameters = parameters, {}  # type: ignore[assignment]
+    return _measured(machines, parameters, measures, starts, periods, settle, section, errors, executor, checkpoint, progress)
+
+
+def _measured(
+    machines: Any,
+    parameters: Any,
+    measures: Any,
+    starts: Any,
+    periods: int,
+    settle: Optional[int],
+    section: Section,
+    errors: str,
+    executor: Any,
+    checkpoint: _Path,
+    progress: bool,
+    axes: Optional[tuple[str, ...]] = None,
+) -> Table:
+    several, is_assembly = _listed(machines)
     names = measure_names(measures)
+    given, shape = _arrays(several, merged(parameters, {}, "parameters"))
+    if section is not None and not is_assembly:
+        raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
+    in_rows = choice("errors", errors, ("raise", "row")) == "row"
     periods = whole("periods", periods, 1, MOST_PERIODS)
-    settle = whole("settle", 400 if settle is None else settle, 0, MOST_PERIODS)
-    several, begins = _motions(machines, starts, "a measure")
-    systems = [m._system for m in several]
-    with Bar(progress, len(several), "motions") as bar:
-        return rows(names, errors, lambda told: _native.measure_many(systems, begins, names, settle, periods, told, bar.report))
+    settle = whole("settle", (300 if is_assembly else 400) if settle is None else settle, 0, MOST_PERIODS)
+    motions = _motions(several, starts, given, is_assembly, "a measure")
+    work = _Measures(motions, in_rows, names, periods, settle, section_of(section))
+
+    def row(_: int, found: Any) -> dict[str, Any]:
+        numbers, kind, error = found
+        told = measured(names, numbers if error is None else [None] * len(names), kind)
+        return {**told, "error": error} if in_rows else told
+
+    with keeping(row):
+        rows = rows_of(work, executor, checkpoint, progress)
+    known: dict[str, str] = {}
+    if several:
+        own = several[0]
+        by_measure = {name: about.split(":", 1)[0] for name, about in own.measures.items()} if is_assembly else {n: u or "1" for n, (u, _) in MEASURES.items()}
+        known = {**own.units, **by_measure}
+    return table_of(given, names, rows, in_rows, known, (len(rows),) if shape is None else shape, axes)
 
 
-def sweep_of(
-    machine: Union[ParameterValues, AssemblyDescription], parameters: dict[str, Any], measures: Sequence[str], starts: Any = None, **options: Any
-) -> list[dict[str, Any]]:
+def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence[str], *, section: Section = None, **options: Any) -> Table:
     """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
     for name, values in parameters.items():
         if isinstance(values, str) or np.ndim(values) != 1:
             raise TypeError(f"{name}: allowed is a list or an array of shape (n,) of values")
-    designs = [dict(zip(parameters, values)) for values in itertools.product(*parameters.values())]
-    machines: list[Any] = [machine.replace(**design) for design in designs]
-    found = measure_many(machines, measures, starts, **options)
-    return [{**design, **row} for design, row in zip(designs, found)]
+    own: Any = machine
+    found = [np.asarray(own._in_si(name, values)) for name, values in parameters.items()]
+    grid = np.meshgrid(*found, indexing="ij") if found else []
+    return _measured(machine, dict(zip(parameters, grid)), measures, section=section, axes=tuple(parameters), **options)
 
 
-def _listed(machines: Any) -> Any:
-    """A collection that can be iterated over more than once."""
-    return list(machines) if isinstance(machines, Iterable) else machines
-
-
-def _are_assemblies(machines: Any) -> bool:
-    """Whether the machines are assemblies, by the first; a single :class:`Assembly` counts."""
-    first = machines[0] if isinstance(machines, list) and machines else machines
-    return isinstance(first, AssemblyDescription)
-
-
-def _several(machines: Any) -> list[AssemblyDescription]:
+def _listed(machines: Any) -> tuple[list[Any], bool]:
+    """The machines as a list, and whether they are assemblies."""
     several = list(machines) if isinstance(machines, Iterable) else [machines]
+    is_assembly = bool(several) and isinstance(several[0], AssemblyDescription)
+    return _checked(several, AssemblyDescription if is_assembly else ParameterValues), is_assembly
+
+
+def _checked(several: list[Any], kind: type[AnyMachine]) -> list[Any]:
     for index, machine in enumerate(several):
-        if not isinstance(machine, AssemblyDescription):
-            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Assembly")
+        if not isinstance(machine, kind):
+            allowed = "Assembly" if kind is AssemblyDescription else "Machine" if index else "Machine or Assembly"
+            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is {allowed}")
     return several
 
 
-def _motions(
-    machines: Union[ParameterValues, Iterable[ParameterValues]], starts: Union[Start, Sequence[Start]], what: str
-) -> tuple[list[ParameterValues], Floats]:
+def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, Floats], Optional[tuple[int, ...]]]:
+    """Arrays of values of one shape, flat, and that shape."""
+    if not parameters:
+        return {}, None
+    if len(several) != 1:
+        raise TypeError(f"arrays of parameters with {len(several)} machines: allowed is one machine, or several without arrays")
+    found = []
+    for name, given in parameters.items():
+        values = np.asarray(several[0]._in_si(name, given))
+        found.append(array(name, values, "an array of values in SI, or a list of texts with units", values.ndim))
+    try:
+        same = np.broadcast_arrays(*found)
+    except ValueError:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in zip(parameters, found))
+        raise ValueError(f"{shapes}: allowed are arrays that can be broadcast against each other") from None
+    return {name: values.reshape(-1).copy() for name, values in zip(parameters, same)}, same[0].shape
+
+
+def _of_one_structure(machines: list[AssemblyDescription]) -> None:
+    columns = machines[0].columns
+    for index, machine in enumerate(machines):
+        if machine.columns != columns:
+            raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
+
+
+def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assembly: bool, what: str) -> _Motions:
+    """Machines with a start for each, or one for all."""
+    if not given:
+        if is_assembly:
+            return _Motions(*starts_of(several, starts))
+        return _Motions(*_pairs(several, starts, what))
+    names, table = list(given), np.stack(list(given.values()), axis=1)
+    several[0]._rows(names, table[:1])  # refuses names
+    if is_assembly:
+        one = starts is None or isinstance(starts, (Mapping, str, os.PathLike))
+        begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else starts)]
+    elif isinstance(starts, np.ndarray) and starts.ndim == 2:
+        begins = _states(starts)
+    else:
+        begins = coordinates("starts", starts)
+        state("starts", starts, several[0]._system)  # refuses times
+    if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_assembly else len(table)):
+        raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
+    return _Motions(several, begins, names, table)
+
+
+def _pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[ParameterValues], Floats]:
     """A machine and a start for each motion."""
-    several = list(machines) if isinstance(machines, Iterable) else [machines]
-    for index, machine in enumerate(several):
-        if not isinstance(machine, ParameterValues):
-            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is Machine")
     rows = _rows(several, starts)
     if len(several) == 1:
-        several *= len(rows)
+        several = several * len(rows)
     if len(rows) != len(several):
         raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
     for index, machine in enumerate(several):
@@ -266,14 +508,18 @@ def _motions(
     return several, rows
 
 
+def _states(starts: Any) -> Floats:
+    found = array("starts", starts, "an array of shape (n, 6)", 2)
+    if found.shape[1] != 6:
+        raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
+    return found
+
+
 def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
     """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
     if isinstance(starts, np.ndarray) and starts.ndim == 2:
-        found = array("starts", starts, "an array of shape (n, 6)", 2)
-        if found.shape[1] != 6:
-            raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
-        return found
-    one = starts is None or isinstance(starts, dict) or np.ndim(starts) == 1 and np.asarray(starts).dtype.kind in "iuf"
+        return _states(starts)
+    one = starts is None or isinstance(starts, Mapping) or np.ndim(starts) == 1 and np.asarray(starts).dtype.kind in "iuf"
     if one:
         return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
     several = list(starts)

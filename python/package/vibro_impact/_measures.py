@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Callable, Optional
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, choice
+from ._arguments import Floats
+from ._show import Line, lines
 from ._result import Result
 from ._values import ParameterValues
 
@@ -30,21 +31,6 @@ def measure_names(measures: Sequence[str]) -> list[str]:
 def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:
     """Measures of a motion by name."""
     return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
-
-
-def rows(
-    names: list[str], errors: object, compute: Callable[[bool], Sequence[tuple[list[Optional[float]], Optional[str], Optional[str]]]]
-) -> list[dict[str, float | str | None]]:
-    """Rows of :func:`measure_many`: measures of each motion or, if `errors` is ``"row"``, the reason why there are none."""
-    in_rows = choice("errors", errors, ("raise", "row")) == "row"
-
-    def row(found: tuple[list[Optional[float]], Optional[str], Optional[str]]) -> dict[str, float | str | None]:
-        numbers, kind, error = found
-        told = measured(names, numbers if error is None else [None] * len(names), kind)
-        return {**told, "error": error} if in_rows else told
-
-    with keeping(lambda _, one: row(one)):
-        return [row(found) for found in compute(in_rows)]
 
 
 @contextlib.contextmanager
@@ -81,3 +67,7 @@ class Spectrum(Result):
         """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
         found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
         return found
+
+    def _picture(self) -> str:
+        periods = np.arange(1.0, len(self.running) + 1.0)
+        return lines([Line(periods, self.running[:, k], colour=k) for k in range(self.running.shape[1])], "drive periods", "running exponents (1/s)")

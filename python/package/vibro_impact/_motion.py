@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, array, choice
-from ._result import Result, fields_of, records
+from ._arguments import SI_COORDINATES, Floats, array, choice
+from ._show import Line, lines
+from ._result import EVENT, Result, column_of, fields_of, records
+from ._tables import dataset, frame
+from ._start import Start
 from ._values import ParameterValues
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
     from numpy.typing import ArrayLike, NDArray
 
 #: Impacts: time (s), stop (+1 upper, -1 lower), |w'| before (m/s), impulse on the box in the direction of the stop (N.s).
@@ -134,18 +138,53 @@ class Run(Result):
         return found
 
     @property
-    def end(self) -> Floats:
-        """The state at the last instant as a start for another run, shape (6,)."""
-        return np.concatenate([self.s[-1], self.v[-1]])
+    def end(self) -> Start:
+        """Time and state at the last instant, a start of a further motion."""
+        numbers = np.concatenate([self.s[-1], self.v[-1]]).tolist()
+        return Start({"time": float(self.t[-1]), **dict(zip(SI_COORDINATES, numbers))})
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns of :attr:`values`."""
+        return list(SI_COORDINATES)
+
+    @property
+    def values(self) -> Floats:
+        """All columns, shape (n, 6), m and m/s."""
+        return np.concatenate([self.s, self.v], axis=1)
+
+    @property
+    def events(self) -> NDArray[np.void]:
+        """All events in order of time, as those of an assembly: fields t (s), kind (impact, rest, release), element (stop.upper, stop.lower),
+        value (the speed of an impact, m/s), stops."""
+        found = np.empty(len(self.impacts) + len(self.rests) + len(self.releases), EVENT)
+        at = 0
+        for kind, some in (("impact", self.impacts), ("rest", self.rests), ("release", self.releases)):
+            part = found[at : at + len(some)]
+            part["t"], part["kind"], part["stops"] = some["t"], kind, 1
+            part["element"] = np.where(some["stop"] > 0, "stop.upper", "stop.lower")
+            part["value"] = some["speed"] if kind == "impact" else 0.0
+            at += len(some)
+        return found[np.argsort(found["t"], kind="stable")]
+
+    def __getitem__(self, name: str) -> Floats:
+        return column_of(self.columns, self.values, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The samples as a table of pandas, which must be installed: columns as the FMU's variables, times as index."""
-        import pandas
+        """The samples as a table of pandas, which must be installed: columns as the FMU's variables, energies, times as index."""
+        energy = {f"energy.{name}": self.energy[name] for name in ENERGY.names or ()}
+        return frame({**dict(zip(self.columns, self.values.T)), **energy}, self.t)
 
-        bodies = ("box", "block", "secondary")
-        columns = {f"{b}.{q}": a[:, i] for q, a in (("s", self.s), ("v", self.v)) for i, b in enumerate(bodies)}
-        columns |= {f"energy.{name}": self.energy[name] for name in ENERGY.names or ()}
-        return pandas.DataFrame(columns, index=pandas.Index(self.t, name="time"))
+    def to_xarray(self) -> xarray.Dataset:
+        """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
+        return dataset(self.machine, self.columns, self.values, self.t)
+
+    def _picture(self) -> str:
+        names = [name for name in self.columns if name.endswith(".s")][:4]
+        return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
 
 
 def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> Run:
@@ -174,3 +213,8 @@ class Section(Result):
     "Phase of the drive, shape (n,), rad in [0, 2 pi)."
     speed: Floats
     "|w'| before the impact, shape (n,), m/s; zero for a section at a phase."
+
+    def _picture(self) -> str:
+        if self.at == "phase":
+            return lines([Line(self.s[:, 1], self.v[:, 1], dots=True)], "block.s (m)", "block.v (m/s)")
+        return lines([Line(self.phase, self.speed, dots=True)], "phase (rad)", f"speed at stop.{self.at} (m/s)")

@@ -13,6 +13,11 @@ _Progress = Callable[[int, int], object] | None
 _Parts = dict[str, Any]
 #: Names and numbers of a start.
 _Numbers = list[tuple[str, float]]
+#: Machines of many motions: one by one, or one with names and rows of values.
+_Machines = Sequence[Described] | tuple[Described, Sequence[str], _Floats]
+_Systems = Sequence[System] | tuple[_Numbers, _Numbers, Sequence[int], _Floats]
+#: Their starts: states, or one in units of L and L omega10 where it is not in SI.
+_Starts = _Floats | tuple[Sequence[float], Sequence[float | None]]
 
 __all__ = [
     "AssemblyOrbit",
@@ -30,11 +35,13 @@ __all__ = [
     "assembly_transition",
     "basins",
     "bifurcation",
+    "branches",
     "find",
     "fit_assembly",
     "follow",
     "follow_assemblies",
     "follow_assembly_orbit",
+    "in_si",
     "lyapunov",
     "measure",
     "measure_assemblies",
@@ -66,6 +73,7 @@ class System:
 class Described:
     def __new__(cls, text: str | None, path: str | None) -> Described: ...
     def name(self) -> str: ...
+    def period(self) -> float | None: ...
     def text(self) -> str: ...
     def parameters(self) -> list[tuple[str, str, float, str]]: ...
     def columns(self) -> list[str]: ...
@@ -109,22 +117,23 @@ class Orbit:
     def maxima(self, weights: Sequence[float]) -> _Floats: ...
 
 def find(name: str) -> str: ...
+def in_si(si: str, text: str) -> tuple[float, bool] | None: ...
 def parameters() -> tuple[int, list[tuple[str, str, str, str, str]]]: ...
 def simulate(
     system: System, start: Sequence[float], begin: float, t: _Floats, loads: Sequence[Load], progress: _Progress = None
 ) -> _Parts: ...
 def simulate_many(
-    systems: Sequence[System], starts: _Floats, periods: int, progress: _Progress = None
-) -> tuple[_Floats, _Floats]: ...
+    systems: _Systems, starts: _Starts, periods: int, in_rows: bool, progress: _Progress = None
+) -> tuple[_Floats, _Floats, list[str | None]]: ...
 def simulate_assembly(
     machine: Described, start: _Numbers, t: _Floats, parameters: Sequence[str], progress: _Progress = None
 ) -> _Parts: ...
 def follow_assemblies(
-    machines: Sequence[Described], starts: Sequence[_Numbers], t: _Floats, parameters: Sequence[str], progress: _Progress = None
+    machines: _Machines, starts: Sequence[_Numbers], t: _Floats, parameters: Sequence[str], progress: _Progress = None
 ) -> list[_Parts]: ...
 def simulate_assemblies(
-    machines: Sequence[Described], starts: Sequence[_Numbers], until: float, progress: _Progress = None
-) -> _Floats: ...
+    machines: _Machines, starts: Sequence[_Numbers], until: float, in_rows: bool, progress: _Progress = None
+) -> tuple[_Floats, list[str | None]]: ...
 def fit_assembly(
     machine: Described,
     start: _Numbers,
@@ -213,7 +222,7 @@ def assembly_spectrum(
 ) -> _Parts: ...
 def assembly_transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
 def measure_assemblies(
-    machines: Sequence[Described],
+    machines: _Machines,
     starts: Sequence[_Numbers],
     names: Sequence[str],
     settle: int,
@@ -264,6 +273,7 @@ def basins(
     system: System,
     x: tuple[int, float, float, int],
     y: tuple[int, float, float, int],
+    start: Sequence[float],
     discard: int,
     progress: _Progress = None,
 ) -> _Parts: ...
@@ -272,8 +282,8 @@ def measure(
     system: System, start: Sequence[float], names: Sequence[str], discard: int, periods: int, progress: _Progress = None
 ) -> tuple[list[float | None], str | None]: ...
 def measure_many(
-    systems: Sequence[System],
-    starts: _Floats,
+    systems: _Systems,
+    starts: _Starts,
     names: Sequence[str],
     discard: int,
     periods: int,
@@ -291,3 +301,14 @@ def settled_orbit(
 def follow(
     orbit: Orbit, name: str, ends: tuple[float, float], weights: tuple[float, float, float], progress: _Progress = None
 ) -> _Parts: ...
+def branches(
+    system: System,
+    name: str,
+    ends: tuple[float, float],
+    weights: tuple[float, float, float],
+    seeds: int,
+    depth: int,
+    settle: int,
+    starts: int,
+    progress: _Progress = None,
+) -> list[_Parts]: ...

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, Start, array, choice, number, state
+from ._arguments import Floats, array, displacement, number, whole
+from ._base import Value
+from ._start import Start
+from ._arguments import SI_COORDINATES
 from ._parameters import find
 from ._progress import Bar
+from ._show import Line, lines
 from ._result import Result
 from ._values import ParameterValues
 
@@ -67,16 +71,16 @@ class Orbit(Result):
         return self._handle().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
 
     @property
-    def start(self) -> Floats:
-        """The state at time 0, shape (6,): a start for :meth:`Machine.simulate`."""
+    def start(self) -> Start:
+        """A start on it, at time 0."""
         s, v = self.motion([self.machine.drive_phase])
-        return np.concatenate([s[0], v[0]])
+        return Start({"time": 0.0, **dict(zip(SI_COORDINATES, np.concatenate([s[0], v[0]]).tolist()))})
 
-    def maxima(self, of: str = "x2") -> Floats:
-        """Local maxima of x1, x2, x3 or w over the period, shape (k,), m."""
-        return self._handle().maxima(_WEIGHTS[choice("of", of, tuple(_WEIGHTS))])
+    def maxima(self, of: Optional[str] = None) -> Floats:
+        """Local maxima of x1, x2, x3 or w over the period, shape (k,), m; of x2 unless given."""
+        return self._handle().maxima(_WEIGHTS[displacement(of)])
 
-    def follow(self, name: str, low: float, high: float, *, of: str = "x2", progress: bool = False) -> Branch:
+    def follow(self, name: str, low: Value, high: Value, *, of: Optional[str] = None, progress: bool = False) -> Branch:
         """The branch of the orbit along a parameter, stable or not, with its bifurcations (docs/theory.md, section 14).
 
         Parameters
@@ -84,9 +88,9 @@ class Orbit(Result):
         name
             The parameter.
         low, high
-            Its range, which holds the machine's own value.
+            Its range, which holds the machine's own value; in SI, or texts with units.
         of
-            The displacement whose maxima are kept.
+            The displacement whose maxima are kept, as of :meth:`Machine.bifurcation`.
 
         Raises
         ------
@@ -95,18 +99,19 @@ class Orbit(Result):
         RuntimeError
             Where the orbit cannot be followed.
         """
-        if not isinstance(name, str):
-            raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-        name = find(name)
-        ends = number("low", low), number("high", high)
+        name, ends = _span(self.machine, name, low, high)
         value = getattr(self.machine, name)
         if not ends[0] <= value <= ends[1]:
             raise ValueError(f"low = {low!r}, high = {high!r}: allowed is a range that holds {name} = {value!r} of the machine")
-        weights = _WEIGHTS[choice("of", of, tuple(_WEIGHTS))]
+        of = displacement(of)
         with Bar(progress, 1, "branches") as bar:
-            found = _native.follow(self._handle(), name, ends, weights, bar.report)
-        labels = np.array(found.pop("labels"), dtype="U2")
-        return Branch(machine=self.machine, name=name, labels=labels, of=of, **found)
+            found = _native.follow(self._handle(), name, ends, _WEIGHTS[of], bar.report)
+        return _branch(self.machine, name, of, found)
+
+
+def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """The points of a piece of a branch, with the first of the next piece."""
+    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -150,21 +155,57 @@ class Branch(Result):
         """Special points as (label, value of the parameter), in the branch's order."""
         return [(str(self.labels[i]), float(self.value[i])) for i in np.flatnonzero(self.labels != "")]
 
+    def _picture(self) -> str:
+        measure = np.array([m[0] if len(m) else np.nan for m in self.maxima])
+        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
+        some = [
+            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
+        ]
+        return lines(some, self.name, f"largest maximum of {self.of} (m)")
+
+
+def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple[str, tuple[float, float]]:
+    """A parameter and its range."""
+    if not isinstance(name, str):
+        raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
+    first, last = (np.asarray(machine._in_si(name, [end])).tolist()[0] for end in (low, high))
+    return find(name), (number("low", first), number("high", last))
+
+
+def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any]) -> Branch:
+    labels = np.array(found.pop("labels"), dtype="U2")
+    return Branch(machine=machine, name=name, labels=labels, of=of, **found)
+
+
+def find_branches(
+    machine: ParameterValues, name: str, ends: tuple[Value, Value], of: Optional[str], options: tuple[int, int, int], progress: bool
+) -> list[Branch]:
+    """All branches over a range of a parameter."""
+    name, low_high = _span(machine, name, *ends)
+    of = displacement(of)
+    seeds, depth, settle = options
+    seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
+    settle = whole("settle", settle, 0, 10_000_000)
+    # Islands, which motions along the range do not reach, are sought where branches lead to others.
+    starts = 0 if depth == 0 else 512
+    with Bar(progress, 0, "branches") as bar:
+        found = _native.branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)
+    return [_branch(machine, name, of, one) for one in found]
+
 
 def find_orbit(
     machine: ParameterValues,
     word: Optional[str],
-    start: Start,
+    settled: Optional[tuple[_native.System, list[float], int]],
     period: int,
     symmetric: bool,
-    settle: int,
     tries: int,
     progress: bool,
 ) -> Orbit:
     """The orbit of a word, or that of a settled motion."""
     with Bar(progress, 1, "orbits") as bar:
-        if word is None:
-            found = _native.settled_orbit(machine._system, state("start", start, machine._system), settle, bar.report)
+        if settled is not None:
+            found = _native.settled_orbit(*settled, bar.report)
         else:
             if not isinstance(word, str):
                 raise TypeError(f"word = {word!r}: allowed is a word of the letters U and L, e.g. 'UL'")

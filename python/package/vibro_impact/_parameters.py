@@ -7,7 +7,7 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._arguments import number
+from ._arguments import number, quantity
 
 if TYPE_CHECKING:
     from typing_extensions import TypedDict
@@ -99,8 +99,13 @@ def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
         part = si if name in SI_NAMES else groups
         if name in part:
             raise TypeError(f"{given} is given twice: {name} is another name of it")
-        part[name] = number(given, value)
+        part[name] = value_of(name, given, value)
     return si, groups
+
+
+def value_of(name: str, given: str, value: object) -> float:
+    """The value of a parameter: a number in SI, or a text with a unit."""
+    return quantity(given, PARAMETERS[name][1] or "1", value) if isinstance(value, str) else number(given, value)
 
 
 def with_changes(values: dict[str, float], changes: dict[str, float]) -> dict[str, float]:

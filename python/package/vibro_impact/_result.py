@@ -4,26 +4,56 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Optional, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._arguments import Floats
+from ._show import page
+
+
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
+EVENT = np.dtype([("t", "f8"), ("kind", "U7"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
 
 
 class Result:
-    """A result: a value with named parts, shown by their shapes."""
+    """A result: a value with named parts, shown by their shapes; a notebook shows a small picture and the main numbers."""
 
     def __repr__(self) -> str:
-        parts = []
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            if not field.repr:
-                continue
-            value = getattr(self, field.name)
-            shown = f"array{value.shape}" if isinstance(value, np.ndarray) and value.size > 8 else repr(value)
-            parts.append(f"{field.name}={shown}")
-        return f"{type(self).__name__}({', '.join(parts)})"
+        return f"{type(self).__name__}({', '.join(f'{name}={shown}' for name, shown in self._parts())})"
+
+    def _parts(self) -> list[tuple[str, str]]:
+        """Names of the parts with short texts."""
+        shown = [field.name for field in dataclasses.fields(self) if field.repr]  # type: ignore[arg-type]
+        return [(name, _short(getattr(self, name))) for name in shown]
+
+    def _picture(self) -> str:
+        """A small SVG, or nothing."""
+        return ""
+
+    def _repr_svg_(self) -> Optional[str]:
+        """The picture, where there is one."""
+        return self._picture() or None
+
+    def _repr_html_(self) -> str:
+        """Picture and main numbers, by which a notebook shows the result."""
+        return page(type(self).__name__, self._parts(), self._picture())
+
+
+def _short(value: object) -> str:
+    """A value as a text of some words."""
+    if isinstance(value, np.ndarray) and value.size > 8:
+        return f"array{value.shape}"
+    if isinstance(value, (list, tuple, dict)) and len(value) > 4:
+        return f"{type(value).__name__} of {len(value)}"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key!r}: {_short(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        inside = ", ".join(map(_short, value))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+    text = repr(value)
+    return text if len(text) <= 200 else f"{type(value).__name__} of {len(text)} letters"
 
 
 Part = TypeVar("Part")
@@ -32,6 +62,22 @@ Part = TypeVar("Part")
 def direction(kind: Callable[..., Part], found: dict[str, Any]) -> Part:
     """One direction of a diagram from what the computation returns, with the classes as an array."""
     return kind(**{**found, "kind": np.array(found["kind"], dtype=np.str_)})
+
+
+def place_of(names: list[str], name: str) -> int:
+    """The place of a name."""
+    try:
+        return names.index(name)
+    except ValueError:
+        if name.endswith((".impacts", ".class")) or name == "class":
+            raise KeyError(f"{name}: has no derivative; allowed are {', '.join(names)}") from None
+        raise KeyError(f"{name}: allowed are {', '.join(names) or 'none, since none were asked for'}") from None
+
+
+def column_of(columns: list[str], values: Floats, name: str) -> Floats:
+    """The column with a name."""
+    found: Floats = values[..., place_of(columns, name)]
+    return found
 
 
 def records(kind: np.dtype[np.void], parts: dict[str, Any]) -> NDArray[np.void]:

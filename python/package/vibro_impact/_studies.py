@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, Start, array, choice, discarded_and_kept, number, state, whole
+from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, StartOfMachine, array, choice, coordinates, discarded_and_kept, displacement, state, whole
 from ._parameters import find
 from ._progress import Bar
+from ._show import Line, cells, lines
 from ._result import Result, direction
 from ._values import ParameterValues
 
@@ -63,13 +64,17 @@ class Diagram(Result):
     hysteresis: NDArray[np.bool_]
     "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
 
+    def _picture(self) -> str:
+        down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
+        return lines([down, up], self.name, f"maxima of {self.of} (units of L)")
+
 
 def diagram_of(
     machine: ParameterValues,
     parameter: dict[str, ArrayLike],
-    start: Start,
+    start: StartOfMachine,
     periods: tuple[int, int],
-    of: str,
+    of: Optional[str],
     exponents: Union[bool, int],
     progress: bool,
 ) -> Diagram:
@@ -78,14 +83,14 @@ def diagram_of(
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
     ((given, values),) = parameter.items()
-    name = find(given)
-    ends, count = _axis(given, values)
+    name, of = find(given), displacement(of)
+    ends, count = _axis(given, machine._in_si(given, values))
     discard, keep = discarded_and_kept(periods)
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
     own = None if start is None else state("start", start, machine._system)
     with Bar(progress, 1, "parts") as bar:
         found = _native.bifurcation(
-            machine._system, own, name, ends, count, discard, keep, choice("of", of, ("x1", "x2", "x3", "w")), over, bar.report
+            machine._system, own, name, ends, count, discard, keep, of, over, bar.report
         )
     return Diagram(machine, name, of, direction(Direction, found["up"]), direction(Direction, found["down"]), found["hysteresis"])
 
@@ -146,17 +151,24 @@ class Basins(Result):
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
 
+    def _picture(self) -> str:
+        return cells(self.cells, self.edges, *self.names)
 
-def basins_of(machine: ParameterValues, ranges: dict[str, tuple[float, float, int]], periods: int, progress: bool) -> Basins:
+
+def basins_of(
+    machine: ParameterValues, ranges: dict[str, tuple[float, float, int]], settle: int, start: list[float], progress: bool
+) -> Basins:
     """What :meth:`Machine.basins` returns."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
     x, y = (_range(name, given, machine) for name, given in ranges.items())
     x_name, y_name = COORDINATES[x[0]], COORDINATES[y[0]]
-    periods = whole("periods", periods, 0, MOST_PERIODS)
+    settle = whole("settle", settle, 0, MOST_PERIODS)
+    ones = machine._system.dimensional([1.0] * 6)  # L, and L omega10
+    scaled = [value / one for value, one in zip(start, ones)]
     with Bar(progress, 1, "parts") as bar:
-        found = _native.basins(machine._system, x, y, periods, bar.report)
+        found = _native.basins(machine._system, x, y, scaled, settle, bar.report)
     attractors = tuple(Attractor(**a) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])
     return Basins(
@@ -165,16 +177,17 @@ def basins_of(machine: ParameterValues, ranges: dict[str, tuple[float, float, in
 
 
 def _range(name: str, given: Any, machine: ParameterValues) -> tuple[int, float, float, int]:
-    choice("a name of a range", name, (*COORDINATES, *SI_COORDINATES))
-    index = (*COORDINATES, *SI_COORDINATES).index(name) % 6
+    own = choice("a name of a range", name.replace("_", "."), (*COORDINATES, *SI_COORDINATES))
+    index = (*COORDINATES, *SI_COORDINATES).index(own) % 6
     try:
         first, last, cells = given
     except (TypeError, ValueError):
         raise TypeError(f"{name} = {given!r}: allowed is (from, to, cells), e.g. (-2, 2, 100)") from None
-    low, high = number(f"{name}[0]", first), number(f"{name}[1]", last)
-    if not low < high:
+    ends = [coordinates(name, {own: end}) for end in (first, last)]
+    low, high = (end.si[index] if own in SI_COORDINATES else end.scaled[index] for end in ends)
+    if low is None or high is None or not low < high:
         raise ValueError(f"{name} = {given!r}: allowed is from < to")
-    if name in SI_COORDINATES:
+    if own in SI_COORDINATES:
         ones = machine._system.dimensional([1.0] * 6)  # L, and L omega10
         low, high = low / ones[index], high / ones[index]
     return index, low, high, whole(f"{name}[2]", cells, 1, _MOST_CELLS)

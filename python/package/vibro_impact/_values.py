@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
 import numpy as np
 
 from . import _native
-from ._parameters import GROUP_NAMES, SI_NAMES, MixedParametersWarning, in_order, named, with_changes, written
+from ._arguments import SI_COORDINATES, Floats
+from ._base import AnyMachine, Value, merged
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, find, in_order, named, value_of, with_changes, written
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
     from typing_extensions import Self, Unpack
 
     from ._parameters import Groups, Parameters
 
 
-class ParameterValues:
+class ParameterValues(AnyMachine):
     """Thirteen physical parameters with three constant loads and, where defined, the dimensionless groups. Base of :class:`Machine`, from which results import it."""
 
     box_m: float
@@ -103,8 +107,12 @@ class ParameterValues:
             raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
         return cls(**found)
 
-    def replace(self, **parameters: Unpack[Parameters]) -> Self:
-        """The machine with some parameters changed.
+    def replace(  # type: ignore[override] # names of keywords are checked
+        self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Unpack[Parameters]
+    ) -> Self:
+        """The machine with some parameters changed: ``replace({"stop.gap": "4 mm"})``, or ``replace(stop_gap=4e-3)``.
+
+        A number is in SI, a text has its unit.
 
         A group leaves the other groups as they are, a physical parameter the other physical parameters; a physical parameter that
         follows groups makes of the machine one in SI, all of whose physical parameters are given.
@@ -114,12 +122,52 @@ class ParameterValues:
         TypeError, ValueError
             As the class.
         """
-        si, groups = named(parameters)
-        before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
-        kept = {} if si else self._groups
         made = type(self).__new__(type(self))
-        made._fill(in_order(with_changes(before, si)), with_changes(kept, groups))
+        made._fill(*self._changed(*named(merged(changes, parameters, "changes"))))
         return made
+
+    def _changed(self, si: dict[str, float], groups: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+        """The values in SI and the groups with changes."""
+        before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
+        return in_order(with_changes(before, si)), with_changes({} if si else self._groups, groups)
+
+    def _rows(self, names: list[str], table: Floats) -> tuple[Any, ...]:
+        """The machine with rows of values of some parameters, as the library reads it: each is what :meth:`replace` makes."""
+        own = [find(name) for name in names]
+        si, groups = self._changed(*named({name: 0.0 for name in names}))
+        order = [*si, *groups]
+        return list(si.items()), list(groups.items()), [order.index(name) for name in own], table
+
+    def _changes_period(self, name: str) -> bool:
+        """Whether a parameter changes the drive's period."""
+        return find(name) in ("drive_frequency", "sigma1", "epsilon", "box_k", "box_m")
+
+    def _in_si(self, given: str, values: ArrayLike) -> ArrayLike:
+        """Values of a parameter in SI: texts with units are converted, numbers are returned unchanged."""
+        name = find(given)
+        if isinstance(values, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in values):
+            return [value_of(name, given, value) for value in values]
+        return values
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        return "PaperMachine"
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters with their values: those in SI, then the groups, where there are some."""
+        return {name: vars(self)[name] for name in SI_NAMES + GROUP_NAMES if name in vars(self)}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each parameter, ``1`` for none."""
+        return {name: PARAMETERS[name][1] or "1" for name in self.parameters}
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of a motion's columns: ``box.s``, ``block.s``, ``secondary.s`` (m), ``box.v``, ``block.v``, ``secondary.v`` (m/s)."""
+        return list(SI_COORDINATES)
 
     def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
         system = _native.System(list(si.items()), list(groups.items()))

@@ -3,7 +3,7 @@
 ``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
 pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
 the gap is under 0.1 m; the numbers of the results stay in SI. Results of an :class:`Assembly` are drawn in SI, in matplotlib's colours:
-`history`, `portrait`, `bifurcation`, `branch`, `basins` and `section` take them too.
+every function takes those of both kinds of machine.
 
 >>> from vibro_impact import Machine, plot
 >>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
@@ -47,7 +47,7 @@ _SMALL_GAP = 0.1
 #: Drive periods up to which a history is drawn as a line; more would run into a bar.
 _DRAWN = 40
 
-__all__ = ["COLOURS", "basins", "bifurcation", "branch", "history", "portrait", "section"]
+__all__ = ["COLOURS", "basins", "bifurcation", "branch", "forces", "history", "portrait", "response", "section"]
 
 
 def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
@@ -160,6 +160,41 @@ def _portrait_of_assembly(run: AssemblyRun, axes: Axes, of: str) -> Axes:
     axes.plot(np.insert(run[of], jumps, np.nan), np.insert(run[rate], jumps, np.nan), linewidth=0.9)
     axes.set_xlabel(f"{of} ({_unit(run.machine, of)})")
     axes.set_ylabel(f"{rate} ({_unit(run.machine, rate)})")
+    return axes
+
+
+def forces(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
+    """Forces over time: of an assembly those of its elements and loads, of the paper's machine the impulses (N.s) at its stops, a stem each.
+
+    Parameters
+    ----------
+    of
+        Of an assembly some of its columns that end in ``.f``, all of its stops unless given; of the paper's machine ``upper`` or ``lower``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, names that it has not, and an assembly without such elements.
+    """
+    _require("run", run, Run, AssemblyRun)
+    axes = axes or plt.gca()
+    given = [of] if isinstance(of, str) else of
+    if isinstance(run, AssemblyRun):
+        all_forces = [name for name in run.columns if name.endswith(".f")]
+        stops = [name for name in all_forces if any(key.startswith(f"stop.{name[:-2]}.") for key in run.machine.parameters)]
+        names = (stops or all_forces) if given is None else [choice("of", name, all_forces) for name in given]
+        if not names:
+            raise ValueError("run: its machine has no element with a force; allowed are springs, compliant stops, friction and loads")
+        return _history_of_assembly(run, axes, names)
+    for name in ("upper", "lower") if given is None else given:
+        sign = 1 if choice("of", name, ("upper", "lower")) == "upper" else -1
+        own = run.impacts[run.impacts["stop"] == sign]
+        axes.vlines(own["t"], 0.0, own["impulse"], color="C0" if sign > 0 else "C1", linewidth=1.2, label=f"{name} stop")
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("impulse on the box (N·s)")
+    if len(run.t):
+        axes.set_xlim(run.t[0], run.t[-1])
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     return axes
 
 
@@ -428,4 +463,25 @@ def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -
     handles, labels = axes.get_legend_handles_labels()
     own = dict(zip(reversed(labels), reversed(handles)))  # several branches in one picture have one entry each
     axes.legend([own[key] for key in sorted(own)], sorted(own), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    return axes
+
+
+def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[Axes] = None) -> Axes:
+    """A response curve, or all branches over a parameter: what `response` and `branches` return, each as by :func:`branch`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and for none.
+    """
+    if isinstance(branches, (Branch, AssemblyBranch)):
+        branches = [branches]
+    if not isinstance(branches, Sequence) or isinstance(branches, str):
+        raise TypeError(f"branches is of type {type(branches).__name__}: allowed is a list of Branch or AssemblyBranch")
+    if not branches:
+        raise ValueError("branches is empty: allowed is one branch or more")
+    axes = axes or plt.gca()
+    for index, one in enumerate(branches):
+        _require(f"branches[{index}]", one, Branch, AssemblyBranch)
+        branch(one, axes)
     return axes

@@ -1,0 +1,225 @@
+"""What every machine can be asked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._sketch import Sketch
+
+#: A new value of a parameter: a number in SI, or a text with a unit.
+Value = Union[float, str]
+
+
+class AnyMachine:
+    """A machine, whichever it is: the base of :class:`Machine`, the paper's one of three bodies, and :class:`Assembly`, one of your own.
+
+    Both are immutable values and are asked in the words below. Parameters go by name, as keywords or in a dictionary, ``{"stop.upper.gap":
+    4e-3}``; numbers are in SI, texts have units. Columns are ``box.s`` and ``box.v``. A period is that of the drive; of an assembly the
+    common one of all that drives it. The few things that one kind alone has are listed in docs/python.md.
+    """
+
+    __slots__ = ()
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        raise NotImplementedError
+
+    @property
+    def toml(self) -> str:
+        """The text of its file, in SI and with every digit."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters with their values, in SI."""
+        raise NotImplementedError
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of each parameter, ``1`` for none."""
+        raise NotImplementedError
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of a motion's columns."""
+        raise NotImplementedError
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """All measures by name: SI unit (``1`` for none) and meaning."""
+        raise NotImplementedError
+
+    @property
+    def period(self) -> float:
+        """Period of the drive, s; infinite where nothing drives the machine periodically."""
+        raise NotImplementedError
+
+    def replace(self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Any) -> Self:
+        """The machine with other values."""
+        raise NotImplementedError
+
+    def start(self, numbers: Any = None) -> Mapping[str, float]:
+        """A start of the machine."""
+        raise NotImplementedError
+
+    def simulate(
+        self,
+        until: Optional[float] = None,
+        *,
+        periods: Optional[int] = None,
+        times: Optional[ArrayLike] = None,
+        start: Any = None,
+        samples: int = 1000,
+        per_period: int = 200,
+        progress: bool = False,
+    ) -> Any:
+        """The motion until a time, over periods, or at times."""
+        raise NotImplementedError
+
+    def measure(
+        self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, start: Any = None, progress: bool = False
+    ) -> dict[str, float | str | None]:
+        """Measures of the settled motion."""
+        raise NotImplementedError
+
+    def sweep(
+        self,
+        measures: Sequence[str],
+        parameters: Optional[Mapping[str, ArrayLike]] = None,
+        *,
+        periods: int = 60,
+        settle: int = 300,
+        start: Any = None,
+        errors: str = "raise",
+        executor: Any = None,
+        checkpoint: Union[None, str, os.PathLike[str]] = None,
+        progress: bool = False,
+        **more: ArrayLike,
+    ) -> Any:
+        """Measures over all combinations of parameters."""
+        raise NotImplementedError
+
+    def bifurcation(
+        self,
+        of: Optional[str] = None,
+        parameter: Optional[Mapping[str, ArrayLike]] = None,
+        *,
+        periods: tuple[int, int] = (300, 100),
+        exponents: Union[bool, int] = False,
+        start: Any = None,
+        progress: bool = False,
+        **more: ArrayLike,
+    ) -> Any:
+        """A bifurcation diagram over a parameter in both directions."""
+        raise NotImplementedError
+
+    def orbit(
+        self,
+        word: Optional[str] = None,
+        *,
+        period: Union[None, float, str] = None,
+        start: Any = None,
+        tries: int = 32,
+        settle: int = 400,
+        progress: bool = False,
+    ) -> Any:
+        """A periodic orbit, stable or not."""
+        raise NotImplementedError
+
+    def branches(
+        self,
+        name: str,
+        low: Value,
+        high: Value,
+        *,
+        of: Optional[str] = None,
+        seeds: int = 24,
+        depth: int = 3,
+        settle: int = 400,
+        progress: bool = False,
+    ) -> Any:
+        """Branches of periodic orbits over a parameter, with their bifurcations."""
+        raise NotImplementedError
+
+    def response(
+        self,
+        name: str,
+        low: Value,
+        high: Value,
+        *,
+        of: Optional[str] = None,
+        seeds: int = 24,
+        depth: int = 0,
+        settle: int = 400,
+        progress: bool = False,
+    ) -> Any:
+        """The branches on which motions settle over a parameter."""
+        raise NotImplementedError
+
+    def poincare(
+        self,
+        section: Any = None,
+        *,
+        phase: float = 0.0,
+        periods: int = 1000,
+        settle: int = 300,
+        start: Any = None,
+        progress: bool = False,
+    ) -> Any:
+        """A Poincaré section at a phase or at a stop."""
+        raise NotImplementedError
+
+    def spectrum(self, *, periods: int = 400, settle: int = 300, start: Any = None, progress: bool = False) -> Any:
+        """All Lyapunov exponents."""
+        raise NotImplementedError
+
+    def basins(
+        self,
+        ranges: Optional[Mapping[str, Any]] = None,
+        *,
+        settle: int = 300,
+        start: Any = None,
+        progress: bool = False,
+        **more: Any,
+    ) -> Any:
+        """Basins of attraction over two numbers of the starts."""
+        raise NotImplementedError
+
+    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+        """Numbers of the machine fitted to a record."""
+        raise NotImplementedError
+
+    def sketch(self) -> Sketch:
+        """The machine as an engineer draws it."""
+        raise NotImplementedError
+
+    def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
+        """Writes the machine's FMU and returns its path."""
+        raise NotImplementedError
+
+    def _repr_svg_(self) -> Optional[str]:
+        """The sketch, by which a notebook shows the machine; none of a machine that no file describes."""
+        try:
+            return self.sketch().svg
+        except ValueError:
+            return None
+
+
+def merged(first: Optional[Mapping[str, Any]], more: Mapping[str, Any], what: str) -> dict[str, Any]:
+    """Values by name from a dictionary and from keywords, each name once."""
+    if first is not None and not isinstance(first, Mapping):
+        raise TypeError(f"{what} is of type {type(first).__name__}: allowed is a dictionary such as {{'stop.upper.gap': ...}}, or keywords")
+    twice = [name for name in first or {} if name in more]
+    if twice:
+        raise TypeError(f"{twice[0]} is given twice: allowed is each name once")
+    return {**(first or {}), **more}

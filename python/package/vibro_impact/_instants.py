@@ -1,0 +1,61 @@
+"""The instants at which a motion is reported."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Optional
+
+import numpy as np
+
+from ._arguments import MOST_PERIODS, Floats, array, number, whole
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+#: Most samples of a motion.
+MOST_SAMPLES = 100_000_000
+
+
+def after(name: str, value: object, begin: float) -> float:
+    """A number above another."""
+    found = number(name, value)
+    if not found > begin:
+        raise ValueError(f"{name} = {value!r}: allowed is a finite number above {begin:g}")
+    return found
+
+
+def listed(times: ArrayLike, begin: float) -> Floats:
+    """Ascending times from that of a start on."""
+    t: Floats = array("times", times, "an array of shape (n,) of times in s").copy()
+    if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= begin:
+        raise ValueError(f"times: allowed are ascending finite times from {begin:g} on")
+    return t
+
+
+def instants(
+    begin: float,
+    period: float,
+    until: Optional[float],
+    periods: Optional[int],
+    times: Optional[ArrayLike],
+    samples: int,
+    per_period: int,
+) -> Floats:
+    """Instants from a start on: to a time in equal parts, over periods in equal parts of each, or those listed."""
+    given = [name for name, value in (("until", until), ("periods", periods), ("times", times)) if value is not None]
+    if len(given) != 1:
+        raise TypeError(f"{', '.join(given) or 'neither until, periods nor times'}: allowed is one of until, periods and times")
+    if times is not None:
+        return listed(times, begin)
+    if until is not None:
+        end = after("until", until, begin)
+        count = whole("samples", samples, 1, MOST_SAMPLES - 1)
+        return np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
+    count = whole("periods", periods, 0, MOST_PERIODS)
+    if not np.isfinite(period):
+        raise ValueError(f"periods = {periods}: nothing drives the machine periodically; allowed are until and times")
+    rows = whole("per_period", per_period, 1, MOST_SAMPLES) * count + 1
+    whole("periods * per_period + 1", rows, 1, MOST_SAMPLES)
+    if not np.isfinite(begin + period * rows):
+        raise ValueError(f"periods = {periods}: allowed is an end of the run that a double can hold")
+    found: Floats = begin + period * np.arange(rows) / per_period
+    return found

@@ -1,0 +1,47 @@
+"""Sketches of machines."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Union
+
+from . import _native
+
+
+class Sketch:
+    """The sketch of a machine; a notebook shows it as a picture."""
+
+    __slots__ = ("_described", "svg")
+    svg: str
+    "The picture as SVG."
+
+    def __init__(self, described: _native.Described) -> None:
+        self._described = described
+        self.svg = described.sketch()
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> Path:
+        """Writes the picture into a file that ends in ``.svg`` or ``.png``; returns its path.
+
+        Raises
+        ------
+        ValueError
+            For another ending.
+        OSError
+            Where the file cannot be written.
+        """
+        to = Path(path)
+        if to.suffix == ".svg":
+            to.write_text(self.svg, encoding="utf-8")
+        elif to.suffix == ".png":
+            to.write_bytes(self._described.sketch_as_png())
+        else:
+            raise ValueError(f"path = {to}: allowed are files that end in .svg or .png")
+        return to
+
+    def _repr_svg_(self) -> str:
+        """The SVG, by which a notebook shows the sketch."""
+        return self.svg
+
+    def __repr__(self) -> str:
+        return f"Sketch({self._described.name()!r})"

@@ -1,0 +1,139 @@
+"""Tables of many motions: arrays by name."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Optional, Union, overload
+
+import numpy as np
+
+from ._show import Line, lines, shades
+from ._result import Result
+from ._tables import needed
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from numpy.typing import NDArray
+
+#: Measures, class and reason of one motion.
+Row = tuple[list[Optional[float]], Optional[str], Optional[str]]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Table(Result):
+    """Measures of many motions: ``table["amplitude.box.s"]`` is an array, ``table[3]`` a dictionary, and so is each row in a loop.
+
+    An array is masked where there is no number: of a motion that was refused, or of a measure that is not defined.
+    """
+
+    parameters: dict[str, NDArray[Any]]
+    "The parameters that vary, each of the table's shape, in SI."
+    values: dict[str, NDArray[Any]]
+    "The measures, each of the table's shape; ``class`` is an array of texts."
+    error: Optional[NDArray[Any]]
+    "With ``errors='row'`` the reason why a motion has no measures, None where it has them."
+    axes: Optional[tuple[str, ...]]
+    "Of a sweep the parameters of its dimensions."
+    units: dict[str, str] = dataclasses.field(repr=False)
+    "The SI unit of each column."
+    shape: tuple[int, ...]
+    "Shape of all arrays."
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """All arrays by name."""
+        return {**self.parameters, **self.values, **({} if self.error is None else {"error": self.error})}
+
+    @overload
+    def __getitem__(self, name: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, name: int) -> dict[str, Any]: ...
+    def __getitem__(self, name: Union[str, int]) -> Any:
+        columns = self.columns
+        if isinstance(name, str):
+            if name not in columns:
+                raise KeyError(f"{name}: allowed are {', '.join(columns)}")
+            return columns[name]
+        return {key: _plain(column.reshape(-1)[name]) for key, column in columns.items()}
+
+    def __len__(self) -> int:
+        return int(np.prod(self.shape))
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        lists = {name: column.reshape(-1).tolist() for name, column in self.columns.items()}
+        return (dict(zip(lists, row)) for row in zip(*lists.values())) if lists else iter([{} for _ in range(len(self))])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for each motion; pandas must be installed."""
+        found: pandas.DataFrame = needed("pandas", "to_pandas").DataFrame(list(self), columns=list(self.columns))
+        return found
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A data set of the table's shape, of a sweep with its parameters as coordinates; xarray must be installed."""
+        xarray = needed("xarray", "to_xarray")
+        dims = self.axes or tuple(f"dim_{k}" for k in range(len(self.shape)))
+        across = [tuple(slice(None) if i == k else 0 for i in range(len(dims))) for k in range(len(dims))]
+        coords = {name: (dims[k], self.parameters[name][across[k]], {"units": self.units[name]}) for k, name in enumerate(self.axes or ())}
+        shown = {name: column for name, column in self.columns.items() if name not in coords}
+        found = {name: (dims, _filled(column), {"units": self.units.get(name, "1")}) for name, column in shown.items()}
+        return xarray.Dataset(found, coords=coords)
+
+    def to_parquet(self, path: Union[str, os.PathLike[str]]) -> Path:
+        """Writes the rows as a Parquet file, with the units as metadata, and returns its path; pyarrow must be installed."""
+        arrow, parquet = needed("pyarrow", "to_parquet"), needed("pyarrow.parquet", "to_parquet")
+        columns = {name: arrow.array(column.reshape(-1).tolist()) for name, column in self.columns.items()}
+        table = arrow.table(columns).replace_schema_metadata(self.units)
+        parquet.write_table(table, os.fspath(path), compression="zstd")
+        return Path(path)
+
+    def _picture(self) -> str:
+        numbers = {name: values for name, values in self.values.items() if values.dtype.kind == "f"}
+        given = list(self.parameters.items())
+        if not numbers or not given:
+            return ""
+        name, values = next(iter(numbers.items()))
+        if self.axes is not None and len(self.shape) == 2 and min(self.shape) > 1:
+            (up, rows), (across, columns) = given
+            edges = (float(columns.min()), float(columns.max()), float(rows.min()), float(rows.max()))
+            return shades(values, edges, across, up, name)
+        order = np.argsort(given[0][1].reshape(-1), kind="stable")
+        return lines([Line(given[0][1].reshape(-1)[order], values.reshape(-1)[order], dots=len(given) > 1)], given[0][0], f"{name}, SI")
+
+
+def _plain(value: Any) -> Any:
+    """A number of an array as Python has it; None where it is masked."""
+    return None if value is np.ma.masked else value.item() if isinstance(value, np.generic) else value
+
+
+def _filled(column: NDArray[Any]) -> NDArray[Any]:
+    """What xarray takes for a masked array."""
+    return column.filled(np.nan) if isinstance(column, np.ma.MaskedArray) and column.dtype.kind == "f" else np.asarray(column)
+
+
+def table_of(
+    parameters: Mapping[str, NDArray[Any]],
+    names: list[str],
+    rows: list[Row],
+    in_rows: bool,
+    units: Mapping[str, str],
+    shape: tuple[int, ...],
+    axes: Optional[tuple[str, ...]] = None,
+) -> Table:
+    """A table of rows of measures in the order of its elements."""
+    values: dict[str, NDArray[Any]] = {}
+    for k, name in enumerate(names):
+        if name == "class":
+            values[name] = np.array([kind for _, kind, _ in rows], dtype=object).reshape(shape)
+            continue
+        found = [numbers[k] if error is None else None for numbers, _, error in rows]
+        missing = np.array([x is None for x in found], dtype=bool).reshape(shape)
+        numbers = np.array([0.0 if x is None else x for x in found], dtype=np.float64).reshape(shape)
+        values[name] = np.ma.MaskedArray(numbers, missing) if missing.any() else numbers
+    error = np.array([error for *_, error in rows], dtype=object).reshape(shape) if in_rows else None
+    given = {name: values.reshape(shape) for name, values in parameters.items()}
+    known = {name: units.get(name, "1") for name in [*given, *names]}
+    return Table(given, values, error, axes, known, shape)

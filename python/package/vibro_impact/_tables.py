@@ -1,0 +1,43 @@
+"""Results as tables of pandas and xarray, which are imported where they are asked for."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas
+    import xarray
+
+    from ._arguments import Floats
+    from ._base import AnyMachine
+
+
+def needed(module: str, what: str) -> Any:
+    """An optional module.
+
+    Raises
+    ------
+    ImportError
+        Where it is not installed, with the command that installs it.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise ImportError(f"{what} needs {module}, which is not installed: `pip install {module}`") from None
+
+
+def frame(columns: Mapping[str, Any], t: Floats) -> pandas.DataFrame:
+    """A table over times."""
+    pandas = needed("pandas", "to_pandas")
+    return pandas.DataFrame(dict(columns), index=pandas.Index(t, name="time"))
+
+
+def dataset(machine: AnyMachine, columns: list[str], values: Floats, t: Floats) -> xarray.Dataset:
+    """Columns of a motion over times."""
+    xarray = needed("xarray", "to_xarray")
+    found = {name: ("time", values[:, k]) for k, name in enumerate(columns)}
+    time = xarray.Variable("time", t, {"units": "s"})
+    return xarray.Dataset(found, coords={"time": time}, attrs={"machine": machine.name})

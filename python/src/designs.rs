@@ -1,0 +1,195 @@
+//! Machines of many motions: given one by one, or one with rows of values of some parameters, each
+//! of which is made where its motion runs, so that Python needs no object for it.
+
+use crate::arrays::rows_of_states;
+use crate::assembly::{Described, Numbers};
+use crate::failure::Failure;
+use crate::system::{System, find};
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use vibro_analysis::Name;
+use vibro_analysis::start::{Coordinate, StartRule};
+use vibro_assembly::Assembly;
+use vibro_impact::{Parameters, State};
+
+/// Described machines as Python gives them.
+#[derive(FromPyObject)]
+pub enum GivenAssemblies<'py> {
+    /// A machine, names of parameters, and their values in rows, SI.
+    Rows(PyRef<'py, Described>, Vec<String>, PyReadonlyArray2<'py, f64>),
+    Several(Vec<PyRef<'py, Described>>),
+}
+
+/// Described machines for another thread.
+pub enum Assemblies {
+    Rows(Described, Vec<String>, Rows),
+    Several(Vec<Described>),
+}
+
+/// Rows of numbers, each as long as there are names.
+pub struct Rows {
+    numbers: Vec<f64>,
+    width: usize,
+    count: usize,
+}
+
+impl Rows {
+    fn new(table: &PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let &[count, width] = table.as_array().shape() else { unreachable!("two dimensions") };
+        Ok(Self { numbers: table.as_slice()?.to_vec(), width, count })
+    }
+
+    fn row(&self, index: usize) -> &[f64] {
+        &self.numbers[index * self.width..][..self.width]
+    }
+}
+
+impl GivenAssemblies<'_> {
+    /// The machines for another thread.
+    pub fn owned(&self) -> PyResult<Assemblies> {
+        Ok(match self {
+            Self::Rows(machine, names, table) => {
+                Assemblies::Rows((**machine).clone(), names.clone(), Rows::new(table)?)
+            }
+            Self::Several(machines) => Assemblies::Several(machines.iter().map(|m| (**m).clone()).collect()),
+        })
+    }
+}
+
+impl Assemblies {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Rows(_, _, rows) => rows.count,
+            Self::Several(machines) => machines.len(),
+        }
+    }
+
+    /// Number of columns of a motion, which all have in common.
+    pub fn columns(&self) -> usize {
+        let count = |machine: &Described| machine.description().quantities().count();
+        match self {
+            Self::Rows(machine, ..) => count(machine),
+            Self::Several(machines) => machines.first().map_or(0, count),
+        }
+    }
+
+    /// The machine of a motion.
+    ///
+    /// # Errors
+    /// For values that are refused.
+    pub fn machine(&self, index: usize) -> Result<Described, Failure> {
+        match self {
+            Self::Several(machines) => Ok(machines[index].clone()),
+            Self::Rows(base, names, rows) => {
+                let values = names.iter().map(String::as_str).zip(rows.row(index).iter().copied());
+                let description = base.description().with(values)?;
+                Assembly::new(description.clone())?; // checks that need the matrices and the start
+                Ok(Described::of(description))
+            }
+        }
+    }
+}
+
+/// One start of several, or the one of all.
+pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
+    &starts[if starts.len() == 1 { 0 } else { index }]
+}
+
+/// The paper's machines as Python gives them.
+#[derive(FromPyObject)]
+pub enum GivenSystems<'py> {
+    /// Values in SI, groups, the places of some of them in both lists, their values in rows.
+    Rows(Vec<(String, f64)>, Vec<(String, f64)>, Vec<usize>, PyReadonlyArray2<'py, f64>),
+    Several(Vec<PyRef<'py, System>>),
+}
+
+/// Starts of the paper's machines as Python gives them: states in SI, or one start for all whose
+/// numbers are in units of L and L ω10 where they are not in SI.
+#[derive(FromPyObject)]
+pub enum GivenStarts<'py> {
+    States(PyReadonlyArray2<'py, f64>),
+    Rule([f64; 6], [Option<f64>; 6]),
+}
+
+/// The paper's machines for another thread.
+pub enum Systems {
+    Rows(Vec<(Name, f64)>, Vec<(Name, f64)>, Vec<usize>, Rows),
+    Several(Vec<Parameters>),
+}
+
+/// Their starts.
+pub enum Starts {
+    States(Vec<State>),
+    Rule(StartRule),
+}
+
+impl GivenSystems<'_> {
+    /// The machines for another thread.
+    pub fn owned(&self) -> PyResult<Systems> {
+        Ok(match self {
+            Self::Rows(si, groups, places, table) => {
+                let named = |part: &[(String, f64)]| {
+                    part.iter().map(|(name, value)| Ok((find(name)?, *value))).collect::<PyResult<Vec<_>>>()
+                };
+                Systems::Rows(named(si)?, named(groups)?, places.clone(), Rows::new(table)?)
+            }
+            Self::Several(systems) => Systems::Several(systems.iter().map(|s| *s.parameters()).collect()),
+        })
+    }
+}
+
+impl GivenStarts<'_> {
+    /// The starts for another thread.
+    pub fn owned(&self) -> PyResult<Starts> {
+        Ok(match self {
+            Self::States(states) => Starts::States(rows_of_states(states)?),
+            Self::Rule(scaled, si) => {
+                let one = |(scaled, si): (&f64, &Option<f64>)| si.map_or(Coordinate::Scaled(*scaled), Coordinate::Si);
+                let mut start = [Coordinate::Scaled(0.0); 6];
+                start.iter_mut().zip(scaled.iter().zip(si)).for_each(|(to, from)| *to = one(from));
+                Starts::Rule(StartRule::State(start))
+            }
+        })
+    }
+}
+
+impl Systems {
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Rows(.., rows) => rows.count,
+            Self::Several(systems) => systems.len(),
+        }
+    }
+
+    /// The parameters and the start of a motion.
+    ///
+    /// # Errors
+    /// For values that are refused, and for a machine whose drive has no period.
+    pub fn motion(&self, starts: &Starts, index: usize) -> Result<(Parameters, State), Failure> {
+        let parameters = match self {
+            Self::Several(systems) => systems[index],
+            Self::Rows(si, groups, places, rows) => {
+                let (mut si, mut groups) = (si.clone(), groups.clone());
+                for (&place, &value) in places.iter().zip(rows.row(index)) {
+                    let count = si.len();
+                    let slot = if place < count { &mut si[place] } else { &mut groups[place - count] };
+                    slot.1 = value;
+                }
+                *System::of(&si, &groups)?.parameters()
+            }
+        };
+        if !parameters.period().is_finite() {
+            return Err(vibro_impact::Error::OutOfRange {
+                name: "drive.frequency",
+                value: parameters.drive_frequency,
+                allowed: "> 0, as the motion goes by drive periods",
+            }
+            .into());
+        }
+        let state = match starts {
+            Starts::States(states) => states[index],
+            Starts::Rule(rule) => rule.state(&parameters)?,
+        };
+        Ok((parameters, state))
+    }
+}

@@ -1,0 +1,114 @@
+"""Both kinds of machine are asked in the same words; what one alone has is in the table of docs/python.md."""
+
+import inspect
+import re
+
+import numpy as np
+import pytest
+import vibro_impact as vi
+from conftest import ROOT
+
+DAMPER = ROOT / "examples" / "assembly" / "damper_with_buffer.toml"
+
+#: Rounding of a motion of 5 periods in two engines, relative to the gap of 1 m.
+ROUNDING = 1e-11
+
+
+def gaps():
+    """Names in the table of gaps of docs/python.md: of each row those of its first cell."""
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    table = re.search(r"\| in one alone \|.*?\n\|[-| ]+\|\n((?:\|.*\n)+)", page)
+    assert table, "docs/python.md has no table of what is in one alone"
+    rows = table[1].splitlines()
+    assert len(rows) <= 5
+    assert all(len(row.split("|")[3].strip()) > 10 for row in rows), "each gap has its reason"
+    return {name.rstrip("=") for row in rows for name in re.findall(r"`([\w.]+=?)", row.split("|")[1])}
+
+
+def public(kind):
+    return {name for name in dir(kind) if not name.startswith("_") and name not in vi.PARAMETERS}
+
+
+def arguments(method):
+    """Names and kinds of the arguments that are asked by name."""
+    return {name: p.kind for name, p in inspect.signature(method).parameters.items()}
+
+
+def test_both_have_the_same_methods_but_for_the_table():
+    only = public(vi.Machine) ^ public(vi.Assembly)
+    assert only <= gaps(), "missing in the table"
+    assert public(vi.AnyMachine) == public(vi.Machine) & public(vi.Assembly)
+
+
+@pytest.mark.parametrize("name", sorted(public(vi.AnyMachine)))
+def test_methods_have_the_same_arguments_but_for_the_table(name):
+    of = [getattr(kind, name) for kind in (vi.AnyMachine, vi.Machine, vi.Assembly)]
+    if isinstance(of[0], property):
+        assert all(isinstance(one, property) for one in of)
+        return
+    base, machine, assembly = map(arguments, of)
+    only = set(machine) ^ set(assembly)
+    assert only <= gaps(), "missing in the table"
+    # Shared arguments have one kind, and stand in one order.
+    shared = [argument for argument in machine if argument in assembly]
+    assert shared == [argument for argument in assembly if argument in machine] == list(base)
+    assert all(machine[argument] == assembly[argument] == base[argument] for argument in shared)
+
+
+def test_the_table_lists_nothing_that_both_have():
+    both = public(vi.AnyMachine) | {a for name in public(vi.AnyMachine) if callable(getattr(vi.AnyMachine, name)) for a in arguments(getattr(vi.AnyMachine, name))}
+    assert not (gaps() - {"section", "start", "branches"}) & both
+
+
+def test_second_method_the_paper_s_machine_moves_as_its_assembly():
+    machine = vi.Machine.from_groups(f10=1.5).replace({"load.block": -0.004, "drive.phase": "30 deg"})
+    own, other = machine.simulate(periods=5, per_period=8), machine.assembly().simulate(periods=5, per_period=8)
+    for name in machine.columns:
+        np.testing.assert_allclose(own[name], other[name], rtol=0, atol=ROUNDING)
+    assert own.events["kind"].tolist() == other.events["kind"].tolist() and len(own.events) > 5
+    assert own.events["element"].tolist() == other.events["element"].tolist()
+    np.testing.assert_allclose(own.events["value"], other.events["value"], rtol=0, atol=1e-9)
+    assert machine.period == machine.assembly().period and "stop.upper" in machine.toml and machine.sketch().svg.startswith("<svg")
+
+
+@pytest.mark.parametrize("machine", [vi.Machine.from_groups(f10=1.5), vi.Assembly(DAMPER)], ids=["Machine", "Assembly"])
+def test_a_study_is_written_in_one_way(machine):
+    gap = "stop.gap" if isinstance(machine, vi.Machine) else "stop.steel.gap"
+    value = machine.replace({gap: "5 mm"}).parameters[gap if gap in machine.parameters else "stop_gap"]
+    assert value == 0.005 and machine.replace({gap: 5e-3}) == machine.replace({gap: "5 mm"})
+    run = machine.simulate(periods=3, per_period=10)
+    assert run.t.shape == (31,) and run["box.s"].shape == (31,) and run.t[-1] == pytest.approx(3 * machine.period)
+    assert set(machine.columns) <= set(run) and machine.start(run.end) == run.end and run.end.time == run.t[-1]
+    assert machine.simulate(2.0 + run.end.time, samples=4, start=run.end).t.shape == (5,)
+    # A motion goes on from the end of another in studies too; both settle to a millionth.
+    name = next(iter(machine.measures))
+    whole, later = machine.measure([name]), machine.measure([name], start=run.end)
+    assert whole[name] == pytest.approx(later[name], rel=1e-6)
+    assert machine.poincare(periods=3, settle=5, start=run.end).t[0] > run.end.time
+    assert machine.spectrum(periods=9, settle=2).exponents.ndim == 1
+    around = machine.parameters["stop_gap" if gap == "stop.gap" else gap]
+    diagram = machine.bifurcation("block.s", {gap: np.linspace(around, 1.1 * around, 3)}, periods=(5, 3))
+    assert diagram.up.value.shape == (3,)
+    basins = machine.basins({"box.s": (-1e-4, "0.1 mm", 2), "box.v": (-1e-3, 1e-3, 2)}, settle=20)
+    assert basins.cells.shape == (2, 2)
+    assert machine.sweep([name], {gap: [around, 1.1 * around]}, settle=3, periods=2)[name].shape == (2,)
+    assert machine.sketch().svg == machine._repr_svg_() and machine.units[gap if gap in machine.units else "stop_gap"] == "m"
+
+
+def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
+    machine = vi.Machine.from_groups(f10=1.5)
+    (branch,) = machine.response("f10", 1.4, 1.6, seeds=3, settle=300)
+    orbit = machine.orbit(settle=300)
+    at = np.interp(1.5, *zip(*sorted(zip(branch.value, (maxima[0] for maxima in branch.maxima)))))
+    # The maximum is read between points of the branch.
+    assert at == pytest.approx(orbit.maxima()[0], rel=1e-3)
+
+
+def test_wrong_types_name_those_that_are_accepted():
+    for call, words in [
+        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed is"),
+        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or Assembly"),
+        (lambda: vi.Machine().basins([1]), "ranges is of type list: allowed is a dictionary"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            call()
