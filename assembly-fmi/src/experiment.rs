@@ -20,7 +20,7 @@ const STEPS: [f64; 2] = [1000.0, 4000.0];
 const NONE: f64 = 1e-12;
 
 /// The default experiment of a machine.
-pub(crate) fn experiment(assembly: &Assembly) -> Experiment {
+pub fn experiment(assembly: &Assembly) -> Experiment {
     let machine = &assembly.description;
     let own = own_periods(assembly);
     let driven = machine.signals().flat_map(|of| {

@@ -23,6 +23,7 @@ mod structure;
 mod table;
 mod units;
 
+pub use experiment::experiment;
 pub use machine::Machine;
 pub use plan::{FILE, Plan};
 pub use problem::MachineProblem;

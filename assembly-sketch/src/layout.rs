@@ -60,7 +60,16 @@ pub(crate) struct Placed {
     pub faces: bool,
     /// Texts of the lever arms at both ends.
     pub arms: [Option<String>; 2],
+    /// The boxes with which its ends move; `None` is ground.
+    pub with: With,
+    /// By how much it is longer than as it was laid out.
+    pub stretch: f64,
+    /// Distance between the plates of a stop, if it is another than as laid out.
+    pub opening: Option<f64>,
 }
+
+/// The boxes with which two places move, by their columns.
+pub(crate) type With = [Option<usize>; 2];
 
 /// Places of all symbols.
 #[derive(Clone, Debug, Default)]
@@ -72,11 +81,11 @@ pub(crate) struct Layout {
     pub bodies: Vec<BodyBox>,
     pub placed: Vec<Placed>,
     /// Legs and bars, each from a point to a point.
-    pub lines: Vec<[(f64, f64); 2]>,
+    pub lines: Vec<([(f64, f64); 2], With)>,
     /// Walls: x, top, bottom, and whether the hatching is on the right.
     pub walls: Vec<(f64, f64, f64, bool)>,
-    /// Texts of lever arms at legs, with their places.
-    pub texts: Vec<((f64, f64), String)>,
+    /// Texts of lever arms at legs, with their places and columns.
+    pub texts: Vec<((f64, f64), String, usize)>,
 }
 
 /// Height of a symbol without the name above it.
@@ -294,18 +303,20 @@ impl Layout {
             }
             let height: f64 = gap.iter().map(lane).sum();
             let mut y = 0.5 * (self.top + self.bottom - height);
+            let with = [g.checked_sub(1), Some(g).filter(|g| *g < count)];
             for item in gap {
-                self.put(item, from, to, y);
+                self.put(item, from, to, y, with);
                 y += lane(item);
             }
         }
     }
 
     /// Places an item in the lane whose upper edge is at `y`.
-    fn put(&mut self, item: &Item, from: f64, to: f64, y: f64) {
+    fn put(&mut self, item: &Item, from: f64, to: f64, y: f64, with: With) {
         let Item { name, symbol, faces, arms } = item.clone();
         let y = y + NAME + 0.5 * (lane(item) - NAME - ROOM);
-        self.placed.push(Placed { name, symbol, from, to, y, faces, arms });
+        let (stretch, opening) = (0.0, None);
+        self.placed.push(Placed { name, symbol, from, to, y, faces, arms, with, stretch, opening });
     }
 
     fn fill_under(&mut self, sorted: &Sorted) {
@@ -321,7 +332,8 @@ impl Layout {
                     let Some(item) = item else { continue };
                     let length = need(item);
                     let wall = if right == 1 { middle + length } else { middle - length };
-                    self.put(item, middle.min(wall), middle.max(wall), y);
+                    let with = if right == 1 { [Some(place), None] } else { [None, Some(place)] };
+                    self.put(item, middle.min(wall), middle.max(wall), y, with);
                     end = self.placed.last().map_or(end, |placed| placed.y);
                     let half = 0.5 * height_of(item.symbol) + 8.0;
                     self.walls.push((wall, end - half, end + half, right == 1));
@@ -329,7 +341,7 @@ impl Layout {
                 y += height;
             }
             if end > self.bottom {
-                self.lines.push([(middle, self.bottom), (middle, end)]);
+                self.lines.push(([(middle, self.bottom), (middle, end)], [Some(place); 2]));
             }
         }
     }
@@ -357,22 +369,24 @@ impl Layout {
             let parts = cuts.windows(2).map(|part| (part[0], part[1]));
             let widest = parts.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
             let (left, right) = widest.unwrap_or((from, to));
-            self.put(item, left, right, floor - height);
+            let [first_of, last_of] = [ports[0].0, ports[ports.len() - 1].0].map(Some);
+            let with = if *walled { [None, first_of] } else { [first_of, last_of] };
+            self.put(item, left, right, floor - height, with);
             let y = self.placed.last().map_or(floor, |placed| placed.y);
-            for (end, part) in [(from, left), (right, to)] {
+            for (k, (end, part)) in [(from, left), (right, to)].into_iter().enumerate() {
                 if end < part {
-                    self.lines.push([(end, y), (part, y)]);
+                    self.lines.push(([(end, y), (part, y)], [with[k]; 2]));
                 }
             }
             if *walled {
                 let half = 0.5 * height_of(item.symbol) + 8.0;
                 self.walls.push((from, y - half, y + half, false));
-                self.lines.push([(first, y), (last, y)]);
+                self.lines.push(([(first, y), (last, y)], [first_of, last_of]));
             }
             for (place, x) in ports {
-                self.lines.push([(x, y), (x, self.top)]);
+                self.lines.push(([(x, y), (x, self.top)], [Some(place); 2]));
                 if let Some((_, text)) = arms.iter().find(|arm| arm.0 == place) {
-                    self.texts.push(((x + 10.0, self.top - 0.7 * ARM_FONT), text.clone()));
+                    self.texts.push(((x + 10.0, self.top - 0.7 * ARM_FONT), text.clone(), place));
                 }
             }
             floor -= height;

@@ -12,6 +12,7 @@
 mod connections;
 mod flexible;
 mod layout;
+mod moved;
 mod order;
 mod symbols;
 
@@ -51,6 +52,34 @@ impl Sketch {
     /// The sketch with all names.
     pub fn new(machine: &Description) -> Self {
         Self { layout: Layout::new(machine), icon: false }
+    }
+
+    /// The sketch of the machine in motion: each body moved along the row by `shift`, and the
+    /// plates of each stop as far apart as `opening` says, by name, in units of the drawing.
+    ///
+    /// ```
+    /// use vibro_assembly::file::{no_records, parse};
+    /// use vibro_figures::canvas::svg;
+    ///
+    /// let text = "name = \"A\"\nbody.b.mass = 1.0\n\
+    ///     spring.s = { between = [\"ground\", \"b\"], stiffness = 1.0 }";
+    /// let sketch = vibro_sketch::Sketch::new(&parse(text, "a.toml", &no_records)?);
+    /// assert_eq!(sketch.names().collect::<Vec<_>>(), ["b", "s"]);
+    /// let moved = sketch.moved(&|body| if body == "b" { 50.0 } else { 0.0 }, &|_| None);
+    /// assert_ne!(svg(&moved).ok(), svg(&sketch).ok());
+    /// assert_eq!(svg(&sketch.moved(&|_| 0.0, &|_| None)).ok(), svg(&sketch).ok());
+    /// # Ok::<(), vibro_assembly::Refusal>(())
+    /// ```
+    #[must_use]
+    pub fn moved(&self, shift: &dyn Fn(&str) -> f64, opening: &dyn Fn(&str) -> Option<f64>) -> Self {
+        Self { layout: self.layout.moved(shift, opening), icon: self.icon }
+    }
+
+    /// Names of the drawn bodies, then of the drawn elements: the numbers of the things in
+    /// [`flat`](vibro_figures::canvas::flat()).
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let bodies = self.layout.bodies.iter().map(|body| body.name.as_str());
+        bodies.chain(self.layout.placed.iter().map(|placed| placed.name.as_str()))
     }
 
     /// The sketch without names in a square, with heavier strokes.

@@ -18,19 +18,31 @@ struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,
     scale: f64,
+    /// By how much the symbol at hand is longer than as laid out.
+    stretch: f64,
 }
 
 /// Draws the machine.
 pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64) {
-    let mut hand = Hand { canvas, named, scale };
+    let mut hand = Hand { canvas, named, scale, stretch: 0.0 };
     layout.walls.iter().for_each(|wall| hand.wall(*wall));
-    layout.lines.iter().for_each(|line| hand.line(line.to_vec()));
-    layout.bodies.iter().for_each(|body| hand.body(body, layout.top, layout.bottom));
-    layout.placed.iter().for_each(|placed| hand.element(placed));
-    layout.texts.iter().for_each(|(at, text)| hand.write(*at, text, ARM_FONT, Along::Start));
+    layout.lines.iter().for_each(|(line, _)| hand.line(line.to_vec()));
+    for (tag, body) in (0..).zip(&layout.bodies) {
+        hand.tagged(tag, |hand| hand.body(body, layout.top, layout.bottom));
+    }
+    for (tag, placed) in (layout.bodies.len() as u32..).zip(&layout.placed) {
+        hand.tagged(tag, |hand| hand.element(placed));
+    }
+    layout.texts.iter().for_each(|(at, text, _)| hand.write(*at, text, ARM_FONT, Along::Start));
 }
 
 impl Hand<'_> {
+    /// The marks that `draw` draws, as those of one thing.
+    fn tagged(&mut self, tag: u32, draw: impl FnOnce(&mut Hand<'_>)) {
+        let Self { named, scale, stretch, .. } = *self;
+        self.canvas.tagged(tag, |canvas| draw(&mut Hand { canvas, named, scale, stretch }));
+    }
+
     fn width(&self) -> f64 {
         if self.named { 6.0 } else { 10.0 }
     }
@@ -140,7 +152,8 @@ impl Hand<'_> {
     }
 
     fn element(&mut self, placed: &Placed) {
-        let Placed { from, to, y, faces, .. } = *placed;
+        let Placed { from, to, y, faces, opening, stretch, .. } = *placed;
+        self.stretch = stretch;
         let middle = 0.5 * (from + to);
         let name = y - 0.5 * height_of(placed.symbol) - 0.42 * NAME;
         self.write((middle, name), &placed.name, FONT, Along::Middle);
@@ -165,8 +178,8 @@ impl Hand<'_> {
             Some(Symbol::Series { slides, .. }) => self.series(from, to, y, slides),
             Some(Symbol::Spring { zigzag: true, .. }) => self.zigzag(from, to, y),
             Some(Symbol::Spring { .. }) => self.dashpot(from, to, y),
-            Some(Symbol::Stop { compliant }) if faces => self.plates(from, to, y, compliant),
-            Some(Symbol::Stop { compliant }) => self.clasp(from, to, y, compliant),
+            Some(Symbol::Stop { compliant }) if faces => self.plates((from, to), y, compliant, opening),
+            Some(Symbol::Stop { compliant }) => self.clasp((from, to), y, compliant, opening),
             Some(Symbol::Friction) => self.bars(from, to, y, 60.0),
             Some(Symbol::Freewheel) => self.ratchet(from, to, y, faces),
             Some(Symbol::Link) => {
@@ -191,7 +204,9 @@ impl Hand<'_> {
 
     /// A zigzag with `teeth` in the middle of a line.
     fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
-        let length = (to - from).min(34.0 * f64::from(teeth));
+        // As long as it was laid out, and what it is stretched.
+        let length = (to - from - self.stretch).min(34.0 * f64::from(teeth));
+        let length = (length + self.stretch).max(0.2 * length).min(to - from);
         let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
         let tooth = |i: u32| {
             let side = if i.is_multiple_of(2) { -24.0 } else { 24.0 };
@@ -203,20 +218,28 @@ impl Hand<'_> {
         self.line(points);
     }
 
-    /// A short zigzag, and a dashpot or a slider behind it.
+    /// A short zigzag, and a dashpot or a slider behind it, which take half of the stretch each.
     fn series(&mut self, from: f64, to: f64, y: f64, slides: bool) {
-        let middle = 0.5 * (from + to);
+        let (middle, stretch) = (0.5 * (from + to), self.stretch);
+        self.stretch = 0.5 * stretch;
         self.coil(from, middle, y, 3);
         if slides { self.bars(middle, to, y, 40.0) } else { self.dashpot(middle, to, y) }
+        self.stretch = stretch;
+    }
+
+    /// The middles of a symbol's two halves, which go with its ends.
+    fn halves(&self, from: f64, to: f64) -> (f64, f64) {
+        let half = 0.5 * (to - from - self.stretch);
+        (from + half, to - half)
     }
 
     /// Two bars in sliding contact, each to `half` beyond the middle.
     fn bars(&mut self, from: f64, to: f64, y: f64, half: f64) {
-        let middle = 0.5 * (from + to);
-        self.line(vec![(from, y), (middle - half, y), (middle - half, y - 9.0)]);
-        self.thick(vec![(middle - half - 2.0, y - 9.0), (middle + half - 16.0, y - 9.0)]);
-        self.thick(vec![(middle - half + 16.0, y + 9.0), (middle + half + 2.0, y + 9.0)]);
-        self.line(vec![(middle + half, y + 9.0), (middle + half, y), (to, y)]);
+        let (left, right) = self.halves(from, to);
+        self.line(vec![(from, y), (left - half, y), (left - half, y - 9.0)]);
+        self.thick(vec![(left - half - 2.0, y - 9.0), (left + half - 16.0, y - 9.0)]);
+        self.thick(vec![(right - half + 16.0, y + 9.0), (right + half + 2.0, y + 9.0)]);
+        self.line(vec![(right + half, y + 9.0), (right + half, y), (to, y)]);
     }
 
     /// A pawl of the left end on the teeth of the right one, which it keeps from going away, or where
@@ -241,24 +264,37 @@ impl Hand<'_> {
 
     /// The zigzag of a compliant stop behind its plate.
     fn beside(&mut self, from: f64, to: f64, y: f64) {
-        let end = to.min(from + 96.0);
+        let (end, stretch) = (to.min(from + 96.0), self.stretch);
+        self.stretch = 0.0;
         self.coil(from, end, y, 3);
+        self.stretch = stretch;
         self.line(vec![(end, y), (to, y)]);
     }
 
     fn dashpot(&mut self, from: f64, to: f64, y: f64) {
-        let middle = 0.5 * (from + to);
-        let (left, right, half) = (middle - 40.0, middle + 40.0, 24.0);
-        self.line(vec![(from, y), (middle, y)]);
-        self.line(vec![(middle, y - 0.65 * half), (middle, y + 0.65 * half)]);
+        let (rod, cup) = self.halves(from, to);
+        let (left, right, half) = (cup - 40.0, cup + 40.0, 24.0);
+        let piston = rod.clamp(left + 6.0, right - 6.0);
+        self.line(vec![(from, y), (piston, y)]);
+        self.line(vec![(piston, y - 0.65 * half), (piston, y + 0.65 * half)]);
         self.line(vec![(left, y - half), (right, y - half), (right, y + half), (left, y + half)]);
         self.line(vec![(right, y), (to, y)]);
     }
 
+    /// Places of the first plate, which goes with the left end, and of what it meets, between which
+    /// a stop is open.
+    fn met(&self, (from, to): (f64, f64), compliant: bool, opening: Option<f64>, way: f64) -> (f64, f64) {
+        let (left, right) = self.halves(from, to);
+        let off = if compliant { 48.0 } else { 0.0 };
+        let plate = left - off - 0.5 * way * GAP;
+        let rest = right - off + 0.5 * way * GAP;
+        let room = if way > 0.0 { to - 30.0 - plate } else { plate - from - 12.0 };
+        (plate, opening.map_or(rest, |open| plate + way * open.clamp(0.0, room.max(0.0))))
+    }
+
     /// A stop with two plates that face each other.
-    fn plates(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
-        let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
-        let (left, right) = (middle - 0.5 * GAP, middle + 0.5 * GAP);
+    fn plates(&mut self, ends: (f64, f64), y: f64, compliant: bool, opening: Option<f64>) {
+        let ((from, to), (left, right)) = (ends, self.met(ends, compliant, opening, 1.0));
         self.line(vec![(from, y), (left, y)]);
         self.thick(vec![(left, y - 30.0), (left, y + 30.0)]);
         self.thick(vec![(right, y - 30.0), (right, y + 30.0)]);
@@ -266,9 +302,9 @@ impl Hand<'_> {
     }
 
     /// A stop with a plate behind the lips of a bracket.
-    fn clasp(&mut self, from: f64, to: f64, y: f64, compliant: bool) {
-        let middle = 0.5 * (from + to) - if compliant { 48.0 } else { 0.0 };
-        let (lip, plate, back) = (middle - 0.5 * GAP, middle + 0.5 * GAP, middle + 1.4 * GAP);
+    fn clasp(&mut self, ends: (f64, f64), y: f64, compliant: bool, opening: Option<f64>) {
+        let ((from, to), (plate, lip)) = (ends, self.met(ends, compliant, opening, -1.0));
+        let back = (lip + 1.9 * GAP).max(plate + 0.9 * GAP);
         self.line(vec![(from, y), (plate, y)]);
         self.thick(vec![(plate, y - 17.0), (plate, y + 17.0)]);
         for side in [-1.0, 1.0] {

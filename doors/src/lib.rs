@@ -116,8 +116,6 @@ pub use component::Component;
 pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
 pub use hybrid::Hybrid;
 pub use instantiation::{Instantiation, Named, Version};
-#[doc(hidden)]
-pub use libc; // what the macros name
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};
 pub use model::Model;
 pub use problem::{Problem, Refusal};

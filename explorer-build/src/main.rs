@@ -1,10 +1,13 @@
-//! Makes the live page: one HTML file around the library compiled to WebAssembly, which opens from
+//! Makes the pages: each one HTML file around a library compiled to WebAssembly, which opens from
 //! disk and loads nothing.
 //!
 //! ```text
 //! explorer/ (Rust) ─▶ cargo, wasm32 ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
 //! explorer/page/ (JavaScript) ──────────────────────▶ esbuild (node) ─────────┴─▶ explorer.html
 //! ```
+//!
+//! The page of described machines comes from `workbench/` in the same way, and may hold a kit of
+//! compiled libraries for FMUs.
 //!
 //! The program needs the Rust target wasm32-unknown-unknown, node and npm. It installs the npm
 //! packages of `explorer/page/package-lock.json` under the target folder.
@@ -16,11 +19,36 @@ use wasm_bindgen_cli_support::Bindgen;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Makes the live page of the vibro-impact machine.
+/// A page.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Page {
+    /// The live page of the 3-DOF machine
+    Explorer,
+    /// The workbench for described machines
+    Workbench,
+}
+
+impl Page {
+    /// Its name: that of its folder, of the profile of its core, and in the name of its package.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Explorer => "explorer",
+            Self::Workbench => "workbench",
+        }
+    }
+}
+
+/// Makes the live page of the vibro-impact machine, or the workbench for described machines.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Where the page goes [default: target/explorer/explorer.html]
+    /// Which page
+    #[arg(value_enum, default_value = "explorer")]
+    page: Page,
+    /// A kit (`fmu-build --kit`) whose libraries go into the workbench, for FMUs
+    #[arg(long)]
+    kit: Option<PathBuf>,
+    /// Where the page goes [default: target/PAGE/PAGE.html]
     #[arg(long, short, alias = "output")]
     out: Option<PathBuf>,
     /// Compile the core faster, without link-time optimization
@@ -85,13 +113,15 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     check_tools()?;
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
-    let folder = target.join("explorer");
-    let page = arguments.out.clone().unwrap_or_else(|| folder.join("explorer.html"));
+    let name = arguments.page.name();
+    let folder = target.join(name);
+    let page = arguments.out.clone().unwrap_or_else(|| folder.join(name).with_extension("html"));
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
-    let npm = packages(&folder)?;
+    let npm = packages(&target.join("explorer"))?;
     let mut bundle = Command::new("node");
-    bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(&doors).arg(&npm).arg(&page);
+    bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(workspace().join(name).join("page"));
+    bundle.arg(&doors).arg(&npm).arg(&page).args(&arguments.kit);
     run(&mut bundle)?;
     Ok(page)
 }
@@ -135,14 +165,9 @@ fn run(command: &mut Command) -> Result<String, Error> {
 /// Compiles the core; returns its path.
 fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(workspace()).args([
-        "build",
-        "--package",
-        "vibro-explorer",
-        "--profile",
-        "explorer",
-        "--locked",
-    ]);
+    let name = arguments.page.name();
+    cargo.current_dir(workspace()).args(["build", "--locked", "--profile", name]);
+    cargo.args(["--package", &format!("vibro-{name}")]);
     // A separate target folder, so that this cargo never waits for the lock of a cargo that runs
     // this program.
     let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
@@ -159,15 +184,12 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
-        cargo.args([
-            "--config",
-            "profile.explorer.lto=false",
-            "--config",
-            "profile.explorer.codegen-units=16",
-        ]);
+        for setting in ["lto=false", "codegen-units=16"] {
+            cargo.args(["--config", &format!("profile.{name}.{setting}")]);
+        }
     }
     run(&mut cargo)?;
-    Ok(folder.join(TARGET).join("explorer/vibro_explorer.wasm"))
+    Ok(folder.join(TARGET).join(name).join(format!("vibro_{name}.wasm")))
 }
 
 /// Writes the bindings by wasm-bindgen: `core.js`, `core.d.ts` and `core_bg.wasm`.

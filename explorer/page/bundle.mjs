@@ -1,13 +1,11 @@
-// Bundles the page into one HTML file: node bundle.mjs <folder of the core> <folder of npm packages> <page>.
+// Bundles a page into one HTML file: node bundle.mjs <folder of the page's sources> <folder of the core> <folder of npm packages> <page> [kit].
 import { createRequire } from "node:module";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
-import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 
-const [core, packages, page] = process.argv.slice(2).map((path) => resolve(path));
-const { build, transform } = createRequire(join(packages, "package.json"))("esbuild");
-const here = dirname(fileURLToPath(import.meta.url));
+const [here, core, packages, page, kit] = process.argv.slice(2).map((path) => resolve(path));
+const { build } = createRequire(join(packages, "package.json"))("esbuild");
 
 /** The module and all that it imports, as one script. @param {string} entry @param {Record<string, string>} define */
 async function bundled(entry, define) {
@@ -20,10 +18,11 @@ async function bundled(entry, define) {
 
 const worker = await bundled("worker.js", {});
 const script = await bundled("main.js", { WORKER: JSON.stringify(worker) });
-const style = (await transform(await readFile(join(here, "style.css"), "utf8"), { loader: "css", minify: true })).code;
+const style = (await build({ entryPoints: [join(here, "style.css")], bundle: true, minify: true, write: false })).outputFiles[0].text;
 const wasm = await readFile(join(core, "core_bg.wasm"));
 const parts = {
   style, core: gzipSync(wasm, { level: 9 }).toString("base64"),
+  kit: kit ? (await readFile(kit)).toString("base64") : "",
   // The end of the script's element must not stand in the script.
   script: script.replaceAll("</script", "<\\/script"),
 };

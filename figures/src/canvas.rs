@@ -2,10 +2,12 @@
 //! and rasterized as PNG, so that both files show one picture on any machine.
 
 mod bitmap;
+mod flat;
 mod letters;
 pub mod palette;
 mod vector;
 
+pub use flat::{Flat, flat};
 pub use letters::{FONT, FONT_DATA, text_width};
 
 use crate::{Error, Result};
@@ -118,6 +120,8 @@ enum Mark {
     Text { place: CanvasPoint, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
     /// Marks that are moved together.
     Moved { by: CanvasPoint, marks: Vec<Mark> },
+    /// Marks of one thing, by its number; files say nothing of it.
+    Tagged { tag: u32, marks: Vec<Mark> },
     /// Marks cut at the edges of a rectangle, an upper left corner and a size.
     Clipped { rectangle: [CanvasPoint; 2], marks: Vec<Mark> },
 }
@@ -207,6 +211,12 @@ impl Canvas {
     pub fn moved(&mut self, by: CanvasPoint, draw: impl FnOnce(&mut Self)) {
         let (by, marks) = (self.place(by), self.apart(draw));
         self.marks.push(Mark::Moved { by, marks });
+    }
+
+    /// The marks that `draw` draws, as those of one thing with a number ([`flat()`] tells it).
+    pub fn tagged(&mut self, tag: u32, draw: impl FnOnce(&mut Self)) {
+        let marks = self.apart(draw);
+        self.marks.push(Mark::Tagged { tag, marks });
     }
 
     /// The marks that `draw` draws, cut at the edges of the rectangle with two opposite `corners`.

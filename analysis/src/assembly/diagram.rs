@@ -228,6 +228,46 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
 }
 
+/// One direction of a diagram, value by value, for one who shows each as soon as it is found. A
+/// value is its place in the axis, the state that the motion has settled in, and what is found
+/// there; both are missing where the motion cannot go on.
+#[derive(Debug)]
+pub struct Direction {
+    machine: Machine,
+    request: DiagramRequest,
+    upward: bool,
+    next: usize,
+    before: Option<Start>,
+}
+
+impl Direction {
+    /// The direction of rising or of falling values.
+    ///
+    /// # Errors
+    /// As [`DiagramRequest::check`].
+    pub fn new(machine: Machine, request: DiagramRequest, upward: bool) -> Result<Self> {
+        request.check(&machine)?;
+        Ok(Self { machine, request, upward, next: 0, before: None })
+    }
+}
+
+impl Iterator for Direction {
+    type Item = (usize, Option<Start>, Option<AssemblyPoint>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let Self { machine, request, upward, .. } = &*self;
+        let count = request.axis.count;
+        let i = Some(self.next).filter(|i| *i < count)?;
+        let i = if *upward { i } else { count - 1 - i };
+        let value = request.axis.value(i);
+        let before = self.before.as_ref().filter(|_| !request.anew);
+        let start = settled_at(machine, request, value, before).ok();
+        let point = start.as_ref().and_then(|start| observe(machine, request, value, start).ok());
+        (self.next, self.before) = (self.next + 1, start.clone());
+        Some((i, start, point))
+    }
+}
+
 /// The diagram, on all threads, in parts; `None` where parts belong to other shards. The result
 /// depends neither on threads nor on shards.
 ///
@@ -307,6 +347,12 @@ mod tests {
             );
         }
         assert_eq!(found.up.len(), 5);
+        // Value by value it is the diagram.
+        for (upward, points) in [(true, &found.up), (false, &found.down)] {
+            for (i, start, point) in Direction::new(machine.clone(), request(5), upward).unwrap() {
+                assert!(start.is_some() && point == points[i]);
+            }
+        }
         // Looked at twice a period, the motion is 2T with half as many times of each.
         let twice = Machine { section: crate::assembly::SectionRule::Period(0.1), ..machine };
         let found = diagram(&twice, &request(2), &Task::ALL).unwrap().unwrap();

@@ -46,6 +46,7 @@ pub use settled::{Settled, discard, settled};
 pub use spectrum::{Spectrum, spectrum};
 pub use timescales::{runs_on, settle};
 pub use watch::{Extent, Maxima, Watcher};
+pub use written::places;
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -4,8 +4,10 @@
 use super::{Machine, Start};
 use crate::error::Result;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
-use toml::{Table, Value};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 use vibro_assembly::description::Description;
 use vibro_assembly::file::{self, Records};
 use vibro_impact::quantities::{Quantity, Unit, quantity_in};
@@ -84,40 +86,75 @@ impl Machine {
 
 /// Units in which the text of a machine's file writes its parameters.
 fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
-    let Ok(root) = text.parse::<Table>() else { return BTreeMap::new() };
-    let root = Value::Table(root);
-    let unit = |name: &str, si: &str| quantity_in(si, written(&root, name)?.as_str()?.trim())?.unit;
+    let Ok(root) = DeTable::parse(text) else { return BTreeMap::new() };
+    let unit = |name: &str, si: &str| {
+        quantity_in(si, written(root.get_ref(), name)?.get_ref().as_str()?.trim())?.unit
+    };
     let all = d.parameters().into_iter();
     all.filter_map(|p| Some((unit(&p.name, p.unit)?.plain().to_owned(), p.name)))
         .map(|(unit, name)| (name, unit))
         .collect()
 }
 
-/// Entry of the file for a parameter.
-fn written<'t>(root: &'t Value, name: &str) -> Option<&'t Value> {
-    let named = || root.get("parameters")?.get(name);
-    let found = name.split('.').try_fold(root, step).or_else(named)?;
-    // A friction's level may be a table that has only a constant.
-    found.as_table().map_or(Some(found), |table| table.get("constant"))
+/// Where the text of a machine's file writes each of its parameters: the bytes of the value.
+/// Parameters whose value is a default are left out.
+pub fn places(text: &str, d: &Description) -> BTreeMap<String, Range<usize>> {
+    let Ok(root) = DeTable::parse(text) else { return BTreeMap::new() };
+    let place = |name: String| Some((written(root.get_ref(), &name)?.span(), name));
+    let all = d.parameters().into_iter().filter_map(|p| place(p.name));
+    all.map(|(span, name)| (name, span)).collect()
 }
 
-/// Entry for a part of a name, such as `harmonics[1]`.
-fn step<'t>(value: &'t Value, part: &str) -> Option<&'t Value> {
-    let (key, index) = match part.split_once('[') {
-        Some((key, index)) => (key, Some(index.trim_end_matches(']').parse::<usize>().ok()?)),
-        None => (part, None),
+/// Entry of the file for a parameter.
+fn written<'t>(root: &'t DeTable<'t>, name: &str) -> Option<&'t Spanned<DeValue<'t>>> {
+    let below = || {
+        let (first, rest) = name.split_once('.').unwrap_or((name, ""));
+        let begin = in_table(root, first)?;
+        rest.split('.').filter(|part| !part.is_empty()).try_fold(begin, step)
     };
-    let found = match value {
-        Value::Table(table) => {
-            let harmonic = || table.get("harmonics")?.as_array()?.first()?.get(key);
-            let offset = || table.get("offset").filter(|_| key == "constant");
-            table.get(key).or_else(harmonic).or_else(offset)?
+    let named = || in_table(root.get("parameters")?.get_ref().as_table()?, name);
+    let found = below().or_else(named)?;
+    // A friction's level may be a table that has only a constant.
+    found.get_ref().as_table().map_or(Some(found), |table| table.get("constant"))
+}
+
+/// Entry of a table for a part of a name, such as `harmonics[1]`.
+fn in_table<'t>(table: &'t DeTable<'t>, part: &str) -> Option<&'t Spanned<DeValue<'t>>> {
+    let (key, index) = split(part)?;
+    let harmonic =
+        || table.get("harmonics")?.get_ref().as_array()?.iter().next()?.get_ref().as_table()?.get(key);
+    let offset = || table.get("offset").filter(|_| key == "constant");
+    item(table.get(key).or_else(harmonic).or_else(offset)?, index)
+}
+
+/// The key of a part of a name, and its index.
+fn split(part: &str) -> Option<(&str, Option<usize>)> {
+    match part.split_once('[') {
+        Some((key, index)) => Some((key, Some(index.trim_end_matches(']').parse().ok()?))),
+        None => Some((part, None)),
+    }
+}
+
+fn item<'t>(found: &'t Spanned<DeValue<'t>>, index: Option<usize>) -> Option<&'t Spanned<DeValue<'t>>> {
+    index.map_or(Some(found), |index| found.get_ref().as_array()?.get(index))
+}
+
+/// Entry for a part of a name below a value.
+fn step<'t>(value: &'t Spanned<DeValue<'t>>, part: &str) -> Option<&'t Spanned<DeValue<'t>>> {
+    let (key, index) = split(part)?;
+    match value.get_ref() {
+        DeValue::Table(table) => in_table(table, part),
+        DeValue::Array(pair) => {
+            let place = match key {
+                "time" | "e" => 0,
+                "height" | "f" => 1,
+                _ => return None,
+            };
+            item(pair.get(place)?, index)
         }
-        Value::Array(pair) => pair.get(["time", "height"].iter().position(|&k| k == key)?)?,
         // A signal that is a number.
-        number => Some(number).filter(|_| key == "constant")?,
-    };
-    index.map_or(Some(found), |index| found.as_array()?.get(index))
+        _ => item(Some(value).filter(|_| key == "constant")?, index),
+    }
 }
 
 #[cfg(test)]

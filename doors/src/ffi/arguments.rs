@@ -11,9 +11,9 @@ macro_rules! __c_type {
     (array $type:ty) => { *const $type };
     (states $type:ty) => { *const $type };
     (out $type:ty) => { *mut $type };
-    (texts) => { *const *const $crate::libc::c_char };
-    (state) => { *mut $crate::libc::c_void };
-    (handle) => { *mut *mut $crate::libc::c_void };
+    (texts) => { *const *const ::core::ffi::c_char };
+    (state) => { *mut ::core::ffi::c_void };
+    (handle) => { *mut *mut ::core::ffi::c_void };
 }
 
 /// An argument of this kind in safe types, for use where `?` is allowed. The first argument is the

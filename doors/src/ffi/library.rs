@@ -14,14 +14,14 @@ pub fn own_path() -> Option<PathBuf> {
 
 /// Uses the table of the process's memory mappings (proc(5)), whose lines have the form `FROM-TO
 /// PERMISSIONS OFFSET DEVICE INODE PATH`.
-#[cfg(not(any(windows, target_vendor = "apple")))]
+#[cfg(not(any(windows, target_vendor = "apple", target_family = "wasm")))]
 fn of_address(address: usize) -> Option<PathBuf> {
     let maps = std::fs::read("/proc/self/maps").ok()?;
     maps.split(|byte| *byte == b'\n').find_map(|line| mapped_at(line, address))
 }
 
 /// The path of a line of that table, if the address lies in its range.
-#[cfg(not(any(windows, target_vendor = "apple")))]
+#[cfg(not(any(windows, target_vendor = "apple", target_family = "wasm")))]
 fn mapped_at(line: &[u8], address: usize) -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let path = line.iter().position(|byte| *byte == b'/')?;
@@ -32,16 +32,22 @@ fn mapped_at(line: &[u8], address: usize) -> Option<PathBuf> {
     within.then(|| PathBuf::from(std::ffi::OsStr::from_bytes(&line[path..])))
 }
 
+/// A WebAssembly module has no place among files.
+#[cfg(target_family = "wasm")]
+fn of_address(_address: usize) -> Option<PathBuf> {
+    None
+}
+
 #[cfg(target_vendor = "apple")]
 fn of_address(address: usize) -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr};
     use std::os::unix::ffi::OsStrExt;
-    let null = std::ptr::null_mut::<libc::c_void>();
+    let null = std::ptr::null_mut::<core::ffi::c_void>();
     let mut info =
         libc::Dl_info { dli_fname: null.cast(), dli_fbase: null, dli_sname: null.cast(), dli_saddr: null };
     // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
     let found =
-        unsafe { libc::dladdr(address as *const libc::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
+        unsafe { libc::dladdr(address as *const core::ffi::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
     // SAFETY: if a library was found, `dli_fname` is a C string that lives as long as the library
     // is loaded.
     found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
@@ -49,7 +55,7 @@ fn of_address(address: usize) -> Option<PathBuf> {
 
 #[cfg(windows)]
 fn of_address(address: usize) -> Option<PathBuf> {
-    use libc::c_void;
+    use core::ffi::c_void;
     use std::ffi::OsString;
     use std::os::windows::ffi::OsStringExt;
     /// The argument is an address in the module, whose reference count does not change
@@ -84,7 +90,7 @@ mod tests {
         assert_eq!(own_path(), std::env::current_exe().ok());
     }
 
-    #[cfg(not(any(windows, target_vendor = "apple")))]
+    #[cfg(not(any(windows, target_vendor = "apple", target_family = "wasm")))]
     #[test]
     fn golden_lines_of_mapped_files() {
         let line = "7f00a000-7f00b000 r-xp 00000000 08:01 42   /tmp/a ü/lib 1.so".as_bytes();

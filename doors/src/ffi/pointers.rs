@@ -4,7 +4,7 @@
 #![deny(unsafe_op_in_unsafe_fn)]
 
 use super::Fault;
-use libc::{c_char, c_void};
+use core::ffi::{c_char, c_void};
 use std::cell::Cell;
 use std::ffi::CStr;
 use std::mem::MaybeUninit;

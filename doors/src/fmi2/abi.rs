@@ -22,7 +22,7 @@ use crate::ffi::panics::{guarded, silence};
 use crate::ffi::pointers::{aligned, c_str};
 use crate::log::{Categories, Category};
 use crate::messages::{self, Sink, Status, c_text, report};
-use libc::{c_char, c_int, c_void};
+use core::ffi::{c_char, c_int, c_void};
 use std::cell::RefCell;
 use std::ffi::CString;
 use std::ptr;
@@ -229,14 +229,14 @@ macro_rules! export_fmi2 {
         /// `fmi2GetTypesPlatform` (FMI 2.0, 2.1.4).
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
-        pub extern "C" fn fmi2GetTypesPlatform() -> *const $crate::libc::c_char {
+        pub extern "C" fn fmi2GetTypesPlatform() -> *const ::core::ffi::c_char {
             c"default".as_ptr()
         }
 
         /// `fmi2GetVersion` (FMI 2.0, 2.1.4).
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
-        pub extern "C" fn fmi2GetVersion() -> *const $crate::libc::c_char {
+        pub extern "C" fn fmi2GetVersion() -> *const ::core::ffi::c_char {
             c"2.0".as_ptr()
         }
 
@@ -251,10 +251,10 @@ macro_rules! export_fmi2 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi2Instantiate(
-            instanceName: *const $crate::libc::c_char,
-            fmuType: $crate::libc::c_int,
-            fmuGUID: *const $crate::libc::c_char,
-            fmuResourceLocation: *const $crate::libc::c_char,
+            instanceName: *const ::core::ffi::c_char,
+            fmuType: ::core::ffi::c_int,
+            fmuGUID: *const ::core::ffi::c_char,
+            fmuResourceLocation: *const ::core::ffi::c_char,
             functions: *const $crate::fmi2::abi::FmiCallbackFunctions,
             _visible: $crate::fmi2::types::FmiBoolean,
             loggingOn: $crate::fmi2::types::FmiBoolean,
@@ -296,21 +296,21 @@ macro_rules! export_fmi2 {
             "2.1.7":
             fmi2GetReal, GetReal(array vr: u32[nvr], value nvr: usize, out value: f64[nvr])
                 |instance, _| instance.get($crate::fmi2::instance::REAL, vr, |i, x| value.put(i, x));
-            fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: $crate::libc::c_int[nvr])
-                |instance, _| instance.get_any($crate::fmi2::instance::INTEGER, vr, &mut |i, x| value.put(i, x as $crate::libc::c_int));
+            fmi2GetInteger, GetInteger(array vr: u32[nvr], value nvr: usize, out value: ::core::ffi::c_int[nvr])
+                |instance, _| instance.get_any($crate::fmi2::instance::INTEGER, vr, &mut |i, x| value.put(i, x as ::core::ffi::c_int));
             fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: $crate::fmi2::types::FmiBoolean[nvr])
                 |instance, _| instance.get_any($crate::fmi2::instance::BOOLEAN, vr, &mut |i, x| value.put(i, (x != 0.0).into()));
             /// There are no String variables, so any reference is an error.
-            fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const $crate::libc::c_char[nvr])
+            fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const ::core::ffi::c_char[nvr])
                 |instance, _| instance.get_any($crate::fmi2::instance::STRING, vr, &mut |i, _| value.put(i, c"".as_ptr()));
             fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
                 |instance, _| instance.set($crate::fmi2::instance::REAL, vr, |i| value[i]);
-            fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: $crate::libc::c_int[nvr])
+            fmi2SetInteger, SetInteger(array vr: u32[nvr], value nvr: usize, array value: ::core::ffi::c_int[nvr])
                 |instance, _| instance.set_any($crate::fmi2::instance::INTEGER, vr, &|i| value[i].into());
             fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: $crate::fmi2::types::FmiBoolean[nvr])
                 |instance, _| instance.set_any($crate::fmi2::instance::BOOLEAN, vr, &|i| value[i].into());
             /// There are no String variables, so any reference is an error.
-            fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const $crate::libc::c_char[nvr])
+            fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const ::core::ffi::c_char[nvr])
                 |instance, _| instance.set_any($crate::fmi2::instance::STRING, vr, &|_| 0.0);
 
             "2.1.8":
@@ -368,10 +368,10 @@ macro_rules! export_fmi2 {
 
             "4.2.1":
             fmi2SetRealInputDerivatives, SetRealInputDerivatives(
-                array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], array value: f64[nvr])
+                array vr: u32[nvr], value nvr: usize, array order: ::core::ffi::c_int[nvr], array value: f64[nvr])
                 |instance, _| $crate::Model::set_input_derivatives(&mut instance.component, vr, order, value);
             fmi2GetRealOutputDerivatives, GetRealOutputDerivatives(
-                array vr: u32[nvr], value nvr: usize, array order: $crate::libc::c_int[nvr], out value: f64[nvr])
+                array vr: u32[nvr], value nvr: usize, array order: ::core::ffi::c_int[nvr], out value: f64[nvr])
                 |instance, _| $crate::Model::output_derivatives(&mut instance.component, vr, order, |i, x| value.put(i, x));
 
             "4.2.2":
@@ -384,19 +384,19 @@ macro_rules! export_fmi2 {
 
             "4.2.3":
             /// The status of asynchronous steps, of which there are none.
-            fmi2GetStatus, GetStatus(value s: $crate::libc::c_int, out value: $crate::fmi2::types::FmiStatus[1])
+            fmi2GetStatus, GetStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiStatus[1])
                 |instance, _| instance.no_status(s);
             /// `fmi2LastSuccessfulTime`.
-            fmi2GetRealStatus, GetRealStatus(value s: $crate::libc::c_int, out value: f64[1])
+            fmi2GetRealStatus, GetRealStatus(value s: ::core::ffi::c_int, out value: f64[1])
                 |instance, _| value.give(instance.real_status(s));
             /// There is no status of this type.
-            fmi2GetIntegerStatus, GetIntegerStatus(value s: $crate::libc::c_int, out value: $crate::libc::c_int[1])
+            fmi2GetIntegerStatus, GetIntegerStatus(value s: ::core::ffi::c_int, out value: ::core::ffi::c_int[1])
                 |instance, _| instance.no_status(s);
             /// `fmi2Terminated`.
-            fmi2GetBooleanStatus, GetBooleanStatus(value s: $crate::libc::c_int, out value: $crate::fmi2::types::FmiBoolean[1])
+            fmi2GetBooleanStatus, GetBooleanStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiBoolean[1])
                 |instance, _| value.give(instance.boolean_status(s).map(Into::into));
             /// The status of asynchronous steps, of which there are none.
-            fmi2GetStringStatus, GetStringStatus(value s: $crate::libc::c_int, out value: *const $crate::libc::c_char[1])
+            fmi2GetStringStatus, GetStringStatus(value s: ::core::ffi::c_int, out value: *const ::core::ffi::c_char[1])
                 |instance, _| instance.no_status(s);
         }
     };

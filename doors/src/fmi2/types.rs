@@ -2,7 +2,7 @@
 //! that std has for the C types.
 
 use crate::events::Handled;
-use libc::c_int;
+use core::ffi::c_int;
 
 /// `fmi2Boolean`.
 pub type FmiBoolean = c_int;

@@ -29,7 +29,7 @@ use crate::ffi::panics::guarded;
 use crate::ffi::pointers::{aligned, array, c_str};
 use crate::log::Category;
 use crate::messages::{self, Sink, Status, c_text, report};
-use libc::{c_char, c_void};
+use core::ffi::{c_char, c_void};
 use std::cell::RefCell;
 
 pub use instantiation::{

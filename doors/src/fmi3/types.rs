@@ -3,7 +3,7 @@
 
 use crate::events::Handled;
 use crate::values::DependencyKind;
-use libc::c_int;
+use ::core::ffi::c_int;
 
 /// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte
 /// there.

@@ -4,9 +4,10 @@
 export const theme = /** @type {Record<string, string>} */ ({});
 const NAMES = ["paper", "card", "ink", "soft", "faint", "line", "grid", "box", "block", "secondary", "relative", "falling", "drawn-secondary", "here", "flash", "spark", "stop", "on-body"];
 
-export function readTheme() {
+/** @param {string[]} more names that one page alone has */
+export function readTheme(more = []) {
   const style = getComputedStyle(document.documentElement);
-  for (const name of NAMES) theme[name] = style.getPropertyValue(`--${name}`).trim();
+  for (const name of [...NAMES, ...more]) theme[name] = style.getPropertyValue(`--${name}`).trim();
 }
 
 /** The three numbers of a colour. @param {string} colour @returns {[number, number, number]} */

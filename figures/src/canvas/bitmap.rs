@@ -128,6 +128,7 @@ impl Painter<'_> {
                 let there = place.pre_translate(at.0 as f32, at.1 as f32).pre_rotate(turn);
                 self.fill(letters::outlines(words, *size, start), &paint(*colour, 1.0), there, cut);
             }
+            Mark::Tagged { marks, .. } => self.marks(marks, place, cut),
             Mark::Moved { by, marks } => {
                 self.marks(marks, place.pre_translate(by.0 as f32, by.1 as f32), cut);
             }

@@ -9,7 +9,11 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 /// Font of all labels, embedded so that no font has to be installed.
 pub const FONT: &str = "DejaVu Sans";
 /// The file of the font.
+#[cfg(not(target_family = "wasm"))]
 pub static FONT_DATA: &[u8] = include_bytes!("../../../assets/DejaVuSans.ttf");
+/// The file of the font: in a page only the letters that names and units are made of, 24 kB of 756.
+#[cfg(target_family = "wasm")]
+pub static FONT_DATA: &[u8] = include_bytes!("../../../assets/DejaVuSans-page.ttf");
 
 /// Height of a capital, depth of a descender and height of a line above the baseline, in ems of the
 /// font.
@@ -120,4 +124,26 @@ fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) ->
     let middle = |b: ttf_parser::Rect| 0.5 * (f64::from(b.x_min) + f64::from(b.x_max));
     let raised = (f64::from(base.y_max) - LOW_LETTER * f64::from(face.units_per_em())).max(0.0);
     Some((at + scale * (middle(base) - middle(accent)), -scale * raised))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Outlines and advance widths are those of the whole font, so that pictures are the packager's.
+    #[test]
+    fn second_method_letters_of_the_pages_font_are_those_of_the_whole_one() {
+        let part = Face::parse(include_bytes!("../../../assets/DejaVuSans-page.ttf"), 0).unwrap();
+        let whole = face().unwrap();
+        assert_eq!(part.units_per_em(), whole.units_per_em());
+        let drawn = |face: &Face<'_>, letter: char| {
+            let mut pen = Outlines { path: PathBuilder::new(), scale: 1.0, origin: (0.0, 0.0) };
+            let (glyph, advance) = glyph(face, letter);
+            face.outline_glyph(glyph, &mut pen);
+            (advance, pen.path.finish())
+        };
+        for letter in (' '..='~').chain("\u{2212}\u{b7}\u{e4}\u{f6}\u{fc}\u{3c9}".chars()) {
+            assert_eq!(drawn(&part, letter), drawn(whole, letter), "{letter}");
+        }
+    }
 }

@@ -134,6 +134,7 @@ impl Text {
                 self.marks(marks);
                 self.push(format_args!("</g>\n"));
             }
+            Mark::Tagged { marks, .. } => self.marks(marks),
             Mark::Clipped { rectangle, marks } => self.clipped(*rectangle, marks),
         }
     }

@@ -140,7 +140,7 @@ macro_rules! __instances_of_fmi3 {
         /// `fmi3GetVersion` (FMI 3.0.2, 2.2.5).
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
-        pub extern "C" fn fmi3GetVersion() -> *const $crate::libc::c_char {
+        pub extern "C" fn fmi3GetVersion() -> *const ::core::ffi::c_char {
             c"3.0".as_ptr()
         }
 
@@ -154,12 +154,12 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi3InstantiateModelExchange(
-            instanceName: *const $crate::libc::c_char,
-            instantiationToken: *const $crate::libc::c_char,
-            resourcePath: *const $crate::libc::c_char,
+            instanceName: *const ::core::ffi::c_char,
+            instantiationToken: *const ::core::ffi::c_char,
+            resourcePath: *const ::core::ffi::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
-            instanceEnvironment: *mut $crate::libc::c_void,
+            instanceEnvironment: *mut ::core::ffi::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
         ) -> $crate::fmi3::abi::FmiInstance {
             let request = $crate::fmi3::abi::Request {
@@ -183,16 +183,16 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
-            instanceName: *const $crate::libc::c_char,
-            instantiationToken: *const $crate::libc::c_char,
-            resourcePath: *const $crate::libc::c_char,
+            instanceName: *const ::core::ffi::c_char,
+            instantiationToken: *const ::core::ffi::c_char,
+            resourcePath: *const ::core::ffi::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
             eventModeUsed: $crate::fmi3::types::FmiBoolean,
             earlyReturnAllowed: $crate::fmi3::types::FmiBoolean,
             requiredIntermediateVariables: *const u32,
             nRequiredIntermediateVariables: usize,
-            instanceEnvironment: *mut $crate::libc::c_void,
+            instanceEnvironment: *mut ::core::ffi::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
             intermediateUpdate: Option<$crate::fmi3::abi::FmiIntermediateUpdate>,
         ) -> $crate::fmi3::abi::FmiInstance {
@@ -225,14 +225,14 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
-            instanceName: *const $crate::libc::c_char,
-            instantiationToken: *const $crate::libc::c_char,
-            resourcePath: *const $crate::libc::c_char,
+            instanceName: *const ::core::ffi::c_char,
+            instantiationToken: *const ::core::ffi::c_char,
+            resourcePath: *const ::core::ffi::c_char,
             _visible: $crate::fmi3::types::FmiBoolean,
             loggingOn: $crate::fmi3::types::FmiBoolean,
-            instanceEnvironment: *mut $crate::libc::c_void,
+            instanceEnvironment: *mut ::core::ffi::c_void,
             logMessage: Option<$crate::fmi3::abi::FmiLogMessage>,
-            _clockUpdate: Option<unsafe extern "C" fn(*mut $crate::libc::c_void)>,
+            _clockUpdate: Option<unsafe extern "C" fn(*mut ::core::ffi::c_void)>,
             _lockPreemption: Option<unsafe extern "C" fn()>,
             _unlockPreemption: Option<unsafe extern "C" fn()>,
         ) -> $crate::fmi3::abi::FmiInstance {

@@ -45,7 +45,7 @@ macro_rules! __values_of_fmi3 {
                 out values: $crate::fmi3::types::FmiBoolean[nValues], value nValues: usize)
                 |instance, _| instance.get_any($crate::fmi3::instance::BOOLEAN, valueReferences, nValues, &mut |i, x| values.put(i, (x != 0.0).into()));
             fmi3GetString, GetString(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
-                out values: *const $crate::libc::c_char[nValues], value nValues: usize)
+                out values: *const ::core::ffi::c_char[nValues], value nValues: usize)
                 |instance, _| instance.get_any($crate::fmi3::instance::none("String"), valueReferences, nValues, &mut |_, _| ());
             fmi3GetBinary, GetBinary(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 out valueSizes: usize[nValues], out values: *const u8[nValues], value nValues: usize)
@@ -92,7 +92,7 @@ macro_rules! __values_of_fmi3 {
                 array values: $crate::fmi3::types::FmiBoolean[nValues], value nValues: usize)
                 |instance, _| instance.set_any($crate::fmi3::instance::BOOLEAN, valueReferences, nValues, &|i| f64::from(values[i] != 0));
             fmi3SetString, SetString(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
-                array values: *const $crate::libc::c_char[nValues], value nValues: usize)
+                array values: *const ::core::ffi::c_char[nValues], value nValues: usize)
                 |instance, _| instance.set_any($crate::fmi3::instance::none("String"), valueReferences, nValues, &|_| 0.0);
             fmi3SetBinary, SetBinary(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 array valueSizes: usize[nValues], array values: *const u8[nValues], value nValues: usize)

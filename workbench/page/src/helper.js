@@ -1,0 +1,77 @@
+// Workers that compute, each with a watch: one that takes too long is ended, and another takes its place.
+
+/* global WORKER: the script of the workers, put in by the bundler */
+
+/** The module of the page, compiled once. @type {WebAssembly.Module | null} */
+let module = null;
+let script = "";
+
+/** The module that lies in the page, compressed and as text. */
+export async function unpack() {
+  const text = /** @type {HTMLElement} */ (document.getElementById("core")).textContent ?? "";
+  const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  module = await WebAssembly.compile(await new Response(plain).arrayBuffer());
+  script = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
+}
+
+/** A refusal, with the problems of a file by line. */
+export class Refused extends Error {
+  /** @param {string} words @param {{line: number | null, words: string}[]} problems */
+  constructor(words, problems) { super(words); this.problems = problems; }
+}
+
+/** One worker. Answers to a question that a newer one replaced are dropped by whoever asked. */
+export class Helper {
+  constructor() { this.begin(); }
+
+  begin() {
+    this.worker = new Worker(script);
+    this.last = 0;
+    /** @type {Map<number, {done: (x: any) => void, failed: (e: Error) => void, told: (x: any) => void, watch: number}>} */
+    this.open = new Map();
+    this.worker.onmessage = ({ data }) => this.hear(data);
+    this.worker.onerror = (event) => { event.preventDefault(); this.end(`The computation broke off: ${event.message}`); };
+    this.worker.postMessage({ kind: "module", module });
+  }
+
+  /** @param {any} data */
+  hear(data) {
+    if (data.panicked) return this.end(`The computation broke off, by a defect of the library: ${data.panicked}`);
+    const asked = this.open.get(data.id);
+    if (!asked) return;
+    if (data.part !== undefined) return asked.told(data.part);
+    this.open.delete(data.id);
+    clearTimeout(asked.watch);
+    if (data.refused !== undefined) asked.failed(refusal(data.refused)); else asked.done(data.answer);
+  }
+
+  /** Asks; after `limit` milliseconds without an answer the worker is ended. @param {string} kind @param {any} [what] @param {number} [limit] @param {(part: any) => void} [told] @returns {Promise<any>} */
+  ask(kind, what = {}, limit = 0, told = () => {}) {
+    return new Promise((done, failed) => {
+      const id = ++this.last;
+      const watch = limit && window.setTimeout(() => this.end(`It took longer than ${limit / 1000} s and was ended. A smaller machine, or the command line vibro, goes on.`), limit);
+      this.open.set(id, { done, failed, told, watch });
+      /** @type {Worker} */ (this.worker).postMessage({ ...what, kind, id });
+    });
+  }
+
+  /** Ends the worker; all that it was asked fails with these words. A new one stands by. @param {string} words */
+  end(words) {
+    this.worker?.terminate();
+    const open = [...(this.open?.values() ?? [])];
+    this.begin();
+    for (const asked of open) { clearTimeout(asked.watch); asked.failed(new Refused(words, [{ line: null, words }])); }
+  }
+
+  stop() { this.worker?.terminate(); for (const asked of this.open?.values() ?? []) clearTimeout(asked.watch); }
+}
+
+/** @param {string} words */
+function refusal(words) {
+  try {
+    const problems = JSON.parse(words);
+    if (Array.isArray(problems)) return new Refused(problems.map((p) => p.words).join("\n"), problems);
+  } catch { /* words, not JSON */ }
+  return new Refused(words, [{ line: null, words }]);
+}

@@ -1,0 +1,478 @@
+// The workbench: its parts, the clock, and events of mouse, touch and keys.
+import { readout, readTheme, Surface } from "../../../explorer/page/src/plot.js";
+import { enable, tick } from "../../../explorer/page/src/sound.js";
+import * as editor from "./editor.js";
+import { Helper, Refused, unpack } from "./helper.js";
+import { fromHash, LONGEST, toHash } from "./link.js";
+import * as numbers from "./numbers.js";
+import { chosen, choose, drawEnergy, drawHistories, drawPortrait, drawTimeline, shownIn } from "./panels.js";
+import { begin, columnOf, eventsBetween, isWhole, run, take, valuesAt } from "./run.js";
+import { draw as drawSketch, fade, hold, look, places, scene, sizeIn, tagOf } from "./scene.js";
+import { diagram, drawStudy, halt, nearest, orbits, study, valueAt } from "./study.js";
+import { eventsCsv, png, runCsv, save, svg } from "./take.js";
+
+const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (document.getElementById(id));
+const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (document.getElementById(id));
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+/** Milliseconds after which a machine that is read, or a piece of motion, is given up. */
+const PATIENCE = 4000;
+/** Largest text, letters: what an editor in a page can hold. */
+const LARGEST = 2_000_000;
+
+/** @type {Helper} */
+let helper;
+/** @type {Helper | null} */
+let packer = null;
+/** @type {Record<"sketch" | "timeline" | "history" | "portrait" | "energy" | "diagram", Surface>} */
+let on;
+/** @type {Map<string, string>} */
+const gallery = new Map(), records = new Map();
+/** @type {Uint8Array | null} */
+let kit = null;
+let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
+const text = () => editor.area().value;
+const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
+
+/** @param {string} words @param {boolean} [bad] */
+function say(words, bad = false) {
+  element("status").textContent = words;
+  element("status").classList.toggle("bad", bad);
+}
+
+/** Message in place of the page. @param {string} words */
+function broken(words) {
+  element("broken").hidden = false; element("broken").textContent = words; element("main").hidden = true;
+}
+
+async function boot() {
+  if (typeof WebAssembly !== "object" || typeof CompressionStream !== "function") {
+    return broken("This browser has no WebAssembly (or no CompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 103, Firefox 113, Safari 16.4. The command line vibro does the same without a browser.");
+  }
+  try { await unpack(); } catch (error) {
+    return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line vibro does the same without a browser.`);
+  }
+  helper = new Helper();
+  theme();
+  on = { sketch: new Surface("sketch"), timeline: new Surface("timeline"), history: new Surface("history"), portrait: new Surface("portrait"), energy: new Surface("energy"), diagram: new Surface("diagram") };
+  for (const [name, content] of await helper.ask("examples")) gallery.set(name, content);
+  const title = (/** @type {string} */ name) => name.replace(/\.toml$/, "").replaceAll("_", " ");
+  select("example").replaceChildren(new Option("own machine", ""), ...[...gallery.keys()].filter((n) => n.endsWith(".toml")).map((n) => new Option(title(n), n)));
+  playing = !calm.matches;
+  showPlaying(); showPace();
+  const packed = element("kit").textContent?.trim();
+  if (packed) kit = Uint8Array.from(atob(packed), (c) => c.charCodeAt(0));
+  showKit();
+  listen();
+  await adoptLink();
+  requestAnimationFrame(frame);
+}
+
+const theme = () => readTheme(["body", "spark-text"]);
+
+/** Takes over the file in the address, an example's name in it, or the first example. */
+async function adoptLink() {
+  const example = decodeURIComponent(location.hash.match(/^#example=([\w.-]+)$/)?.[1] ?? "");
+  try {
+    const linked = await fromHash(location.hash);
+    if (linked !== null) return void await adopt(linked);
+  } catch (error) {
+    await adopt(gallery.get("damper_with_buffer.toml") ?? "");
+    return say(`The link is damaged: ${/** @type {Error} */ (error).message}. This is an example instead.`, true);
+  }
+  const name = `${example.replace(/\.toml$/, "")}.toml`;
+  await adopt(gallery.get(name) ?? gallery.get("damper_with_buffer.toml") ?? "");
+}
+
+/** A whole new text. @param {string} content */
+async function adopt(content) {
+  if (content.length > LARGEST) {
+    const words = `The text has ${content.length} letters: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.`;
+    return editor.showProblems([{ line: null, words }]);
+  }
+  // Records of the gallery lie beside its files.
+  for (const name of gallery.keys()) if (name.endsWith(".csv") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
+  select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
+  length = null; start = ""; run.at = 0;
+  editor.put(content);
+  showRecords();
+  await changed();
+}
+
+let opening = false, again = false;
+/** Reads the text, and shows its machine or its problems; what was typed meanwhile is read next. */
+async function changed() {
+  if (opening) { again = true; return; }
+  opening = true;
+  do { again = false; await read(); } while (again);
+  opening = false;
+  write();
+  void extend();
+}
+
+async function read() {
+  const began = performance.now();
+  try {
+    const { machine, words, now, marks } = await helper.ask("open", { ...machineFile(), start }, PATIENCE);
+    alive = true;
+    begin(machine, now, length);
+    take({ rows: new Float64Array(0), events: "", time: now[0], problem: "" });
+    scene.words = words; scene.marks = marks; scene.glow.clear();
+    take(await helper.ask("run", { to: run.length, step: run.step, time: 8, most: 400_000 }, PATIENCE));
+    editor.showProblems([]);
+    show();
+    look();
+    dirty = true;
+    say(start ? "The motion goes on from the attractor that was clicked; Restart returns to the file's own start." : "");
+    workbench.edit = performance.now() - began;
+  } catch (error) {
+    const { problems, message } = /** @type {Refused} */ (error);
+    editor.showProblems(problems ?? [{ line: null, words: message }]);
+    alive &&= !/ended|broke off/.test(message);
+    if (run.machine) say("The picture is that of the last text without a problem.", true);
+    else if (!problems) say(message, true);
+  }
+}
+
+let extending = false;
+/** Computes the run on to its end, in slices, so that a newer text never waits. */
+async function extend() {
+  if (extending) return;
+  extending = true;
+  while (alive && !opening && !isWhole()) {
+    const of = run.machine;
+    try {
+      const more = await helper.ask("run", { to: run.length, step: run.step, time: 14, most: 400_000 }, PATIENCE);
+      if (run.machine !== of || opening) break;
+      take(more);
+    } catch (error) { run.problem = /** @type {Error} */ (error).message; alive = false; }
+    look();
+    dirty = true;
+  }
+  if (run.problem) say(run.problem, true);
+  extending = false;
+}
+
+/** Brings fields and lists up to date with the machine. */
+function show() {
+  const { machine } = run;
+  numbers.show(machine.numbers, change, editor.goTo);
+  choose();
+  const options = (/** @type {string[]} */ names, /** @type {string} */ value) => names.map((n) => new Option(n, n, false, n === value));
+  const names = machine.columns.map((c) => c.name), known = select("across").dataset.names;
+  if (known !== names.join()) {
+    select("across").dataset.names = names.join();
+    select("across").replaceChildren(...options(names, chosen.across));
+    select("along").replaceChildren(...options(names, chosen.along));
+    const first = chosen.histories[0] ?? names[0];
+    select("of").replaceChildren(...options(names, first));
+    element("columns").replaceChildren(...names.slice(0, 300).map((n) => {
+      const label = document.createElement("label"), box = Object.assign(document.createElement("input"), { type: "checkbox", checked: chosen.histories.includes(n) });
+      box.addEventListener("change", () => { chosen.histories = box.checked ? [...chosen.histories, n] : chosen.histories.filter((x) => x !== n); dirty = true; });
+      label.append(box, n);
+      return label;
+    }));
+  }
+  const parameters = machine.numbers.map((n) => n.name);
+  if (select("parameter").dataset.names !== parameters.join()) {
+    select("parameter").dataset.names = parameters.join();
+    const drive = parameters.find((n) => n.endsWith(".frequency")) ?? parameters.find((n) => !n.startsWith("body.")) ?? parameters[0];
+    select("parameter").replaceChildren(...options(parameters, drive));
+    adoptRange();
+  }
+  input("length").value = String(run.length);
+  element("timeline").setAttribute("aria-valuemax", String(run.length));
+  document.title = `${machine.name}: workbench`;
+}
+
+const numberOf = (/** @type {string} */ name) => run.machine?.numbers.find((n) => n.name === name);
+
+function adoptRange() {
+  const n = numberOf(select("parameter").value);
+  if (!n) return;
+  const [low, high] = [n.value * 0.5, n.value * 1.5].sort((a, b) => a - b);
+  const clipped = [Math.max(low, n.min ?? -Infinity), Math.min(high, n.max ?? Infinity)].map((x) => Number(x.toPrecision(4)));
+  input("from").value = String(clipped[0]); input("to").value = String(clipped[1] > clipped[0] ? clipped[1] : clipped[0] + 1);
+  element("studyUnit").textContent = n.unit;
+}
+
+let editing = false;
+/** @type {[string, string] | null} */
+let next = null;
+/** Another value of a number, written into the text. @param {string} name @param {string} value */
+async function change(name, value) {
+  next = [name, value];
+  if (editing) return;
+  editing = true;
+  while (next) {
+    const [which, what] = next;
+    next = null;
+    try {
+      editor.put(await helper.ask("edit", { ...machineFile(), name: which, value: what }, PATIENCE));
+      select("example").value = "";
+      await changed();
+    } catch (error) { numbers.refuse(which, /** @type {Error} */ (error).message); }
+  }
+  editing = false;
+}
+
+let written = 0;
+/** Writes the file into the address, where it fits. */
+function write() {
+  clearTimeout(written);
+  written = window.setTimeout(async () => {
+    const hash = records.size ? "" : await toHash(text());
+    history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
+  }, 300);
+}
+
+async function copyLink() {
+  if (records.size) return note("taken", `A link holds no records (${[...records.keys()].join(", ")}): download the machine's file and send both.`);
+  const hash = await toHash(text());
+  if (!hash) return note("taken", `The file is longer than a link may be (${LONGEST} letters compressed): download it and send the file.`);
+  const link = `${location.href.split("#")[0]}#${hash}`;
+  try { await navigator.clipboard.writeText(link); note("taken", "The link is copied; it holds the whole file."); } catch { note("taken", link); }
+}
+
+const note = (/** @type {string} */ id, /** @type {string} */ words) => { element(id).textContent = words; };
+
+function showRecords() {
+  const used = [...records.keys()].filter((name) => text().includes(`"${name}"`));
+  for (const name of records.keys()) if (!used.includes(name)) records.delete(name);
+  note("records", used.length ? `Records beside it: ${used.join(", ")}` : "");
+}
+
+function showKit() {
+  for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll(".fmu"))) button.title = kit ? "Packed here, around compiled libraries" : "This page holds no libraries: drop a kit (machine-kit.zip), or open the page that holds them";
+}
+
+/** Files that were dropped or chosen. @param {Iterable<File>} files */
+async function receive(files) {
+  let main = null;
+  for (const file of files) {
+    if (file.size > 64 * 2 ** 20) { editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed are ${64 * 2 ** 20}` }]); continue; }
+    if (/\.zip$/i.test(file.name)) {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
+    } else if (/\.csv$/i.test(file.name)) records.set(file.name, await file.text());
+    else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
+    else main = await file.text();
+  }
+  if (main !== null) await adopt(main); else { showRecords(); await changed(); }
+}
+
+const showPlaying = () => {
+  /** @type {HTMLElement} */ (element("play").querySelector("span")).textContent = playing ? "Pause" : "Play";
+  element("play").setAttribute("aria-pressed", String(playing));
+};
+
+/** Seconds of the machine in a second. */
+const pace = () => (run.length / 15) * 10 ** Number(input("pace").value);
+function showPace() {
+  const x = pace(), own = input("pace");
+  own.style.setProperty("--part", `${(100 * (+own.value - +own.min) / (+own.max - +own.min)).toFixed(0)}%`);
+  element("paceText").textContent = x >= 0.995 ? `${Number(x.toPrecision(2))} × real time` : `1/${Number((1 / x).toPrecision(2))} real time`;
+}
+
+/** @param {number} time */
+function goTo(time) { run.at = Math.max(0, Math.min(run.length, time)); dirty = true; }
+
+/** Light and sound of what happens between two times. @param {number} from @param {number} to */
+function strike(from, to) {
+  let loudest = 0;
+  for (const met of eventsBetween(from, to).slice(-40)) {
+    const tag = tagOf(met.element);
+    if (tag < 0) continue;
+    const part = met.impulse > 0 ? met.impulse / (run.largestImpulse || 1) : 0;
+    const light = met.kind === "impact" ? 0.35 + 0.65 * part : ["press", "close", "stick"].includes(met.kind) ? 0.4 : 0.2;
+    const unit = run.machine.elements.find((e) => e.name === met.element)?.rotates ? "N·m·s" : "N·s";
+    const words = met.impulse > 0 ? `${Number(met.impulse.toPrecision(2))} ${unit}` : ["stick", "slip"].includes(met.kind) ? met.kind : "";
+    if (light >= (scene.glow.get(tag)?.light ?? 0)) scene.glow.set(tag, { light, words });
+    if (met.kind === "impact" || met.kind === "press") loudest = Math.max(loudest, met.kind === "press" ? 0.2 : part);
+  }
+  if (loudest > 0) tick(loudest, 0);
+}
+
+let drawing = false;
+/** Asks for the sketch of the present instant. */
+async function redraw() {
+  if (drawing || !alive || opening) return;
+  drawing = true;
+  const values = valuesAt(run.at), { shifts, openings } = places(values), of = run.machine;
+  try {
+    const marks = await helper.ask("sketch", { shifts, openings }, PATIENCE);
+    if (of === run.machine) { scene.marks = marks; hold(values); paintSketch(); }
+  } catch { alive = false; }
+  drawing = false;
+}
+
+function paintSketch() {
+  const box = element("scroll"), { clientWidth } = box, canvas = on.sketch.canvas, { scale, wide } = sizeIn(clientWidth, canvas.clientHeight);
+  canvas.style.width = wide > clientWidth ? `${wide}px` : "100%";
+  on.sketch.fit();
+  drawSketch(on.sketch.begin(), on.sketch.width, on.sketch.height, scale);
+  workbench.pictures++;
+}
+
+/** The panel under the pointer. @type {{surface: Surface, x: number, y: number} | null} */
+let pointed = null;
+
+/** @param {boolean} all */
+function paint(all) {
+  const { timeline, history, portrait, energy } = on;
+  drawTimeline(timeline.begin(), timeline.width, timeline.height);
+  element("timeline").setAttribute("aria-valuenow", run.at.toPrecision(5));
+  element("timeline").setAttribute("aria-valuetext", `${Number(run.at.toPrecision(4))} s of ${run.length} s`);
+  if (!all) return;
+  for (const [surface, panel] of /** @type {[Surface, (g: any, w: number, h: number) => any][]} */ ([[history, drawHistories], [portrait, drawPortrait]])) {
+    const frames = panel(surface.begin(), surface.width, surface.height);
+    if (pointed?.surface === surface) readout(surface.context, frames, pointed.x, pointed.y);
+  }
+  drawEnergy(energy.begin(), energy.width);
+  drawStudy(on.diagram.begin(), on.diagram.width, on.diagram.height, study.parameter ? numberOf(study.parameter)?.exact ?? NaN : NaN);
+}
+
+/** @param {number} time */
+function frame(time) {
+  const passed = Math.min(0.1, Math.max(0, (time - last) / 1000));
+  last = time;
+  requestAnimationFrame(frame);
+  if (!run.machine || !run.count) return;
+  for (const surface of Object.values(on)) if (surface.fit()) dirty = true;
+  if (playing && !opening) {
+    const from = run.at, to = Math.min(from + passed * pace(), run.reached);
+    if (to > from) { strike(from, to); run.at = to; dirty = true; }
+    if (run.at >= run.length * (1 - 1e-12) || (run.problem && run.at >= run.reached)) { run.at = 0; }
+  }
+  if (fade(playing ? passed : 0, calm.matches)) dirty = true;
+  if (!dirty) return;
+  // Curves twenty times a second, as long as nothing but the time changes.
+  const all = !playing || time - panelsAt > 50;
+  if (all) panelsAt = time;
+  paint(all);
+  void redraw();
+  dirty = playing ? !all : false;
+  workbench.frames++;
+}
+
+function toNextEvent() {
+  playing = false; showPlaying();
+  const met = run.events.find((m) => m.time > run.at * (1 + 1e-12) + 1e-12);
+  if (!met) return say("No further event in this run.");
+  const from = run.at;
+  goTo(met.time);
+  strike(Math.max(from, met.time * (1 - 1e-12) - 1e-12), met.time);
+  say(`${met.kind} of ${met.element || "a signal"} at ${Number(met.time.toPrecision(6))} s${Number.isFinite(met.impulse) ? `, impulse ${Number(met.impulse.toPrecision(4))} N·s` : ""}.`);
+}
+
+/** Takes a click on the diagram: its value into the text, its motion into the run. @param {number} px @param {number} py */
+async function playFrom(px, py) {
+  const found = nearest(px, py);
+  if (!found) return;
+  start = found.start ?? "";
+  const value = Number((valueAt(found.index) * study.factor).toPrecision(8));
+  await change(study.parameter, String(value));
+  note("studyWords", `${study.parameter} = ${value} ${study.unit}: ${found.words}.`);
+  playing = !calm.matches; showPlaying();
+}
+
+async function compute(/** @type {typeof diagram | typeof orbits} */ what) {
+  const n = numberOf(select("parameter").value), of = run.machine?.columns.find((c) => c.name === select("of").value);
+  const ends = [input("from"), input("to")].map((field) => Number(field.value));
+  if (!n || !of) return;
+  if (!(ends[0] < ends[1])) return note("studyWords", `from ${input("from").value} to ${input("to").value}: allowed are two numbers, the first less than the second.`);
+  element("halt").hidden = element("progress").hidden = false;
+  await what(machineFile(), { parameter: n.name, range: [ends[0] / n.factor, ends[1] / n.factor], factor: n.factor, unit: n.unit, of: of.name, ofUnit: of.unit, count: Number(select("values").value) });
+  element("halt").hidden = element("progress").hidden = true;
+  dirty = true;
+}
+
+/** @param {string} what */
+async function takeAlong(what) {
+  const name = run.machine?.name ?? "machine", size = (/** @type {Surface} */ s) => /** @type {[number, number]} */ ([s.width, s.height]);
+  if (what === "file") save(`${name}.toml`, new Blob([text()], { type: "application/toml" }));
+  if (!run.machine) return;
+  const sketch = (/** @type {any} */ g) => drawSketch(g, on.sketch.width, on.sketch.height, sizeIn(on.sketch.width, on.sketch.height).scale);
+  if (what === "run") save("run.csv", new Blob([runCsv()], { type: "text/csv" }));
+  else if (what === "events") save("events.csv", new Blob([eventsCsv()], { type: "text/csv" }));
+  else if (what === "sketch-svg") save(`${name}-sketch.svg`, svg(...size(on.sketch), sketch));
+  else if (what === "sketch-png") save(`${name}-sketch.png`, await png(...size(on.sketch), sketch));
+  else if (what === "history-svg") save(`${name}-histories.svg`, svg(...size(on.history), (g) => drawHistories(g, ...size(on.history))));
+  else if (what === "diagram-svg") save(`${name}-diagram.svg`, svg(...size(on.diagram), (g) => drawStudy(g, ...size(on.diagram), NaN)));
+  else if (what.startsWith("fmu")) return pack(what === "fmu2" ? 2 : 3);
+  note("taken", "Saved.");
+}
+
+/** @param {number} version */
+async function pack(version) {
+  if (!kit) return note("taken", "This page holds no compiled libraries: drop a kit (machine-kit.zip of `fmu-build --kit`) here, or open the full page, which holds them.");
+  note("taken", "Packing…");
+  packer ??= new Helper();
+  const began = performance.now();
+  try {
+    const bytes = await packer.ask("pack", { ...machineFile(), version, kit }, 30_000);
+    workbench.packed = performance.now() - began;
+    save(`${run.machine.name}.fmu`, new Blob([bytes], { type: "application/octet-stream" }));
+    note("taken", `${run.machine.name}.fmu of FMI ${version}.0, ${(bytes.length / 1e6).toFixed(2)} MB, packed here in ${(workbench.packed / 1000).toFixed(2)} s.`);
+  } catch (error) { note("taken", /** @type {Error} */ (error).message); }
+}
+
+function listen() {
+  editor.listen(() => { select("example").value = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
+  select("example").addEventListener("change", () => { const name = select("example").value; if (name) void adopt(gallery.get(name) ?? ""); });
+  element("open").addEventListener("click", () => input("files").click());
+  input("files").addEventListener("change", () => { void receive([...(input("files").files ?? [])]); input("files").value = ""; });
+  element("copy").addEventListener("click", () => void copyLink());
+  element("play").addEventListener("click", () => { playing = !playing; showPlaying(); dirty = true; });
+  element("next").addEventListener("click", toNextEvent);
+  element("again").addEventListener("click", () => { run.at = 0; dirty = true; if (start) { start = ""; void changed(); } });
+  input("pace").addEventListener("input", showPace);
+  input("sound").addEventListener("change", () => enable(input("sound").checked));
+  input("length").addEventListener("change", () => {
+    const wanted = Number(input("length").value.replace(",", "."));
+    if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: allowed is a number of seconds above 0.", true); }
+    length = wanted;
+    void changed().then(showPace);
+  });
+  for (const [id, key] of /** @type {const} */ ([["across", "across"], ["along", "along"]])) select(id).addEventListener("change", () => { chosen[key] = select(id).value; dirty = true; });
+  select("parameter").addEventListener("change", adoptRange);
+  element("compute").addEventListener("click", () => void compute(diagram));
+  element("orbits").addEventListener("click", () => void compute(orbits));
+  element("halt").addEventListener("click", () => { halt(); element("halt").hidden = element("progress").hidden = true; });
+  study.changed = () => { dirty = true; };
+  study.told = (part, words) => { if (Number.isFinite(part)) /** @type {HTMLProgressElement} */ (element("progress")).value = part; note("studyWords", words); };
+  on.diagram.canvas.addEventListener("click", (event) => void playFrom(event.offsetX, event.offsetY));
+  for (const button of document.querySelectorAll("[data-take]")) button.addEventListener("click", () => void takeAlong(/** @type {HTMLElement} */ (button).dataset.take ?? ""));
+  const line = on.timeline.canvas, scrub = (/** @type {PointerEvent} */ e) => goTo(run.length * (e.offsetX - 8) / Math.max(1, line.clientWidth - 16));
+  line.addEventListener("pointerdown", (e) => { line.setPointerCapture(e.pointerId); playing = false; showPlaying(); scrub(e); });
+  line.addEventListener("pointermove", (e) => { if (e.buttons) scrub(e); });
+  line.addEventListener("keydown", (e) => {
+    const by = { ArrowLeft: -0.005, ArrowRight: 0.005, PageDown: -0.05, PageUp: 0.05 }[e.key];
+    if (by !== undefined) goTo(run.at + by * run.length);
+    else if (e.key === "Home") goTo(0); else if (e.key === "End") goTo(run.reached); else return;
+    e.preventDefault();
+  });
+  for (const name of /** @type {const} */ (["history", "portrait"])) {
+    const surface = on[name];
+    surface.canvas.addEventListener("pointermove", (e) => { pointed = { surface, x: e.offsetX, y: e.offsetY }; dirty = true; });
+    surface.canvas.addEventListener("pointerleave", () => { pointed = null; dirty = true; });
+  }
+  addEventListener("keydown", (e) => {
+    const target = /** @type {HTMLElement} */ (e.target);
+    if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || (e.key === " " && target.closest("button, summary"))) return;
+    if (e.key === " ") element("play").click(); else if (e.key === "n" || e.key === "N") toNextEvent(); else if (e.key === "r" || e.key === "R") element("again").click(); else return;
+    e.preventDefault();
+  });
+  addEventListener("dragover", (e) => { e.preventDefault(); document.body.classList.add("dropping"); });
+  addEventListener("dragleave", (e) => { if (!e.relatedTarget) document.body.classList.remove("dropping"); });
+  addEventListener("drop", (e) => { e.preventDefault(); document.body.classList.remove("dropping"); void receive([...(e.dataTransfer?.files ?? [])]); });
+  addEventListener("hashchange", () => void adoptLink());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { theme(); dirty = true; });
+  calm.addEventListener("change", () => { if (calm.matches) { playing = false; showPlaying(); } });
+}
+
+/** What tests and measurements look at. */
+const workbench = { run, study, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, whole: run.machine ? isWhole() : false }) };
+/** @type {any} */ (window).workbench = workbench;
+
+void boot();

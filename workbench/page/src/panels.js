@@ -1,0 +1,151 @@
+// Time line, histories, portrait and energies of the run.
+import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
+import { columnOf, DAMPED, extent, INPUT, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
+
+/** What is chosen to be shown, by name. */
+export const chosen = { /** @type {string[]} */ histories: [], across: "", along: "" };
+
+/** Colours of curves, in their order. */
+const colours = () => [theme.box, theme.block, theme.secondary, theme.relative, theme.falling, theme.here];
+
+/** Chooses what a machine shows at first; keeps what it still has. */
+export function choose() {
+  const { columns, bodies, elements } = run.machine, has = (/** @type {string} */ name) => columns.some((c) => c.name === name);
+  chosen.histories = chosen.histories.filter(has);
+  if (!chosen.histories.length) {
+    const moving = bodies.filter((b) => !b.prescribed && has(`${b.name}.s`)), all = bodies.filter((b) => has(`${b.name}.s`));
+    chosen.histories = (moving.length ? moving : all).slice(0, 3).map((b) => `${b.name}.s`);
+    const contact = elements.find((e) => ["stop", "friction", "freewheel"].includes(e.section) && has(`${e.name}.f`));
+    if (contact) chosen.histories.push(`${contact.name}.f`);
+  }
+  if (!has(chosen.across) || !has(chosen.along)) {
+    const first = chosen.histories[0]?.replace(/\.\w+$/, "") ?? "";
+    [chosen.across, chosen.along] = has(`${first}.v`) ? [`${first}.s`, `${first}.v`] : [columns[0]?.name ?? "", columns[1]?.name ?? ""];
+  }
+}
+
+/** A factor and a symbol in which numbers of a unit are easy to read. @param {string} unit @param {number} size @returns {[number, string]} */
+export function shownIn(unit, size) {
+  const si = unit === "1" ? "" : unit.replaceAll(".", "·").replace("s2", "s²");
+  if (unit === "m" && size > 0) return size < 1e-4 ? [1e6, "µm"] : size < 0.1 ? [1e3, "mm"] : [1, "m"];
+  if (unit === "N" && size >= 1e4) return [1e-3, "kN"];
+  return [1, si];
+}
+
+const unitOf = (/** @type {string} */ name) => run.machine.columns.find((c) => c.name === name)?.unit ?? "1";
+
+/** The curve of a column over time: of dense rows least and largest in each pixel. @param {any} g @param {Frame} frame @param {number} place @param {number} factor */
+function curve(g, frame, place, factor) {
+  const { rows, width, count } = run, step = Math.max(1, Math.floor(count / 6000));
+  g.beginPath();
+  for (let i = 0; i < count; i++) {
+    if (step > 1 && i % step && rows[i * width + 1] === 0) continue;
+    const x = frame.px(rows[i * width]), y = frame.py(rows[i * width + place] * factor);
+    if (i) g.lineTo(x, y); else g.moveTo(x, y);
+  }
+  g.stroke();
+}
+
+/** @param {any} g @param {number} w @param {number} h */
+export function drawHistories(g, w, h) {
+  /** @type {Map<string, string[]>} */
+  const groups = new Map();
+  for (const name of chosen.histories) { const unit = unitOf(name); groups.set(unit, [...groups.get(unit) ?? [], name]); }
+  const list = [...groups].slice(0, 4), each = (h - 24) / Math.max(1, list.length), frames = /** @type {Frame[]} */ ([]);
+  list.forEach(([unit, names], k) => {
+    const places = names.map(columnOf).filter((p) => p >= 0), ends = places.flatMap((p) => extent(p));
+    const [factor, symbol] = shownIn(unit, Math.max(...ends.map(Math.abs)));
+    const frame = new Frame([0, run.length], reach(ends.map((x) => x * factor)), { left: 52, right: w - 10, top: k * each + 20, bottom: (k + 1) * each - 2 });
+    const last = k === list.length - 1;
+    frame.axes(g, { x: last ? "t in s" : "", y: symbol, xTicks: last });
+    frame.inside(g, () => {
+      g.lineWidth = 1.5; g.lineJoin = "round";
+      names.forEach((name) => { g.strokeStyle = colours()[chosen.histories.indexOf(name) % 6]; const place = columnOf(name); if (place >= 0) curve(g, frame, place, factor); });
+      head(g, frame);
+    });
+    // Names beside the unit, each in its colour.
+    let x = 52 + 26;
+    g.font = `600 11px ${FONT}`; g.textAlign = "left"; g.textBaseline = "middle";
+    for (const name of names) { g.fillStyle = colours()[chosen.histories.indexOf(name) % 6]; g.fillText(name, x, k * each + 10); x += g.measureText(name).width + 12; }
+    frames.push(frame);
+  });
+  return frames;
+}
+
+/** The playhead. @param {any} g @param {Frame} frame */
+function head(g, frame) {
+  g.strokeStyle = theme.here; g.lineWidth = 1;
+  g.beginPath(); g.moveTo(frame.px(run.at), frame.box.top); g.lineTo(frame.px(run.at), frame.box.bottom); g.stroke();
+}
+
+/** @param {any} g @param {number} w @param {number} h */
+export function drawPortrait(g, w, h) {
+  const [a, b] = [columnOf(chosen.across), columnOf(chosen.along)];
+  if (a < 0 || b < 0) return [];
+  const [ea, eb] = [extent(a), extent(b)], [fa, ua] = shownIn(unitOf(chosen.across), Math.max(...ea.map(Math.abs))), [fb, ub] = shownIn(unitOf(chosen.along), Math.max(...eb.map(Math.abs)));
+  const frame = new Frame(reach(ea.map((x) => x * fa)), reach(eb.map((x) => x * fb)), { left: 52, right: w - 10, top: 20, bottom: h - 22 });
+  frame.axes(g, { x: `${chosen.across}${ua && ` in ${ua}`}`, y: `${chosen.along}${ub && ` in ${ub}`}` });
+  const { rows, width, count } = run;
+  frame.inside(g, () => {
+    // The later half is full, what comes before is pale.
+    for (const [from, to, alpha] of [[0, Math.floor(count / 2), 0.35], [Math.floor(count / 2), count, 1]]) {
+      g.globalAlpha = alpha; g.strokeStyle = theme.box; g.lineWidth = 1.2;
+      g.beginPath();
+      for (let i = Math.max(0, from - 1); i < to; i++) { const x = frame.px(rows[i * width + a] * fa), y = frame.py(rows[i * width + b] * fb); if (i > from - 1) g.lineTo(x, y); else g.moveTo(x, y); }
+      g.stroke();
+    }
+    g.globalAlpha = 1;
+    const now = valuesAt(run.at);
+    g.fillStyle = theme.here;
+    g.beginPath(); g.arc(frame.px(now[a] * fa), frame.py(now[b] * fb), 4, 0, 2 * Math.PI); g.fill();
+  });
+  return [frame];
+}
+
+/** Where the energy is, and where it went. @param {any} g @param {number} w */
+export function drawEnergy(g, w) {
+  const now = valuesAt(run.at);
+  const most = Math.max(1e-300, ...[INPUT, DAMPED, RUBBED, LOST].map((p) => Math.max(...extent(p).map(Math.abs))), extent(KINETIC)[1], extent(STORED)[1]);
+  const bars = /** @type {[string, [number, string][]][]} */ ([
+    ["in motion and springs", [[now[KINETIC], theme.box], [Math.max(0, now[STORED]), theme.falling]]],
+    ["put in", [[Math.abs(now[INPUT]), now[INPUT] < 0 ? theme.soft : theme.secondary]]],
+    ["lost: dashpots, friction, impacts", [[now[DAMPED], theme.relative], [now[RUBBED], theme.block], [now[LOST], theme.spark]]],
+  ]);
+  const left = 8, span = w - 16;
+  g.font = `11px ${FONT}`; g.textBaseline = "middle";
+  bars.forEach(([words, parts], i) => {
+    const y = 14 + 26 * i;
+    g.fillStyle = theme.soft; g.textAlign = "left"; g.fillText(words, left, y - 7);
+    g.textAlign = "right"; g.fillText(energy(parts.reduce((sum, [x]) => sum + x, 0) * (i === 1 && now[INPUT] < 0 ? -1 : 1)), left + span, y - 7);
+    g.fillStyle = theme.grid; g.fillRect(left, y, span, 7);
+    let x = left;
+    for (const [value, colour] of parts) { const wide = Math.min(left + span - x, span * Math.max(0, value) / (2 * most)); g.fillStyle = colour; g.fillRect(x, y, wide, 7); x += wide; }
+  });
+}
+
+const energy = (/** @type {number} */ x) => { const a = Math.abs(x), [f, u] = a >= 1e3 ? [1e-3, "kJ"] : a >= 1 || a === 0 ? [1, "J"] : a >= 1e-3 ? [1e3, "mJ"] : [1e6, "µJ"]; return `${(x * Number(f)).toPrecision(3)} ${u}`; };
+
+/** Colour of an event's tick. @param {string} kind */
+const colourOf = (kind) => (["impact", "press", "close"].includes(kind) ? theme.spark : ["stick", "slip"].includes(kind) ? theme.secondary : theme.faint);
+
+/** The time line: events as ticks, impacts higher by their impulse, and the playhead. @param {any} g @param {number} w @param {number} h */
+export function drawTimeline(g, w, h) {
+  const left = 8, right = w - 8, x = (/** @type {number} */ t) => left + (right - left) * t / run.length, floor = h - 14;
+  g.fillStyle = theme.grid; g.fillRect(left, floor - 3, right - left, 3);
+  g.fillStyle = theme.faint; g.fillRect(left, floor - 3, Math.max(0, x(Math.min(run.reached, run.length)) - left), 3);
+  const drawn = new Set();
+  g.lineWidth = 1.5;
+  for (const met of run.events) {
+    const high = met.impulse > 0 ? 6 + 16 * Math.min(1, met.impulse / (run.largestImpulse || 1)) : 6;
+    const place = `${Math.round(2 * x(met.time))} ${Math.round(high)} ${met.kind}`;
+    if (drawn.has(place)) continue;
+    drawn.add(place);
+    g.strokeStyle = colourOf(met.kind);
+    g.beginPath(); g.moveTo(x(met.time), floor - 4); g.lineTo(x(met.time), floor - 4 - high); g.stroke();
+  }
+  const at = x(run.at);
+  g.strokeStyle = theme.here; g.lineWidth = 2; g.beginPath(); g.moveTo(at, 2); g.lineTo(at, floor); g.stroke();
+  g.fillStyle = theme.here; g.beginPath(); g.arc(at, floor - 1.5, 6, 0, 2 * Math.PI); g.fill();
+  g.fillStyle = theme.soft; g.font = `11px ${FONT}`; g.textBaseline = "alphabetic"; g.textAlign = "left"; g.fillText("0 s", left, h - 1);
+  g.textAlign = "right"; g.fillText(`${Number(run.length.toPrecision(3))} s`, right, h - 1);
+}

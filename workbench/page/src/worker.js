@@ -1,0 +1,63 @@
+// What a worker does for the page: one question at a time, in the order in which they come.
+import * as core from "vibro-core";
+
+const post = (/** @type {any} */ message, /** @type {Transferable[]} */ moved = []) => /** @type {any} */ (self).postMessage(message, moved);
+let id = 0;
+/** @type {any} */ (globalThis).panicked = (/** @type {string} */ words) => post({ panicked: words });
+/** @type {any} */ (globalThis).progressed = (/** @type {number} */ done, /** @type {number} */ known) => post({ id, part: { done, known } });
+
+/** @type {core.Bench | null} */
+let bench = null;
+
+/** Rows and events until a time, or until so many milliseconds have passed. @param {{to: number, step: number, time: number, most: number}} asked */
+function run({ to, step, time, most }) {
+  const until = performance.now() + time, parts = /** @type {Float64Array[]} */ ([]);
+  let problem = "", length = 0, at = bench ? bench.time() : 0;
+  while (bench && at < to - 1e-9 * step && length < most) {
+    // The instants are whole multiples of the step, so that they do not depend on the slices.
+    const next = Math.min(to, (Math.floor(at / step + 1e-9) + 1) * step);
+    try { const rows = bench.record(next, 1, 2000); parts.push(rows); length += rows.length; } catch (error) { problem = String(/** @type {Error} */ (error).message ?? error); break; }
+    at = bench.time();
+    if (performance.now() > until) break;
+  }
+  const rows = new Float64Array(length);
+  let place = 0;
+  for (const part of parts) { rows.set(part, place); place += part.length; }
+  return { rows, events: bench ? bench.take_events() : "", time: at, problem };
+}
+
+/** @type {Record<string, (asked: any) => {answer: any, moved?: Transferable[]}>} */
+const answers = {
+  examples: () => ({ answer: JSON.parse(core.examples()) }),
+  open: ({ text, names, texts, start }) => {
+    const next = new core.Bench(text, names, texts);
+    bench?.free();
+    bench = next;
+    if (start) bench.restart(start);
+    return { answer: { machine: JSON.parse(bench.described()), words: bench.words().split("\n"), now: bench.now(), marks: bench.sketch(new Float64Array(0), new Float64Array(0)) } };
+  },
+  run: (asked) => { const answer = run(asked); return { answer, moved: [answer.rows.buffer] }; },
+  sketch: ({ shifts, openings }) => { const answer = bench ? bench.sketch(shifts, openings) : new Float32Array(0); return { answer, moved: [answer.buffer] }; },
+  edit: ({ text, names, texts, name, value }) => ({ answer: core.edited(text, names, texts, name, value) }),
+  pack: ({ text, names, texts, version, kit }) => { const answer = core.pack(text, names, texts, version, kit); return { answer, moved: [answer.buffer] }; },
+  platforms: ({ kit }) => ({ answer: core.platforms(kit) }),
+  diagram: ({ text, names, texts, parameter, range, count, of, atSection, discard, keep, upward }) => {
+    const diagram = new core.Diagram(text, names, texts, parameter, Float64Array.from(range), count, of, atSection, discard, keep, upward);
+    for (let part = JSON.parse(diagram.next()); part; part = JSON.parse(diagram.next())) post({ id, part });
+    diagram.free();
+    return { answer: null };
+  },
+  orbits: ({ text, names, texts, parameter, range, of }) => ({ answer: JSON.parse(core.branches(text, names, texts, parameter, Float64Array.from(range), of)) }),
+};
+
+self.onmessage = ({ data }) => {
+  if (data.kind === "module") return void core.initSync({ module: data.module });
+  ({ id } = data);
+  try {
+    const { answer, moved } = answers[data.kind](data);
+    post({ id, answer }, moved);
+  } catch (error) {
+    if (error instanceof WebAssembly.RuntimeError) return post({ panicked: error.message });
+    post({ id, refused: String(/** @type {Error} */ (error).message ?? error) });
+  }
+};
