@@ -6,7 +6,7 @@ use crate::background::compute;
 use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, fit};
+use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
 
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]
@@ -24,6 +24,8 @@ pub struct FitParts<'py> {
     simulations: u32,
     near_until: f64,
     persistence: f64,
+    segments: Vec<(f64, Numbers, Vec<f64>)>,
+    lost: Vec<String>,
 }
 
 fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py> {
@@ -43,12 +45,14 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
         simulations: fitted.simulations,
         near_until: fitted.near_until,
         persistence: own.persistence,
+        segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
+        lost: fitted.lost.clone(),
     }
 }
 
 /// Fits numbers of a machine to a record.
 #[pyfunction]
-#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, loss, starts, progress = None))]
+#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, loss, segments, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
 pub fn fit_assembly<'py>(
     py: Python<'py>,
@@ -60,6 +64,7 @@ pub fn fit_assembly<'py>(
     free: Vec<(String, Option<(f64, f64)>)>,
     sigma: Option<Vec<f64>>,
     loss: &str,
+    segments: Option<f64>,
     starts: u32,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<FitParts<'py>> {
@@ -82,6 +87,12 @@ pub fn fit_assembly<'py>(
             "soft_l1" => Loss::SoftL1,
             "huber" => Loss::Huber,
             _ => Loss::Linear,
+        },
+        // No length is `auto`, and 0 one motion.
+        segments: match segments {
+            None => Segments::Auto,
+            Some(0.0) => Segments::None,
+            Some(length) => Segments::Length(length),
         },
         starts,
     };

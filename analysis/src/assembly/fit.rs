@@ -4,9 +4,13 @@
 //! in a wrong minimum. The fit begins with the horizon over which the motion of the given numbers
 //! keeps near the record, and goes on to longer ones as far as the fitted motion then does.
 
+mod beside;
+mod elimination;
 mod errors;
 mod evaluated;
+mod horizons;
 mod model;
+mod segments;
 mod solver;
 mod statistics;
 mod unknowns;
@@ -14,7 +18,9 @@ mod unknowns;
 pub use errors::{Uncertainty, Undetermined};
 pub use solver::Loss;
 
-use self::model::{Horizon, Model};
+use self::horizons::over_horizons;
+use self::model::Model;
+use self::segments::over_segments;
 use self::solver::{Bounds, Convergence, Solved, solve};
 use super::{Machine, QuantityName};
 use crate::error::{Error, Result};
@@ -32,10 +38,6 @@ const WAYS: [Way; 4] = [
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves noise
 /// alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Most horizons of a fit.
-const HORIZONS: u32 = 200;
-/// Rows by free number with which the first horizon begins at least.
-const LEAST_ROWS: usize = 3;
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
 /// Likewise where large residuals count less: outliers leave the deviation in steps.
@@ -75,6 +77,31 @@ pub struct Free {
     pub within: Option<(f64, f64)>,
 }
 
+/// How the motion is divided into segments, each with a start of its own that continues the segment
+/// before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Segments {
+    /// By the record: one motion where horizons lead to it, else segments that end where changes have
+    /// grown.
+    #[default]
+    Auto,
+    /// Segments of about this length, s.
+    Length(f64),
+    /// One motion.
+    None,
+}
+
+/// The start of a segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fresh {
+    /// Time of the record, s.
+    pub time: f64,
+    /// Its state, by the names of a start's numbers, SI.
+    pub state: Vec<(String, f64)>,
+    /// The end of the segment before less this state, SI.
+    pub defect: Vec<f64>,
+}
+
 /// What is fitted to which record.
 #[derive(Clone, Debug)]
 pub struct FitRequest {
@@ -91,6 +118,8 @@ pub struct FitRequest {
     pub sigma: Option<Vec<f64>>,
     /// How residuals count.
     pub loss: Loss,
+    /// Whether the motion is divided.
+    pub segments: Segments,
     /// Number of further starts, spread over the ranges of the free numbers.
     pub starts: u32,
 }
@@ -112,8 +141,9 @@ pub struct Fitted {
     pub residuals: Vec<Vec<f64>>,
     /// For each stop the times of the motion's contacts less those of the record, s.
     pub contacts: Vec<(String, Vec<f64>)>,
-    /// Why the fitted motion has no derivative by a number from some time on: it could not be fitted
-    /// beyond.
+    /// Segments after the first; empty of one motion.
+    pub segments: Vec<Fresh>,
+    /// Why the fitted motion has no derivative by a number from some time on; differences stand there.
     pub lost: Vec<String>,
     /// Number of motions that were followed.
     pub simulations: u32,
@@ -141,13 +171,16 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     let further = (1..=request.starts).map(|k| bounds.within(k));
     let starts: Vec<Vec<f64>> =
         std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
-    let found: Vec<Result<Solved>> =
-        starts.par_iter().map(|start| best_from(&model, &bounds, start, go_on)).collect();
+    let by = |start: &Vec<f64>| match request.segments {
+        Segments::Length(length) => over_segments(&model.for_segments(), &bounds, start, Some(length), go_on),
+        way => best_from(&model, &bounds, start, way == Segments::Auto, go_on),
+    };
+    let found: Vec<Result<Solved>> = starts.par_iter().map(by).collect();
     let mut failed = None;
     let mut note = |error| _ = failed.get_or_insert(error);
     let sound = found.into_iter().filter_map(|found| found.map_err(&mut note).ok());
     let best = sound.reduce(|best, own| if own.cost < best.cost { own } else { best });
-    let Some(Solved { mut values, mut cost }) = best else {
+    let Some(mut best) = best else {
         let none = || Error::Described { problem: "no fit: no start was tried".into() };
         return Err(failed.unwrap_or_else(none));
     };
@@ -157,28 +190,33 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
         (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
     };
     for _ in 0..turns {
-        model.reweigh(&values)?;
-        let end = (Horizon(model.end()), Convergence::Whole);
-        Solved { values, cost } = solve(&model, &bounds, &values, end, go_on)?;
+        model.reweigh(&best.point, &best.reach)?;
+        best = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
     }
-    model.finish(request, &values, cost)
+    model.finish(request, &best.point, &best.reach, best.cost)
 }
 
-/// The values reached from a start by the first way that leaves noise alone, else from the first start
-/// beside it that does, else the best ones.
+/// The point reached from a start by the first way that leaves noise alone, else by segments, else from
+/// the first start beside it that does, else the best one.
 fn best_from(
     model: &Model,
     bounds: &Bounds,
     start: &[f64],
+    by_segments: bool,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
     let mut best: Option<Solved> = None;
-    let ways = WAYS.into_iter().map(|way| (start.to_vec(), way));
     let is_small = start.len() <= sobol::DIMENSIONS;
-    let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| (bounds.beside(start, k, BESIDE.1), WAYS[1]));
-    for (begin, way) in ways.chain(beside) {
-        let Ok(found) = over_horizons(model, bounds, &begin, way, go_on) else { continue };
-        let is_done = model.is_noise(&found.values)? || !go_on();
+    let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| bounds.beside(start, k, BESIDE.1));
+    let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);
+    let ways = WAYS.iter().map(|way| Box::new(|| horizons(start, *way)) as Attempt);
+    let segments = by_segments
+        .then(|| Box::new(|| over_segments(&model.for_segments(), bounds, start, None, go_on)) as Attempt);
+    let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
+    for attempt in ways.chain(segments).chain(beside) {
+        let Ok(mut found) = attempt() else { continue };
+        found.cost = model.cost(&found)?;
+        let is_done = model.is_noise(&found.point, &found.reach)? || !go_on();
         if best.as_ref().is_none_or(|best| found.cost < best.cost) {
             best = Some(found);
         }
@@ -187,37 +225,11 @@ fn best_from(
         }
     }
     // The reason for none at all is that of the given start.
-    best.map_or_else(|| over_horizons(model, bounds, start, WAYS[0], go_on), Ok)
+    best.map_or_else(|| horizons(start, WAYS[0]), Ok)
 }
 
-/// The values reached from a start over growing horizons.
-fn over_horizons(
-    model: &Model,
-    bounds: &Bounds,
-    start: &[f64],
-    way: Way,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Solved> {
-    let mut values = start.to_vec();
-    let (first, end) = (model.first(), model.end());
-    // Horizons are as long as the record lasts, whenever it begins.
-    let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
-    let least = model.least_horizon(LEAST_ROWS * values.len());
-    let mut horizon = model.near_until(&values, way).max(least).min(end);
-    let mut left = HORIZONS;
-    loop {
-        let is_last = horizon >= end || left == 0;
-        let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
-        let reach = Horizon(if is_last { end } else { horizon });
-        let found = solve(model, bounds, &values, (reach, convergence), go_on)?;
-        if is_last || !go_on() {
-            return Ok(found);
-        }
-        (values, left) = (found.values, left - 1);
-        let near = model.near_until(&values, way);
-        horizon = near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end);
-    }
-}
+/// A way to a fit.
+type Attempt<'a> = Box<dyn Fn() -> Result<Solved> + 'a>;
 
 /// Refuses a record that is empty or not finite, and times that do not rise.
 fn check(measured: &Measured) -> Result<()> {

@@ -50,12 +50,25 @@ impl Start {
         observer: &mut VariedObserver,
     ) -> Result<Differentiated, Error> {
         let columns = self.columns(&assembly, names)?;
+        self.differentiated_by(assembly, &columns, observer)
+    }
+
+    /// As [`differentiated`](Self::differentiated), by columns.
+    ///
+    /// # Errors
+    /// As [`differentiated`](Self::differentiated).
+    pub fn differentiated_by(
+        &self,
+        assembly: Arc<Assembly>,
+        columns: &[By],
+        observer: &mut VariedObserver,
+    ) -> Result<Differentiated, Error> {
         if self.is_own() {
-            return Differentiated::new_observed(assembly, &columns, observer);
+            return Differentiated::new_observed(assembly, columns, observer);
         }
         let state = self.state(&assembly)?;
         let begun =
-            Differentiated::from_state_observed(assembly.clone(), self.time, &state, &columns, observer);
+            Differentiated::from_state_observed(assembly.clone(), self.time, &state, columns, observer);
         begun.map_err(|error| in_words(&assembly, self.time, error))
     }
 

@@ -24,6 +24,18 @@ if TYPE_CHECKING:
 _LOSSES = ("linear", "soft_l1", "huber")
 
 
+@dataclasses.dataclass(frozen=True)
+class Segment:
+    """The start of a segment of a fitted motion."""
+
+    time: float
+    "Time of the record, s."
+    state: dict[str, float]
+    "Its state by name, SI."
+    defect: dict[str, float]
+    "The end of the segment before less this state, by name, SI."
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class AssemblyFit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
@@ -56,6 +68,10 @@ class AssemblyFit(Result):
     "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
     persistence: float
     "Correlation of a residual with the next one of its column."
+    segments: list[Segment]
+    "Segments after the first, each with a start of its own; empty of one motion."
+    lost: list[str]
+    "Why the fitted motion has no derivative by a number from some time on, where differences stand."
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
@@ -90,6 +106,7 @@ def fit(
     events: Optional[Mapping[str, ArrayLike]] = None,
     sigma: Optional[Mapping[str, float]] = None,
     loss: str = "linear",
+    segments: Union[str, float] = "auto",
     starts: int = 0,
     start: StartLike = None,
     progress: bool = False,
@@ -122,6 +139,9 @@ def fit(
         Standard deviation of the noise of each column, SI, and of the times of ``events`` as ``"contacts"``; by the residuals without it.
     loss
         ``linear``, ``soft_l1`` or ``huber``: how residuals count.
+    segments
+        ``"auto"``, ``"none"``, or a length in s: whether the motion is divided into segments with starts of their own, each continuing the
+        one before. ``"auto"`` divides where one motion does not lead to the record, as of chaotic ones.
     starts
         Number of further starts of the fit, spread over ``within``.
     start
@@ -155,10 +175,23 @@ def fit(
             [(name, ranges.get(name)) for name in names],
             _sigma(sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
             loss,
+            _length(segments),
             whole("starts", starts, 0, 10_000),
             bar.report,
         )
     return _fitted(type(machine), names, t, [name for name, _ in columns], found)
+
+
+def _length(segments: Union[str, float]) -> Optional[float]:
+    """None of ``auto``, 0 of ``none``."""
+    if isinstance(segments, str):
+        if segments not in ("auto", "none"):
+            raise ValueError(f"segments = {segments!r}: allowed are 'auto', 'none' and a length in s")
+        return None if segments == "auto" else 0.0
+    length = number("segments", segments)
+    if not length > 0:
+        raise ValueError(f"segments = {segments!r}: allowed is a length above 0 s")
+    return length
 
 
 def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[list[float]]:
@@ -186,4 +219,6 @@ def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, column
         simulations=found["simulations"],
         near_until=found["near_until"],
         persistence=found["persistence"],
+        segments=[Segment(time, dict(state), dict(zip([name for name, _ in state], defect))) for time, state, defect in found["segments"]],
+        lost=found["lost"],
     )

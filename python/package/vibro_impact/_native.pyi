@@ -143,6 +143,7 @@ def fit_assembly(
     free: Sequence[tuple[str, tuple[float, float] | None]],
     sigma: Sequence[float] | None,
     loss: str,
+    segments: float | None,
     starts: int,
     progress: _Progress = None,
 ) -> _Parts: ...

@@ -35,9 +35,18 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
             own.combination.iter().map(|(name, part)| format!("{part:+.3} {name}")).collect();
         remarks.push(format!("not determined, in parts of the values: {}", parts.join(" ")));
     }
-    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}: not fitted from there on")));
+    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; differences stand there")));
     for (name, rms) in &fitted.rms {
         remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
+    }
+    if !fitted.segments.is_empty() {
+        let defects = fitted.segments.iter().flat_map(|own| &own.defect);
+        let most = defects.fold(0.0, |most: f64, defect| most.max(defect.abs()));
+        let count = fitted.segments.len() + 1;
+        remarks.push(format!(
+            "in {count} segments, which miss each next start by {} at most, SI",
+            significant(most)
+        ));
     }
     let last = fitted.near_until;
     let end = request.measured.times.last().copied().unwrap_or(last);
@@ -86,11 +95,19 @@ pub fn fit_json(fitted: &Fitted) -> String {
         format!("{{\"combination\": {{{parts}}}, \"singular_value\": {value}}}")
     });
     let rms = fitted.rms.iter().map(|(name, rms)| format!("{}: {}", quoted(name), number(*rms)));
+    let segments = fitted.segments.iter().map(|own| {
+        let named = own.state.iter().zip(&own.defect);
+        let (state, defect): (Vec<_>, Vec<_>) = named
+            .map(|((name, x), d)| [*x, *d].map(|x| format!("{}: {}", quoted(name), number(x))).into())
+            .unzip();
+        let (time, state, defect) = (number(own.time), list(state), list(defect));
+        format!("{{\"time\": {time}, \"state\": {{{state}}}, \"defect\": {{{defect}}}}}")
+    });
     let mut text = String::new();
     // Writing to a text does not fail.
     let _ = writeln!(
         text,
-        "{{\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {}\n}}",
+        "{{\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
         list(parameters.collect()),
         list(names),
         list(rows.collect()),
@@ -98,7 +115,8 @@ pub fn fit_json(fitted: &Fitted) -> String {
         list(rms.collect()),
         fitted.simulations,
         number(fitted.near_until),
-        number(own.persistence)
+        number(own.persistence),
+        list(segments.collect())
     );
     text
 }

@@ -6,7 +6,8 @@
 //! for (D. Andrews, Econometrica 59, 1991).
 
 use super::Loss;
-use super::evaluated::Evaluated;
+use super::elimination::Triangle;
+use super::evaluated::{Evaluated, Point};
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value, relative to the largest, below which a combination of numbers is not determined.
@@ -52,16 +53,22 @@ impl Uncertainty {
         values: &[f64],
         (loss, has_sigma): (Loss, bool),
     ) -> Self {
-        let (m, p) = (at.residuals.len(), values.len());
-        let weights: Vec<f64> = at.residuals.iter().map(|r| loss.weight(*r)).collect();
-        let scales: Vec<f64> = (0..p).map(|j| scale(at, values[j], j)).collect();
-        let mut matrix = at.jacobian.clone();
+        let p = values.len();
+        // States of segments follow the numbers: errors are of all that is free.
+        let sizes = Point::default();
+        let triangle = Triangle::of(at, loss, &sizes, 0.0, &vec![false; p]);
+        let Some(jacobian) = triangle.reduced(at, p) else { return Self::none(names) };
+        let residuals: Vec<f64> = at.residuals().collect();
+        let m = residuals.len();
+        let weights: Vec<f64> = residuals.iter().map(|r| loss.weight(*r)).collect();
+        let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
+        let mut matrix = jacobian;
         for i in 0..m {
             for j in 0..p {
                 matrix[(i, j)] *= weights[i] * scales[j];
             }
         }
-        let residuals: Vec<f64> = at.residuals.iter().zip(&weights).map(|(r, w)| r * w).collect();
+        let residuals: Vec<f64> = residuals.iter().zip(&weights).map(|(r, w)| r * w).collect();
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let variance = if has_sigma { 1.0 } else { squares / m.saturating_sub(p).max(1) as f64 };
         let r = matrix.clone().qr().r();
@@ -135,25 +142,25 @@ impl Uncertainty {
 
 /// The change of a number that counts as one: its own value, or that which moves the motion by one
 /// standard deviation of a column throughout.
-fn scale(at: &Evaluated, value: f64, j: usize) -> f64 {
+fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     if value != 0.0 {
         return value.abs();
     }
-    let norm = at.jacobian.column(j).norm();
-    if norm > 0.0 { (at.residuals.len() as f64).sqrt() / norm } else { 1.0 }
+    let norm = jacobian.column(j).norm();
+    if norm > 0.0 { (jacobian.nrows() as f64).sqrt() / norm } else { 1.0 }
 }
 
 /// Correlation of a residual with the next one of its column, over all columns.
 fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
-    let columns = at.places.iter().map(|place| place.1).max().unwrap_or(0) + 1;
+    let columns = at.places().map(|place| place.1).max().unwrap_or(0) + 1;
     let mut last: Vec<Option<f64>> = vec![None; columns];
     let (mut products, mut squares) = (0.0, f64::MIN_POSITIVE);
-    for ((_, column), r) in at.places.iter().zip(residuals) {
-        if let Some(before) = last[*column] {
+    for ((_, column), r) in at.places().zip(residuals) {
+        if let Some(before) = last[column] {
             products += before * r;
             squares += before * before;
         }
-        last[*column] = Some(*r);
+        last[column] = Some(*r);
     }
     (products / squares).clamp(-0.999, 0.999)
 }
@@ -163,10 +170,10 @@ fn lagged(at: &Evaluated, matrix: &DMatrix<f64>, residuals: &[f64], persistence:
     let p = matrix.ncols();
     let mut scores: Vec<DVector<f64>> = Vec::new();
     let mut time = f64::NAN;
-    for (i, (own, _)) in at.places.iter().enumerate() {
-        if *own != time {
+    for (i, (own, _)) in at.places().enumerate() {
+        if own != time {
             scores.push(DVector::zeros(p));
-            time = *own;
+            time = own;
         }
         if let Some(last) = scores.last_mut() {
             last.axpy(residuals[i], &matrix.row(i).transpose(), 1.0);

@@ -1,36 +1,115 @@
-//! Residuals of a motion beside a record, and their derivatives by the free numbers.
+//! Residuals of a motion beside a record, and their derivatives by what is fitted.
 
 use nalgebra::DMatrix;
 
-/// Residuals over a horizon in units of the standard deviations, and their derivatives; rows of one
-/// time stand together.
-pub(super) struct Evaluated {
-    pub residuals: Vec<f64>,
-    pub jacobian: DMatrix<f64>,
-    /// Time and column of each row; the columns of contacts follow those of quantities.
-    pub places: Vec<(f64, usize)>,
+/// Where a fit stands: the free numbers, and the states in which segments after the first begin.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Point {
+    pub values: Vec<f64>,
+    pub states: Vec<Vec<f64>>,
 }
 
-/// A number of a motion with its derivatives by the free numbers, where it has them.
+impl From<Vec<f64>> for Point {
+    fn from(values: Vec<f64>) -> Self {
+        Self { values, states: Vec::new() }
+    }
+}
+
+/// A change of a [`Point`], or a size for each of its numbers.
+pub(super) type Change = Point;
+
+impl Point {
+    /// The length of a change whose numbers count by sizes.
+    pub fn length(&self, sizes: &Change) -> f64 {
+        let pair =
+            |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 { a.iter().zip(b).map(|(x, s)| (x * s).powi(2)).sum() };
+        (pair((&self.values, &sizes.values)) + self.states.iter().zip(&sizes.states).map(pair).sum::<f64>())
+            .sqrt()
+    }
+}
+
+/// How far a record counts, and where segments of the motion begin anew.
+#[derive(Clone, Debug)]
+pub(super) struct Reach {
+    /// Time of the record up to which it counts, s.
+    pub end: f64,
+    /// Times of the record at which segments after the first begin, s.
+    pub nodes: Vec<f64>,
+    /// How much a segment's end that is not the next one's start counts, by number of the state, as
+    /// a residual.
+    pub weights: Vec<f64>,
+}
+
+impl Reach {
+    /// One motion up to a time.
+    pub fn whole(end: f64) -> Self {
+        Self { end, nodes: Vec::new(), weights: Vec::new() }
+    }
+}
+
+/// A number of a motion with its derivatives by the free numbers, then by the segment's first state;
+/// `None` where it has none.
 pub(super) type Varied = (f64, Vec<Option<f64>>);
 
-impl Evaluated {
-    /// The rows of a record: place, and residual with its derivatives; `sigma` is by column.
-    pub fn of(mut rows: Vec<((f64, usize), Varied)>, unknowns: usize, sigma: &[f64]) -> Self {
-        rows.sort_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut jacobian = DMatrix::zeros(rows.len(), unknowns);
-        let (mut residuals, mut places) = (Vec::new(), Vec::new());
-        for (i, (place, (residual, by))) in rows.into_iter().enumerate() {
-            let sigma = sigma[place.1];
-            residuals.push(residual / sigma);
-            by.iter().enumerate().for_each(|(j, by)| jacobian[(i, j)] = by.unwrap_or(0.0) / sigma);
-            places.push(place);
+/// Residuals in units of the standard deviations, with their derivatives.
+pub(super) struct Rows {
+    pub residuals: Vec<f64>,
+    /// By the state in which the segment begins; without columns in the first one.
+    pub by_state: DMatrix<f64>,
+    pub by_numbers: DMatrix<f64>,
+}
+
+impl Rows {
+    /// Rows of values with derivatives, each value over its unit.
+    pub fn of(rows: &[(Varied, f64)], (unknowns, states): (usize, usize)) -> Self {
+        let entry = |i: usize, j: usize| rows[i].0.1[j].unwrap_or(0.0) / rows[i].1;
+        Self {
+            residuals: rows.iter().map(|((value, _), unit)| value / unit).collect(),
+            by_state: DMatrix::from_fn(rows.len(), states, |i, j| entry(i, unknowns + j)),
+            by_numbers: DMatrix::from_fn(rows.len(), unknowns, entry),
         }
-        Self { residuals, jacobian, places }
     }
 
+    fn is_finite(&self) -> bool {
+        let all = self.by_state.iter().chain(self.by_numbers.iter());
+        self.residuals.iter().chain(all).all(|x| x.is_finite())
+    }
+}
+
+/// A segment of a motion beside its part of the record.
+pub(super) struct Segment {
+    pub rows: Rows,
+    /// Time and column of each row; the columns of contacts follow those of quantities. Rows of one
+    /// time stand together.
+    pub places: Vec<(f64, usize)>,
+    /// The segment's end less the start of the next one, over its weight; `None` of the last.
+    pub defect: Option<Rows>,
+    /// Derivative of a row of `defect` by its number of the next segment's state, negative.
+    pub weights: Vec<f64>,
+}
+
+/// Residuals over all segments.
+pub(super) struct Evaluated(pub Vec<Segment>);
+
+impl Evaluated {
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
-        self.residuals.iter().chain(self.jacobian.iter()).all(|x| x.is_finite())
+        self.0.iter().all(|own| own.rows.is_finite() && own.defect.as_ref().is_none_or(Rows::is_finite))
+    }
+
+    /// The residuals of all segments.
+    pub fn residuals(&self) -> impl Iterator<Item = f64> {
+        self.0.iter().flat_map(|own| own.rows.residuals.iter().copied())
+    }
+
+    /// Time and column of each of them.
+    pub fn places(&self) -> impl Iterator<Item = (f64, usize)> {
+        self.0.iter().flat_map(|own| own.places.iter().copied())
+    }
+
+    /// What the defects count.
+    pub fn defects(&self) -> f64 {
+        let all = self.0.iter().filter_map(|own| own.defect.as_ref());
+        all.flat_map(|own| own.residuals.iter()).map(|r| r * r).sum()
     }
 }

@@ -1,17 +1,16 @@
-//! The motion of a machine beside a record.
+//! A machine beside a record: how far its motion keeps near it, and what is fitted in the end.
 
+use super::beside::{Beside, Compared, Followed};
 use super::errors::Uncertainty;
-use super::evaluated::{Evaluated, Varied};
+use super::evaluated::{Evaluated, Point, Reach};
+use super::solver::Solved;
 use super::statistics::{deviation, deviations, interval, noise, rms, size, typical};
 use super::unknowns::{Made, Unknowns};
-use super::{FitRequest, Fitted, Loss, Measured, Way};
+use super::{FitRequest, Fitted, Fresh, Loss, Measured, Way};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
-use vibro_assembly::description::Description;
-use vibro_assembly::motion::{Event, EventKind};
-use vibro_assembly::{Assembly, Quantity, What};
+use vibro_assembly::{Assembly, Start};
 
 /// Samples of which more than half may be outliers by chance.
 const FEW: usize = 8;
@@ -23,75 +22,21 @@ const EXACT: f64 = 1e-12;
 /// Intervals between contacts that a contact's time may be off and still be near.
 const OFF: f64 = 0.3;
 
-/// Time up to which a record counts, s.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Horizon(pub f64);
-
 /// A machine beside a record.
+#[derive(Clone)]
 pub(super) struct Model<'a> {
-    measured: &'a Measured,
+    pub measured: &'a Measured,
     /// The times of all rows, sorted.
     times: Vec<f64>,
     pub loss: Loss,
-    pub unknowns: Unknowns<'a>,
-    quantities: Vec<Quantity>,
-    /// The rate of each column's quantity, where a quantity has it.
-    rates: Vec<Option<Quantity>>,
-    /// Index of the stop of each list of contacts.
-    stops: Vec<usize>,
+    pub unknowns: Arc<Unknowns<'a>>,
+    compared: Arc<Compared<'a>>,
     /// Standard deviation of each column, then of the contacts' times.
     sigma: Vec<f64>,
     /// Whether these are given.
     pub has_sigma: bool,
     /// Noise of each column, by its differences.
     noise: Vec<f64>,
-    simulations: AtomicU32,
-}
-
-/// A motion beside the record.
-struct Beside {
-    /// Why there is no derivative by a number any more, in words.
-    lost: Vec<String>,
-    /// For each time and column the motion's value less the record's.
-    samples: Vec<Vec<Varied>>,
-    /// For each list of contacts the times of the motion's.
-    contacts: Vec<Vec<Varied>>,
-}
-
-impl Beside {
-    /// The residuals of a column.
-    fn residuals(&self, column: usize) -> impl Iterator<Item = f64> {
-        self.samples.iter().map(move |sample| sample[column].0)
-    }
-
-    /// The times of the motion's contacts less those of the record, of a list of them.
-    fn contacts_off(&self, list: usize, measured: &[f64]) -> Vec<f64> {
-        self.contacts[list].iter().zip(measured).map(|((time, _), measured)| time - measured).collect()
-    }
-}
-
-/// The quantity that is the rate of another, where there is one.
-fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
-    let what = match name.what {
-        What::S => What::V,
-        What::V => What::A,
-        What::E => What::Rate,
-        _ => return None,
-    };
-    QuantityName { of: name.of.clone(), what }.find(d).ok().map(|named| named.quantity)
-}
-
-/// The indices of the stops whose contacts a record has.
-fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
-    let of = |(element, _): &(String, Vec<f64>)| {
-        let plain = element.strip_prefix("stop.").unwrap_or(element);
-        d.stops.iter().position(|stop| stop.name == plain).ok_or_else(|| {
-            let known: Vec<&str> = d.stops.iter().map(|stop| stop.name.as_str()).collect();
-            let problem = format!("no stop is named `{element}`; allowed are {}", known.join(", "));
-            Error::Described { problem }
-        })
-    };
-    measured.contacts.iter().map(of).collect()
 }
 
 /// The times of all rows, sorted.
@@ -122,10 +67,7 @@ impl<'a> Model<'a> {
     pub fn new(request: &'a FitRequest) -> Result<Self> {
         let FitRequest { machine, measured, sigma, loss, .. } = request;
         let (d, columns) = (&machine.description, &measured.columns);
-        let quantity = |(name, _): &(QuantityName, Vec<f64>)| Ok(name.find(d)?.quantity);
-        let quantities = columns.iter().map(quantity).collect::<Result<_>>()?;
-        let rates: Vec<_> = columns.iter().map(|(name, _)| rate_of(name, d)).collect();
-        let stops = stops_of(measured, d)?;
+        let compared = Compared::new(measured, d)?;
         let noise: Vec<f64> = columns.iter().map(|(_, values)| noise(values)).collect();
         // Beside outliers a column's own deviation is theirs.
         let is_robust = *loss != Loss::Linear;
@@ -138,15 +80,12 @@ impl<'a> Model<'a> {
         Ok(Self {
             sigma: sigma.as_ref().map_or_else(|| Ok(own.collect()), |sigma| given(sigma, measured))?,
             has_sigma: sigma.is_some(),
-            unknowns: Unknowns::new(request, &rates)?,
+            unknowns: Arc::new(Unknowns::new(request, &compared.rates)?),
             times: times_of(measured),
             measured,
             loss: *loss,
-            quantities,
-            rates,
-            stops,
+            compared: Arc::new(compared),
             noise,
-            simulations: AtomicU32::new(0),
         })
     }
 
@@ -155,16 +94,34 @@ impl<'a> Model<'a> {
         if self.loss == Loss::Linear { rms(residuals) } else { typical(residuals) }
     }
 
-    /// Takes the residuals at some values for the standard deviations of columns and contacts.
-    pub fn reweigh(&mut self, values: &[f64]) -> Result<()> {
-        let beside = self.beside(values, Horizon(self.end()), false)?;
-        let columns = (0..self.quantities.len()).map(|k| self.spread(beside.residuals(k)));
-        let contacts = self.measured.contacts.iter().enumerate();
-        let contacts = contacts.map(|(k, (_, times))| self.spread(beside.contacts_off(k, times).into_iter()));
+    /// Takes the residuals at a point for the standard deviations of columns and contacts.
+    pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
+        let beside = self.beside(point, reach)?;
+        let columns = (0..self.noise.len()).map(|k| self.spread(beside.residuals(k)));
+        let contacts = 0..self.measured.contacts.len();
+        let contacts = contacts.map(|k| self.spread(self.contacts_off(&beside, k).into_iter()));
         let found: Vec<f64> = columns.chain(contacts).collect();
         let pairs = self.sigma.iter_mut().zip(found);
         pairs.for_each(|(sigma, found)| *sigma = found.max(EXACT * *sigma));
         Ok(())
+    }
+
+    /// The model with columns weighed by their noise, or by a part of their own size that is more.
+    pub fn by_noise(&self, least: f64) -> Self {
+        let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| {
+            let own = if noise.is_finite() { *noise } else { 0.0 };
+            own.max(least * size(values))
+        };
+        let columns = self.noise.iter().zip(&self.measured.columns).map(of_column);
+        let contacts = self.measured.contacts.iter().map(|(_, times)| least * interval(times));
+        let sigma = if self.has_sigma { self.sigma.clone() } else { columns.chain(contacts).collect() };
+        Self { sigma, ..self.clone() }
+    }
+
+    /// The times of the motion's contacts less those of the record, of a list of them.
+    fn contacts_off(&self, beside: &Beside, list: usize) -> Vec<f64> {
+        let times = &self.measured.contacts[list].1;
+        beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
 
     /// Number of rows of the record.
@@ -192,82 +149,42 @@ impl<'a> Model<'a> {
         shown.fold(enough, f64::max)
     }
 
-    /// Follows the motion with some values up to a horizon, with derivatives on request.
-    fn beside(&self, values: &[f64], Horizon(end): Horizon, varied: bool) -> Result<Beside> {
-        self.simulations.fetch_add(1, Ordering::Relaxed);
-        let Made { machine, start, shift, offsets } = self.unknowns.with(values)?;
-        let assembly = Arc::new(Assembly::new(machine.description)?);
-        let names = if varied { &self.unknowns.names[..] } else { &[] };
-        let mut contacts: Vec<Vec<Varied>> = vec![Vec::new(); self.stops.len()];
-        let mut note = |event: &Event, by: &[Option<f64>]| {
-            if let EventKind::Impact { stop, .. } | EventKind::Press { stop, .. } = event.kind
-                && let Some(k) = self.stops.iter().position(|own| *own == stop)
-            {
-                contacts[k].push((event.time - shift, self.unknowns.by_all(by, Some(-1.0), None)));
-            }
-        };
-        let mut motion = start.differentiated(assembly, names, &mut note)?;
-        let mut samples = Vec::new();
-        let columns = &self.measured.columns;
-        let times = self.measured.times.iter().take_while(|time| !columns.is_empty() && **time <= end);
-        for (row, time) in times.enumerate() {
-            // Before its start there is no motion.
-            motion.advance_observed((time + shift).max(start.time), &mut note)?;
-            let sample = |k: usize| {
-                let quantity = self.quantities[k];
-                let value = motion.motion().value(quantity) + offsets[k] - columns[k].1[row];
-                let by: Vec<Option<f64>> = (0..names.len()).map(|p| motion.derivative(quantity, p)).collect();
-                let rate = self.rates[k].map(|rate| motion.motion().value(rate));
-                (value, self.unknowns.by_all(&by, rate, Some(k)))
-            };
-            samples.push((0..columns.len()).map(sample).collect());
-        }
-        if !self.stops.is_empty() && end + shift > motion.motion().time() {
-            motion.advance_observed(end + shift, &mut note)?;
-        }
-        let lost = |(p, name): (usize, &&str)| Some(format!("{name}: {}", motion.lost(p)?));
-        let lost = names.iter().enumerate().filter_map(lost).collect();
-        Ok(Beside { lost, samples, contacts })
+    /// Follows the motion of a point.
+    pub fn beside(&self, point: &Point, reach: &Reach) -> Result<Beside> {
+        self.compared.beside(&self.unknowns, point, reach, false)
     }
 
-    /// Residuals and derivatives with some values over a horizon.
-    pub fn evaluate(&self, values: &[f64], horizon: Horizon) -> Result<Evaluated> {
-        let at = self.evaluated(&self.beside(values, horizon, true)?, horizon);
+    /// Residuals and derivatives at a point.
+    pub fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated> {
+        let at = self.evaluated(&self.compared.beside(&self.unknowns, point, reach, true)?, point, reach);
         let grows = || Error::Described { problem: "the motion grows beyond all numbers".into() };
         at.is_finite().then_some(at).ok_or_else(grows)
     }
 
-    fn evaluated(&self, beside: &Beside, horizon: Horizon) -> Evaluated {
-        let mut rows = Vec::new();
-        for (time, sample) in self.measured.times.iter().zip(&beside.samples) {
-            rows.extend(sample.iter().enumerate().map(|(k, own)| ((*time, k), own.clone())));
-        }
-        let (columns, unknowns) = (self.measured.columns.len(), self.unknowns.begin.len());
-        for (k, ((_, measured), own)) in self.measured.contacts.iter().zip(&beside.contacts).enumerate() {
-            for (i, time) in measured.iter().take_while(|time| **time <= horizon.0).enumerate() {
-                // A contact that the motion does not have counts as one at the horizon.
-                let none = || (horizon.0, vec![None; unknowns]);
-                let (at, by) = own.get(i).cloned().unwrap_or_else(none);
-                rows.push(((*time, columns + k), (at - time, by)));
-            }
-        }
-        Evaluated::of(rows, unknowns, &self.sigma)
+    fn evaluated(&self, beside: &Beside, point: &Point, reach: &Reach) -> Evaluated {
+        let of = |(k, own): (usize, &Followed)| {
+            let states = if k > 0 { point.states[k - 1].len() } else { 0 };
+            let joint = point.states.get(k).map(|next| (&next[..], &reach.weights[..]));
+            own.segment(self.measured, &self.sigma, (point.values.len(), states), joint)
+        };
+        Evaluated(beside.0.iter().enumerate().map(of).collect())
     }
 
-    /// The time up to which the motion with some values keeps near the record: the root mean square of
-    /// the residuals so far is at most a part of the record's own deviation, or little more than its
-    /// noise. A motion that breaks off is near nowhere.
-    pub fn near_until(&self, values: &[f64], way: Way) -> f64 {
-        let beside = self.beside(values, Horizon(self.end()), false);
-        beside.map_or_else(|_| self.first(), |beside| self.near(&beside, way))
+    /// The time up to which the motion of a point keeps near the record: the root mean square of the
+    /// residuals so far, from a time on, is at most a part of the record's own deviation, or little
+    /// more than its noise. A motion that breaks off is near nowhere.
+    pub fn near_until(&self, point: &Point, nodes: &[f64], way: Way) -> f64 {
+        let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let beside = self.beside(point, &Reach { nodes: nodes.to_vec(), ..Reach::whole(self.end()) });
+        beside.map_or_else(|_| self.first().max(from), |beside| self.near(&beside, from, way))
     }
 
-    fn near(&self, beside: &Beside, way: Way) -> f64 {
-        let mut until = self.end();
+    fn near(&self, beside: &Beside, from: f64, way: Way) -> f64 {
+        let (mut until, first) = (self.end(), self.measured.times.partition_point(|time| *time < from));
         for (k, (_, all)) in self.measured.columns.iter().enumerate() {
             let (own, whole, mut sum, mut far) = (deviations(all), deviation(all), 0.0, 0);
             let leaves = |(i, residual): (usize, f64)| {
-                let own = if way.of_whole { whole } else { own[i] };
+                let own = if way.of_whole { whole } else { own[first + i] };
                 let limit = (way.near * own).max(NOISY * self.noise[k]);
                 sum += residual * residual;
                 far += usize::from(residual.abs() > limit);
@@ -277,61 +194,86 @@ impl<'a> Model<'a> {
                     Loss::SoftL1 | Loss::Huber => i >= FEW && 2 * far > i,
                 }
             };
-            if let Some(i) = beside.residuals(k).enumerate().position(leaves) {
-                until = until.min(self.measured.times[i.saturating_sub(1)]);
+            if let Some(i) = beside.residuals(k).skip(first).enumerate().position(leaves) {
+                until = until.min(self.measured.times[(first + i).saturating_sub(1)]);
             }
         }
-        for ((_, measured), own) in self.measured.contacts.iter().zip(&beside.contacts) {
+        for (list, (_, measured)) in self.measured.contacts.iter().enumerate() {
             let limit = OFF * interval(measured);
-            let near = |i: usize| own.get(i).is_some_and(|(time, _)| (time - measured[i]).abs() <= limit);
-            if let Some(i) = (0..measured.len()).find(|&i| !near(i)) {
+            let is_near =
+                |(i, time): &(usize, Option<f64>)| time.is_some_and(|t| (t - measured[*i]).abs() <= limit);
+            if let Some((i, _)) = beside.contacts(list).find(|own| measured[own.0] >= from && !is_near(own)) {
                 until = until.min(measured[i.saturating_sub(1)]);
             }
         }
         until
     }
 
-    /// Whether the residuals with some values are not much more than the noise.
-    pub fn is_noise(&self, values: &[f64]) -> Result<bool> {
-        let beside = self.beside(values, Horizon(self.end()), false)?;
+    /// The sum of losses at a point that was reached.
+    pub fn cost(&self, solved: &Solved) -> Result<f64> {
+        let beside = self.beside(&solved.point, &solved.reach)?;
+        let of = |own: &Followed| own.segment(self.measured, &self.sigma, (0, 0), None);
+        Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
+    }
+
+    /// Whether the residuals at a point are not much more than the noise.
+    pub fn is_noise(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        let beside = self.beside(point, reach)?;
         let mut columns = self.noise.iter().enumerate();
         Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= NOISY * noise))
     }
 
-    /// The machine fitted with some values.
-    pub fn finish(&self, request: &FitRequest, values: &[f64], cost: f64) -> Result<Fitted> {
-        let end = Horizon(self.end());
-        let beside = self.beside(values, end, true)?;
-        let Made { machine, start, .. } = self.unknowns.with(values)?;
+    /// The machine fitted at a point.
+    pub fn finish(&self, request: &FitRequest, point: &Point, reach: &Reach, cost: f64) -> Result<Fitted> {
+        let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
+        let Made { machine, start, .. } = self.unknowns.with(&point.values)?;
         let columns = &self.measured.columns;
         let of_column =
             |(k, (name, _)): (usize, &(QuantityName, _))| (name.to_string(), rms(beside.residuals(k)));
         let mut sizes: Vec<(String, f64)> = columns.iter().enumerate().map(of_column).collect();
         let mut contacts = Vec::new();
-        for (k, (name, measured)) in self.measured.contacts.iter().enumerate() {
-            let off = beside.contacts_off(k, measured);
+        for (k, (name, _)) in self.measured.contacts.iter().enumerate() {
+            let off = self.contacts_off(&beside, k);
             sizes.push((name.clone(), rms(off.iter().copied())));
             contacts.push((name.clone(), off));
         }
         let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
-        let at = self.evaluated(&beside, end);
+        let at = self.evaluated(&beside, point, reach);
+        let residuals = beside.samples().map(|all| all.iter().map(|(residual, _)| *residual).collect());
         Ok(Fitted {
-            machine,
+            segments: self.segments(&beside, &machine, point, reach)?,
             start,
-            uncertainty: Uncertainty::of(&at, &names, values, (self.loss, self.has_sigma)),
-            values: names.into_iter().zip(values.iter().copied()).collect(),
+            uncertainty: Uncertainty::of(&at, &names, &point.values, (self.loss, self.has_sigma)),
+            values: names.into_iter().zip(point.values.iter().copied()).collect(),
+            machine,
             rms: sizes,
-            residuals: beside
-                .samples
-                .iter()
-                .map(|all| all.iter().map(|(residual, _)| *residual).collect())
-                .collect(),
+            residuals: residuals.collect(),
             contacts,
             // Outliers that count little do not end it.
-            near_until: if self.loss == Loss::Linear { self.near(&beside, super::WAYS[0]) } else { end.0 },
-            lost: beside.lost,
-            simulations: self.simulations.load(Ordering::Relaxed),
+            near_until: match self.loss {
+                Loss::Linear => self.near(&beside, f64::NEG_INFINITY, super::WAYS[0]),
+                Loss::SoftL1 | Loss::Huber => reach.end,
+            },
+            lost: beside.lost(),
+            simulations: self.compared.simulations(),
             cost,
         })
+    }
+
+    /// Where segments begin anew, and by how much the ones before miss it.
+    fn segments(
+        &self,
+        beside: &Beside,
+        machine: &crate::assembly::Machine,
+        point: &Point,
+        reach: &Reach,
+    ) -> Result<Vec<Fresh>> {
+        let names = Start::names(&Assembly::new(machine.description.clone())?);
+        let fresh = |((time, state), before): ((&f64, &Vec<f64>), &Followed)| Fresh {
+            time: *time,
+            state: names.iter().cloned().zip(state.iter().copied()).collect(),
+            defect: before.end.iter().zip(state).map(|((end, _), next)| end - next).collect(),
+        };
+        Ok(reach.nodes.iter().zip(&point.states).zip(&beside.0).map(fresh).collect())
     }
 }

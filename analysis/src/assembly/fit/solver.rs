@@ -2,12 +2,13 @@
 //! Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
 //! published crates know neither bounds nor rows without a derivative.
 
-use super::evaluated::Evaluated;
-use super::model::{Horizon, Model};
+use super::elimination::Triangle;
+use super::evaluated::{Change, Evaluated, Point, Reach};
+use super::model::Model;
 use super::{FitRequest, MOST_FREE};
 use crate::error::{Error, Result};
 use crate::sobol;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// How far a fit over one horizon goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +58,8 @@ impl Loss {
     }
 
     /// The sum over residuals.
-    pub fn sum(self, residuals: &[f64]) -> f64 {
-        residuals.iter().map(|r| self.of(*r).0).sum()
+    pub fn sum(self, residuals: impl Iterator<Item = f64>) -> f64 {
+        residuals.map(|r| self.of(r).0).sum()
     }
 
     /// The factor of a residual and its row of derivatives in a step.
@@ -142,99 +143,131 @@ impl Bounds {
         (0..start.len()).map(at).collect()
     }
 
+    /// A point after a change, which is cut at the bounds.
+    fn moved(&self, point: &Point, change: &mut Change) -> Point {
+        let mut next = point.clone();
+        for (j, value) in next.values.iter_mut().enumerate() {
+            let before = *value;
+            *value = (before + change.values[j]).clamp(self.low[j], self.high[j]);
+            change.values[j] = *value - before;
+        }
+        for (state, change) in next.states.iter_mut().zip(&change.states) {
+            state.iter_mut().zip(change).for_each(|(x, dx)| *x += dx);
+        }
+        next
+    }
+
     /// Whether a number lies at a bound beyond which a step would lead.
     fn holds(&self, i: usize, value: f64, step: f64) -> bool {
         (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
     }
 }
 
-/// Values reached, with the sum of losses.
+/// A point reached.
+#[derive(Clone, Debug)]
 pub(super) struct Solved {
-    pub values: Vec<f64>,
+    pub point: Point,
+    pub reach: Reach,
+    /// The sum of losses, without that of defects.
     pub cost: f64,
 }
 
-/// The step from values: minus the solution of the damped normal equations, over the numbers that no
-/// bound holds.
-fn step(
-    at: &Evaluated,
-    loss: Loss,
-    sizes: &DVector<f64>,
-    damping: f64,
-    held: &[bool],
-) -> Option<DVector<f64>> {
-    let (m, count) = (at.residuals.len(), held.len());
-    let free: Vec<usize> = (0..count).filter(|&j| !held[j]).collect();
-    let mut matrix = DMatrix::zeros(m + free.len(), free.len());
-    let mut right = DVector::zeros(m + free.len());
-    for i in 0..m {
-        let weight = loss.weight(at.residuals[i]);
-        right[i] = -weight * at.residuals[i];
-        free.iter().enumerate().for_each(|(c, &j)| matrix[(i, c)] = weight * at.jacobian[(i, j)]);
+/// What is found of a number's sizes: the largest lengths of its columns of derivatives so far.
+fn include(sizes: &mut Change, at: &Evaluated) {
+    for (j, size) in sizes.values.iter_mut().enumerate() {
+        let length = at.0.iter().map(|own| own.rows.by_numbers.column(j).norm_squared()).sum::<f64>().sqrt();
+        *size = size.max(length).max(f64::MIN_POSITIVE);
     }
-    free.iter().enumerate().for_each(|(c, &j)| matrix[(m + c, c)] = damping.sqrt() * sizes[j]);
-    let qr = matrix.qr();
-    qr.q_tr_mul(&mut right);
-    let part = qr.r().solve_upper_triangular(&right.rows(0, free.len()).into_owned())?;
-    let mut whole = DVector::zeros(count);
-    free.iter().zip(part.iter()).for_each(|(&j, x)| whole[j] = *x);
-    whole.iter().all(|x| x.is_finite()).then_some(whole)
+    // Defects do not count: they would hold fast what they tie to its neighbours.
+    for (sizes, own) in sizes.states.iter_mut().zip(&at.0[1..]) {
+        for (i, size) in sizes.iter_mut().enumerate() {
+            *size = size.max(own.rows.by_state.column(i).norm()).max(f64::MIN_POSITIVE);
+        }
+    }
 }
 
-/// The gradient of the cost, halved.
-fn gradient(at: &Evaluated, loss: Loss) -> DVector<f64> {
-    let weighted = at.residuals.iter().map(|r| r * loss.weight(*r).powi(2));
-    at.jacobian.tr_mul(&DVector::from_iterator(at.residuals.len(), weighted))
+/// Half the downward gradient of the cost by the free numbers.
+fn down(at: &Evaluated, loss: Loss) -> DVector<f64> {
+    let mut sum = DVector::zeros(at.0[0].rows.by_numbers.ncols());
+    for own in &at.0 {
+        let weighted = own.rows.residuals.iter().map(|r| r * loss.weight(*r).powi(2));
+        sum -= own.rows.by_numbers.tr_mul(&DVector::from_iterator(own.rows.residuals.len(), weighted));
+        if let Some(rows) = &own.defect {
+            sum -= rows.by_numbers.tr_mul(&DVector::from_column_slice(&rows.residuals));
+        }
+    }
+    sum
 }
 
-/// The values with the least cost near given ones, over a horizon.
+/// By how much the cost falls by a change, if residuals are linear in it.
+fn predicted(at: &Evaluated, loss: Loss, change: &Change) -> f64 {
+    let numbers = DVector::from_column_slice(&change.values);
+    let empty = Vec::new();
+    let mut sum = 0.0;
+    for (k, own) in at.0.iter().enumerate() {
+        let state = k.checked_sub(1).map_or(&empty, |k| &change.states[k]);
+        let state = DVector::from_column_slice(state);
+        let moved = |rows: &super::evaluated::Rows| &rows.by_numbers * &numbers + &rows.by_state * &state;
+        let fall = |(r, dr): (&f64, &f64)| loss.weight(*r).powi(2) * (r * r - (r + dr).powi(2));
+        sum += own.rows.residuals.iter().zip(moved(&own.rows).iter()).map(fall).sum::<f64>();
+        if let Some(rows) = &own.defect {
+            let next = change.states[k].iter().zip(&own.weights).map(|(x, weight)| x * weight);
+            let moved = moved(rows);
+            let all = rows.residuals.iter().zip(moved.iter().zip(next));
+            sum += all.map(|(r, (dr, next))| r * r - (r + dr - next).powi(2)).sum::<f64>();
+        }
+    }
+    sum
+}
+
+/// What a point costs, with its defects.
+fn cost_of(at: &Evaluated, loss: Loss) -> f64 {
+    loss.sum(at.residuals()) + at.defects()
+}
+
+/// The point with the least cost near a given one.
 pub(super) fn solve(
     model: &Model,
     bounds: &Bounds,
-    begin: &[f64],
-    (horizon, convergence): (Horizon, Convergence),
+    begin: &Point,
+    (reach, convergence): (&Reach, Convergence),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
-    let (loss, mut values) = (model.loss, begin.to_vec());
-    let mut at = model.evaluate(&values, horizon)?;
-    let mut cost = loss.sum(&at.residuals);
+    let (loss, mut point) = (model.loss, begin.clone());
+    let mut at = model.evaluate(&point, reach)?;
+    let mut cost = cost_of(&at, loss);
     let (mut damping, mut growth) = (DAMPING, 2.0);
-    let mut sizes = DVector::<f64>::zeros(values.len());
+    let mut sizes = Point {
+        values: vec![0.0; point.values.len()],
+        states: point.states.iter().map(|state| vec![0.0; state.len()]).collect(),
+    };
     let (steps, least_step, least_reduction) = convergence.limits();
     for _ in 0..steps {
         if !go_on() {
             break;
         }
-        for (j, size) in sizes.iter_mut().enumerate() {
-            *size = size.max(at.jacobian.column(j).norm()).max(f64::MIN_POSITIVE);
-        }
-        let down = -gradient(&at, loss);
+        include(&mut sizes, &at);
+        let down = down(&at, loss);
         // A number that moves nothing so far is kept.
-        let is_idle = |j: usize| at.jacobian.column(j).amax() == 0.0;
-        let held = (0..values.len()).map(|j| is_idle(j) || bounds.holds(j, values[j], down[j]));
+        let is_idle = |j: usize| at.0.iter().all(|own| own.rows.by_numbers.column(j).amax() == 0.0);
+        let held = (0..point.values.len()).map(|j| is_idle(j) || bounds.holds(j, point.values[j], down[j]));
         let held: Vec<bool> = held.collect();
-        if held.iter().all(|held| *held) {
+        if point.states.is_empty() && held.iter().all(|held| *held) {
             break;
         }
-        let Some(mut way) = step(&at, loss, &sizes, damping, &held) else { break };
-        let next: Vec<f64> =
-            (0..values.len()).map(|j| (values[j] + way[j]).clamp(bounds.low[j], bounds.high[j])).collect();
-        (0..values.len()).for_each(|j| way[j] = next[j] - values[j]);
-        let relative = (0..values.len()).map(|j| (way[j] * sizes[j]).powi(2)).sum::<f64>().sqrt();
-        let whole = (0..values.len()).map(|j| (values[j] * sizes[j]).powi(2)).sum::<f64>().sqrt();
-        if relative <= least_step * whole {
+        let way = Triangle::of(&at, loss, &sizes, damping, &held).step(point.values.len());
+        let Some(mut way) = way else { break };
+        let next = bounds.moved(&point, &mut way);
+        if way.length(&sizes) <= least_step * point.length(&sizes) {
             break;
         }
-        let linear = &at.jacobian * &way;
-        let fall = |(r, dr): (&f64, &f64)| loss.weight(*r).powi(2) * (r * r - (r + dr).powi(2));
-        let predicted: f64 = at.residuals.iter().zip(linear.iter()).map(fall).sum();
         // A motion that breaks off costs more than any.
-        let tried = model.evaluate(&next, horizon).ok();
-        let after = tried.as_ref().map_or(f64::INFINITY, |tried| loss.sum(&tried.residuals));
+        let tried = model.evaluate(&next, reach).ok();
+        let after = tried.as_ref().map_or(f64::INFINITY, |tried| cost_of(tried, loss));
         if after < cost {
-            let ratio = (cost - after) / predicted.max(f64::MIN_POSITIVE);
+            let ratio = (cost - after) / predicted(&at, loss, &way).max(f64::MIN_POSITIVE);
             let is_done = cost - after <= least_reduction * cost;
-            (values, cost) = (next, after);
+            (point, cost) = (next, after);
             at = tried.unwrap_or(at);
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
             growth = 2.0;
@@ -249,5 +282,5 @@ pub(super) fn solve(
             }
         }
     }
-    Ok(Solved { values, cost })
+    Ok(Solved { point, reach: reach.clone(), cost: loss.sum(at.residuals()) })
 }

@@ -3,6 +3,7 @@
 use super::FitRequest;
 use crate::assembly::Machine;
 use crate::error::{Error, Result};
+use vibro_assembly::derivative::By;
 use vibro_assembly::{Assembly, Quantity, Start};
 
 /// A positive number's least value, in parts of the value from which the fit begins.
@@ -129,20 +130,77 @@ impl<'a> Unknowns<'a> {
         }
         Ok(Made { machine: self.machine.with(of_machine)?, start, shift, offsets })
     }
+}
 
-    /// Derivatives by all free numbers, from those by numbers of the machine and of the start, that by
-    /// the shift, and the column of an offset.
-    pub fn by_all(
+impl Made {
+    /// The columns of derivatives of a segment that begins with the start, or in a state of its own with
+    /// a number of numbers.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for a name that neither machine nor start has.
+    pub fn columns(&self, unknowns: &Unknowns, states: Option<usize>) -> Result<Columns> {
+        let assembly = Assembly::new(self.machine.description.clone())?;
+        let named = self.start.columns(&assembly, &unknowns.names)?;
+        let is_first = states.is_none();
+        let (mut by, mut of) = (Vec::new(), Vec::new());
+        let mut add = |own: By| {
+            by.push(own);
+            by.len() - 1
+        };
+        for unknown in &unknowns.all {
+            of.push(match *unknown {
+                Unknown::Number(k) => match &named[k] {
+                    // A later segment does not begin with the start.
+                    By::Start(_) | By::Time if !is_first => Source::None,
+                    own => Source::Motion(add(own.clone())),
+                },
+                Unknown::Shift if is_first => Source::Shift(None),
+                Unknown::Shift => Source::Shift(Some(add(By::Time))),
+                Unknown::Offset(k) => Source::Offset(k),
+            });
+        }
+        of.extend((0..states.unwrap_or(0)).map(|i| Source::Motion(add(By::Start(i)))));
+        Ok(Columns { by, of })
+    }
+}
+
+/// Whence a derivative comes.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// Of the motion, by one of its columns.
+    Motion(usize),
+    /// By the shift; by the time of the segment's start too, with its column, where that is shifted.
+    Shift(Option<usize>),
+    /// By what a column shows above the quantity.
+    Offset(usize),
+    /// There is none: it is 0.
+    None,
+}
+
+/// The columns of derivatives of a motion.
+#[derive(Default)]
+pub(super) struct Columns {
+    pub by: Vec<By>,
+    /// By free number, then by number of the segment's first state.
+    of: Vec<Source>,
+}
+
+impl Columns {
+    /// Derivatives by all that is fitted, from those of the motion by its columns, that by the time of
+    /// the motion, and the column of an offset.
+    pub fn all(
         &self,
-        by: &[Option<f64>],
-        by_shift: Option<f64>,
+        by: impl Fn(usize) -> Option<f64>,
+        by_time: Option<f64>,
         column: Option<usize>,
     ) -> Vec<Option<f64>> {
-        let of = |unknown: &Unknown| match *unknown {
-            Unknown::Number(k) => by.get(k).copied().flatten(),
-            Unknown::Shift => by_shift,
-            Unknown::Offset(k) => Some(if Some(k) == column { 1.0 } else { 0.0 }),
+        let of = |source: &Source| match *source {
+            Source::Motion(k) => by(k),
+            Source::Shift(None) => by_time,
+            Source::Shift(Some(k)) => Some(by_time? + by(k)?),
+            Source::Offset(k) => Some(if Some(k) == column { 1.0 } else { 0.0 }),
+            Source::None => Some(0.0),
         };
-        self.all.iter().map(of).collect()
+        self.of.iter().map(of).collect()
     }
 }

@@ -13,7 +13,7 @@ use vibro::assembly::read_record;
 use vibro::part_folder::write_whole;
 use vibro::studies::{self, fit_json};
 use vibro::{Error, Result};
-use vibro_analysis::assembly::fit::{FitRequest, Free, Measured, fit};
+use vibro_analysis::assembly::fit::{FitRequest, Free, Measured, Segments, fit};
 use vibro_analysis::assembly::{Machine, QuantityName};
 use vibro_assembly::What;
 use vibro_impact::quantities::quantity_in;
@@ -104,6 +104,15 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
     }
 }
 
+/// The value of --segments in the account of a run.
+fn segments_text(segments: Segments) -> String {
+    match segments {
+        Segments::Auto => "auto".into(),
+        Segments::None => "none".into(),
+        Segments::Length(length) => format!("{length:?}s"),
+    }
+}
+
 /// Fits a machine to a record.
 pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
@@ -125,6 +134,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         ("within", a.within.join(",")),
         ("sigma", a.sigma.join(",")),
         ("loss", format!("{:?}", a.loss)),
+        ("segments", segments_text(a.segments)),
         ("starts", a.starts.to_string()),
         ("start", start.to_string()),
     ];
@@ -144,6 +154,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         free,
         sigma,
         loss: a.loss.into(),
+        segments: a.segments,
         starts: a.starts,
     };
     let fitted = fit(&request, &|| !stop.load(Ordering::Relaxed))?;

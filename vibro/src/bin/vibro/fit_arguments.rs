@@ -4,7 +4,8 @@ use crate::common_arguments::{START_VALUE, start_help};
 use crate::ranges::whole;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use vibro_analysis::assembly::fit::Loss;
+use vibro_analysis::assembly::fit::{Loss, Segments};
+use vibro_impact::quantities::quantity_in;
 
 /// Arguments of `fit`.
 #[derive(Args, Debug)]
@@ -33,12 +34,29 @@ pub struct FitArguments {
     /// How residuals count
     #[arg(long, value_name = "LOSS", default_value = "linear")]
     pub loss: LossArgument,
+    /// Segments of the motion with starts of their own, each continuing the one before: where one
+    /// motion does not lead to the record (auto), about every so many seconds (1s), or none
+    #[arg(long, value_name = "auto|none|TIME", default_value = "auto", value_parser = segments)]
+    pub segments: Segments,
     /// Number of further starts of the fit, spread over --within
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
     pub starts: u32,
     /// Start of the motion.
     #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
+}
+
+/// The value of --segments.
+fn segments(text: &str) -> Result<Segments, String> {
+    let time = || text.parse::<f64>().ok().or_else(|| Some(quantity_in("s", text)?.value));
+    match text {
+        "auto" => Ok(Segments::Auto),
+        "none" => Ok(Segments::None),
+        _ => time()
+            .filter(|length| *length > 0.0 && length.is_finite())
+            .map(Segments::Length)
+            .ok_or_else(|| "allowed are auto, none, and a time above 0 such as 1s".into()),
+    }
 }
 
 /// How residuals count.

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, fit};
+mod segments;
+
+use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
 use vibro_analysis::assembly::{Machine, QuantityName};
 use vibro_assembly::file::no_records;
 use vibro_assembly::motion::{Event, EventKind};
@@ -62,8 +64,8 @@ fn record(
 
 fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
     let free = free.iter().map(|name| Free { name: (*name).to_owned(), within: None }).collect();
-    let (start, loss) = (Start::default(), Loss::Linear);
-    FitRequest { machine, start, measured, free, sigma: None, loss, starts: 0 }
+    let (start, loss, segments) = (Start::default(), Loss::Linear, Segments::Auto);
+    FitRequest { machine, start, measured, free, sigma: None, loss, segments, starts: 0 }
 }
 
 fn fitted(request: &FitRequest) -> Fitted {

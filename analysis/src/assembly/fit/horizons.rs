@@ -1,0 +1,41 @@
+//! Fits over horizons that grow as the fitted motion keeps near the record.
+
+use super::Way;
+use super::evaluated::{Point, Reach};
+use super::model::Model;
+use super::solver::{Bounds, Convergence, Solved, solve};
+use crate::error::Result;
+
+/// Most horizons of a fit.
+const HORIZONS: u32 = 200;
+/// Rows by free number with which the first horizon begins at least.
+pub(super) const LEAST_ROWS: usize = 3;
+
+/// The point reached from values over growing horizons.
+pub(super) fn over_horizons(
+    model: &Model,
+    bounds: &Bounds,
+    start: &[f64],
+    way: Way,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Solved> {
+    let mut point = Point::from(start.to_vec());
+    let (first, end) = (model.first(), model.end());
+    // Horizons are as long as the record lasts, whenever it begins.
+    let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
+    let least = model.least_horizon(LEAST_ROWS * start.len());
+    let mut horizon = model.near_until(&point, &[], way).max(least).min(end);
+    let mut left = HORIZONS;
+    loop {
+        let is_last = horizon >= end || left == 0;
+        let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
+        let reach = Reach::whole(if is_last { end } else { horizon });
+        let found = solve(model, bounds, &point, (&reach, convergence), go_on)?;
+        if is_last || !go_on() {
+            return Ok(Solved { reach: Reach::whole(end), ..found });
+        }
+        (point, left) = (found.point, left - 1);
+        let near = model.near_until(&point, &[], way);
+        horizon = near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end);
+    }
+}
