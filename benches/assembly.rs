@@ -132,6 +132,53 @@ fn stiff(ratio: f64) -> String {
     )
 }
 
+/// A beam of 60 modes with two stops, or 60 bodies on springs of the same frequencies and inertias,
+/// two of which have a stop.
+fn of_60(is_one: bool) -> String {
+    let frequency = |k: usize| 2.0 + 1.5 * k as f64;
+    let stops = |a: &str, b: &str, gap: f64| {
+        format!(
+            "stop.a = {{ between = [\"ground\", \"{a}\"], gap = {gap}, restitution = 0.7 }}\n\
+             stop.b = {{ between = [\"ground\", \"{b}\"], gap = {gap}, restitution = 0.7 }}\n\
+             load.drive = {{ on = \"{a}\", amplitude = 3.0, frequency = 2.1 }}\n"
+        )
+    };
+    if is_one {
+        let list = |f: &dyn Fn(usize) -> f64| (0..60).map(f).collect::<Vec<_>>();
+        let row = |at: f64| list(&|k| (at * (k + 1) as f64).sin());
+        return format!(
+            "name = \"Beam\"\nmodal.beam = {{ frequencies = {:?}, damping_ratio = 0.01, nodes = {{ a = {:?}, b = {:?} }} }}\n{}",
+            list(&frequency),
+            row(0.8),
+            row(1.9),
+            stops("beam.a", "beam.b", 4e-3)
+        );
+    }
+    let mut text = String::from("name = \"Bodies\"\n");
+    for k in 0..60 {
+        let omega = std::f64::consts::TAU * frequency(k);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "body.b{k} = {{ mass = 1.0 }}\nspring.k{k} = {{ between = [\"ground\", \"b{k}\"], stiffness = {:?}, damping = {:?} }}",
+            omega * omega,
+            0.02 * omega
+        );
+    }
+    text + &stops("b0", "b1", 4e-3)
+}
+
+/// A mass on a spring under a record of this many held values, one in 0.4 ms.
+fn held(knots: usize) -> String {
+    let value = |k: usize| ((k * 7919) % 1000) as f64 / 500.0 - 1.0;
+    let knots: Vec<String> = (0..knots).map(|k| format!("[{:?}, {:?}]", k as f64 * 4e-4, value(k))).collect();
+    format!(
+        "name = \"Held\"\nbody.a = {{ mass = 1.0 }}\nspring.k = {{ between = [\"ground\", \"a\"], stiffness = 400.0, damping = 0.5 }}\n\
+         load.p = {{ on = \"a\", table = [{}], interpolation = \"hold\" }}\n",
+        knots.join(", ")
+    )
+}
+
 fn machine(text: &str) -> Arc<Assembly> {
     let description = parse(text, "bench", &no_records).unwrap_or_else(|e| panic!("{e}"));
     Arc::new(Assembly::new(description).expect("a machine"))
@@ -259,6 +306,25 @@ fn main() {
             many / few
         );
     }
+    let [bodies, beam] = [false, true].map(|is_one| {
+        let (time, events) = least(|| follow(&machine(&of_60(is_one)), 5.0, true));
+        (time, events)
+    });
+    println!("| 60 bodies, two stops, 4 s, {} events | {:.0} | 1 |", bodies.1, bodies.0 / 1e3);
+    println!(
+        "| a body of 60 modes, two stops, {} events | {:.0} | {:.1} |",
+        beam.1,
+        beam.0 / 1e3,
+        beam.0 / bodies.0
+    );
+    let record = machine(&held(25_000));
+    let (time, events) = least(|| {
+        let begin = Instant::now();
+        let mut m = Motion::new(record.clone()).expect("a motion");
+        m.advance_to(10.0).expect("it moves");
+        (begin.elapsed().as_nanos() as f64, 25_000)
+    });
+    println!("| a record of {events} held values, 10 s | {:.0} | |", time / 1e3);
     for (name, text, end) in [
         ("the 3-DOF machine", paper_machine(&p), periods * p.period()),
         ("a rigid stop", contact("restitution = 0.8"), 20.0),

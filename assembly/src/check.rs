@@ -10,7 +10,8 @@ pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::problem_of as problem_of_name;
 
 use crate::description::{
-    Arms, Body, BodyKind, Description, Dimension, Follows, Signal, Spring, Stop, StopLaw, Sweep, SweepLaw,
+    Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,
+    StopLaw, Sweep, SweepLaw,
 };
 use crate::elements::Element;
 use crate::polyline::slopes;
@@ -23,6 +24,9 @@ pub(crate) const MOST: usize = 10_000;
 
 /// Most turns of a sweep that is integrated.
 const MOST_TURNS: f64 = 100_000.0;
+
+/// Least time between knots of a record with slopes, s.
+const LEAST_APART: f64 = 1e-12;
 
 /// Most knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
@@ -68,7 +72,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     }
     for slot in slots(&mut machine.clone()) {
         if !slot.kind.contains(*slot.value) {
-            problems.push(refused(slot.name, *slot.value, format!("allowed is {}", slot.kind.range.allowed)));
+            problems.push(refused(slot.name, *slot.value, slot.kind.allowed_instead_of(*slot.value)));
         }
     }
     for element in machine.elements() {
@@ -156,9 +160,22 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
         let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    } else if let Some(i) = too_near(record) {
+        let text = format!(
+            "allowed without \"hold\" is a time {LEAST_APART:e} s or more after {:?} s, that of the knot before",
+            record.knots[i].0
+        );
+        problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
     } else if record.knots.len() > 1 {
         check_repeat(name, signal, problems);
     }
+}
+
+/// The knot whose slope to the next is not to be told from a step.
+fn too_near(record: &Record) -> Option<usize> {
+    let has_slopes = record.interpolation != Interpolation::Hold;
+    let near = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 < LEAST_APART;
+    record.knots.windows(2).position(near).filter(|_| has_slopes)
 }
 
 /// Problems of a sweep: logarithms are of frequencies above 0, and there is a frequency.
@@ -305,7 +322,8 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
     }
 }
 
-/// Problems of bodies: there is one, an element acts on each, and gravity turns none.
+/// Problems of bodies: there is one, an element acts on each that forces move, and gravity turns
+/// none.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.bodies.is_empty() {
         problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));
@@ -319,7 +337,8 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     machine.loads.iter().for_each(|load| touched[load.body] = true);
     for (body, touched) in machine.bodies.iter().zip(touched) {
         let name = format!("body.{}", body.name);
-        if !touched && !body.is_inner() && !matches!(body.kind, BodyKind::Node(_)) {
+        let moves_by_forces = matches!(body.kind, BodyKind::Free(_)) && !body.is_inner();
+        if !touched && moves_by_forces {
             let text = "nothing acts on this body; allowed is a body with an element";
             problems.push(Problem::new(&name, None, text));
         }

@@ -112,7 +112,7 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
     let mut machine = Description::default();
-    reading.named = named::read(reading, root);
+    named::read(reading, root);
     if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
         machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
     }

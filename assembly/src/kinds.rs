@@ -16,7 +16,15 @@ pub struct NumberKind {
     pub range: Range,
     /// Whether zero is refused even within the range.
     pub not_zero: bool,
+    /// Least size of a value other than zero, so that quotients are finite and sub-steps long enough.
+    pub least: f64,
 }
+
+/// Least stiffness and damping in series, whose quotient is a rate.
+const LEAST: f64 = 1e-150;
+/// Least frequency, Hz, and length of time, s.
+const LEAST_FREQUENCY: f64 = 1e-12;
+const LEAST_TIME: f64 = 1e-9;
 
 const fn kind(
     meaning: &'static str,
@@ -24,7 +32,11 @@ const fn kind(
     rotation: &'static str,
     range: Range,
 ) -> NumberKind {
-    NumberKind { meaning, units: [translation, rotation], range, not_zero: false }
+    NumberKind { meaning, units: [translation, rotation], range, not_zero: false, least: 0.0 }
+}
+
+const fn at_least(least: f64, kind: NumberKind) -> NumberKind {
+    NumberKind { least, ..kind }
 }
 
 const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
@@ -42,7 +54,9 @@ pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range:
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
 /// A part of a stiffness that steps in time.
 pub const STEPPED: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::FINITE);
-pub const SERIES_STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE);
+pub const SERIES_STIFFNESS: NumberKind =
+    at_least(LEAST, kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE));
+pub const SERIES_DAMPING: NumberKind = at_least(LEAST, DASHPOT);
 pub const SLIP: NumberKind = kind("Force at which the slider slips", "N", "N.m", Range::POSITIVE);
 pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::FINITE);
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
@@ -56,17 +70,20 @@ pub const RESTITUTION: NumberKind =
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
 pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
-pub const FREQUENCY: NumberKind = kind("Frequency", "Hz", "Hz", Range::POSITIVE);
-pub const NATURAL: NumberKind = kind("Natural frequency", "Hz", "Hz", Range::NOT_NEGATIVE);
+pub const FREQUENCY: NumberKind = at_least(LEAST_FREQUENCY, kind("Frequency", "Hz", "Hz", Range::POSITIVE));
+pub const NATURAL: NumberKind =
+    at_least(LEAST_FREQUENCY, kind("Natural frequency", "Hz", "Hz", Range::NOT_NEGATIVE));
 pub const RATIO: NumberKind = kind("Damping ratio", "1", "1", Range::NOT_NEGATIVE);
 pub const MODAL_MASS: NumberKind = kind("Modal mass", "kg", "kg", Range::POSITIVE);
 pub const SHARE: NumberKind = kind("Share of gravity", "1", "1", Range::FINITE);
 pub const INNER_START: NumberKind = kind("Coordinate or rate at time 0", "1", "1", Range::FINITE);
 pub const PHASE: NumberKind = kind("Phase at time 0", "rad", "rad", Range::FINITE);
 pub const TIME: NumberKind = kind("Time", "s", "s", Range::FINITE);
-pub const SWEPT: NumberKind = kind("Frequency of a sweep's end", "Hz", "Hz", Range::NOT_NEGATIVE);
-pub const DURATION: NumberKind = kind("Duration of a sweep", "s", "s", Range::POSITIVE);
-pub const PERIOD: NumberKind = kind("Period of steps and record", "s", "s", Range::POSITIVE);
+pub const SWEPT: NumberKind =
+    at_least(LEAST_FREQUENCY, kind("Frequency of a sweep's end", "Hz", "Hz", Range::NOT_NEGATIVE));
+pub const DURATION: NumberKind = at_least(LEAST_TIME, kind("Duration of a sweep", "s", "s", Range::POSITIVE));
+pub const PERIOD: NumberKind =
+    at_least(LEAST_TIME, kind("Period of steps and record", "s", "s", Range::POSITIVE));
 pub const DRIVEN_RATE: NumberKind = kind("Rate", "m/s", "rad/s", Range::FINITE);
 pub const ACCELERATION: NumberKind = kind("Acceleration", "m/s2", "rad/s2", Range::FINITE);
 /// A value of a record that has a scale.
@@ -109,15 +126,41 @@ impl NumberKind {
 
     /// Whether a value in SI units is allowed.
     pub fn contains(&self, value: f64) -> bool {
-        self.range.contains(value) && !(self.not_zero && value == 0.0)
+        let too_small = value != 0.0 && value.abs() < self.least;
+        self.range.contains(value) && !(self.not_zero && value == 0.0) && !too_small
+    }
+
+    /// This kind without its least size.
+    pub fn of_any_size(&self) -> Self {
+        Self { least: 0.0, ..*self }
+    }
+
+    /// The allowed values in words, for a value that is refused.
+    pub fn allowed_instead_of(&self, value: f64) -> String {
+        let allowed = self.range.allowed;
+        match self.of_any_size().contains(value) {
+            true => format!("allowed is {allowed}, of a size from {:e} on", self.least),
+            false => format!("allowed is {allowed}"),
+        }
     }
 
     /// The allowed values in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
+        self.in_units(format!("allowed is {}", self.range.allowed), dimension)
+    }
+
+    /// The allowed values in a file, for one that is too small.
+    pub fn allowed_sizes(&self, dimension: Dimension) -> String {
+        let (allowed, unit) = (self.range.allowed, symbols(self.unit(dimension)).next());
+        let unit = unit.filter(|unit| *unit != "1").map_or(String::new(), |unit| format!(" {unit}"));
+        self.in_units(format!("allowed is {allowed}, of a size from {:e}{unit} on", self.least), dimension)
+    }
+
+    fn in_units(&self, allowed: String, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
-            "1" => format!("allowed is {}", self.range.allowed),
-            _ => format!("allowed is {}, in {}", self.range.allowed, units.join(", ")),
+            "1" => allowed,
+            _ => format!("{allowed}, in {}", units.join(", ")),
         }
     }
 }

@@ -43,7 +43,9 @@ impl Parameter {
     /// A [`Refusal`] with the parameter's name, the text and the allowed values.
     pub fn read(&self, text: &str) -> Result<f64, Refusal> {
         read(self.kind, self.dimension, text).ok_or_else(|| {
-            let allowed = self.kind.allowed(self.dimension);
+            let too_small = read(self.kind.of_any_size(), self.dimension, text).is_some();
+            let allowed = if too_small { NumberKind::allowed_sizes } else { NumberKind::allowed };
+            let allowed = allowed(&self.kind, self.dimension);
             Refusal::one(Problem::new(&self.name, Some(format!("{:?}", text.trim())), allowed))
         })
     }

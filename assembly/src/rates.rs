@@ -1,7 +1,7 @@
 //! Upper bound of the rates of a machine: beyond it the motion would overflow, or take sub-steps
 //! without end.
 
-use crate::description::{Description, StopLaw};
+use crate::description::{Description, Series, SeriesLaw, StopLaw};
 use crate::elements::NamedSignal;
 use crate::error::Error;
 use crate::system::{Elongation, Part, System};
@@ -13,7 +13,7 @@ const MOST_RATE: f64 = 1e100;
 const MOST_SWEPT: f64 = 1e20;
 
 /// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
-/// they move, and for harmonics; of sweeps at most [`MOST_SWEPT`].
+/// they move, for springs in series with a dashpot, and for harmonics; of sweeps at most [`MOST_SWEPT`].
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -25,6 +25,16 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
             {
                 check_force(&element.dotted(), elongation, factors)?;
             }
+        }
+    }
+    for spring in &machine.springs {
+        if let Some(Series { law: SeriesLaw::Dashpot { damping }, .. }) = spring.series
+            && spring.stiffness / damping > MOST_RATE
+        {
+            return Err(Error::TooFast {
+                name: format!("spring.{}.series_damping", spring.name),
+                value: damping,
+            });
         }
     }
     machine.signals().try_for_each(|NamedSignal { name, signal, .. }| {

@@ -127,7 +127,7 @@ impl<'a> Slots<'a> {
         };
         match &mut series.law {
             SeriesLaw::Dashpot { damping } => {
-                self.push(format!("{of}.series_damping"), kinds::DASHPOT, damping);
+                self.push(format!("{of}.series_damping"), kinds::SERIES_DAMPING, damping);
             }
             SeriesLaw::Slider { slip } => self.push(format!("{of}.slip"), kinds::SLIP, slip),
         }

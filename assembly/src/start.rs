@@ -135,7 +135,7 @@ impl Start {
         let place = place(d, name)?;
         let (kind, _) = place.kind(d);
         if !kind.contains(value) {
-            let text = format!("allowed is {}", kind.range.allowed);
+            let text = kind.allowed_instead_of(value);
             return Err(Refusal::one(Problem::new(name, Some(format!("{value:?}")), text)));
         }
         self.put(d, place, value);

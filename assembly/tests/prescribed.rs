@@ -3,6 +3,7 @@
 
 use crate::common::*;
 use std::f64::consts::TAU;
+use vibro_assembly::What;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
 
@@ -98,4 +99,27 @@ fn invariant_a_rig_starts_at_rest_saves_and_is_set_from_outside() {
     let pressed = times(&all, |k| matches!(k, EventKind::Press { .. }));
     assert!(pressed.len() == 1 && (pressed[0] - 0.1).abs() < ROUNDING, "{all:?}");
     assert!((m.body(0)[0] - 0.1).abs() < ROUNDING);
+}
+
+/// A friction between bodies that are moved has no force of its own while they stand still beside
+/// each other: 0, and no load makes it slip. A rigid stop that they violate names itself.
+#[test]
+fn closed_form_stuck_friction_and_jams_between_prescribed_bodies() {
+    let rig = |stop: &str| {
+        format!(
+            "name = \"Rig\"\nbody.a = {{ motion = {{ rate = 0.5 }} }}\nbody.idle = {{ motion = {{ rate = 1.0 }} }}\n\
+             body.b = {{ motion = {{ rate = {{ constant = 0.5, table = [[1, 0], [3, 2]] }} }} }}\n\
+             friction.f = {{ between = [\"a\", \"b\"], force = \"3 N\" }}\n{stop}"
+        )
+    };
+    let mut m = moving(&rig(""));
+    m.advance_to(0.9).unwrap();
+    assert_eq!((of(&m, 0, What::F), of(&m, 0, What::Rate)), (0.0, 0.0));
+    let slips = times(&events(&mut m, 2.0), |kind| matches!(kind, EventKind::Slip { .. }));
+    assert!(slips.len() == 1 && (slips[0] - 1.0).abs() < ROUNDING, "{slips:?}");
+    assert_eq!(of(&m, 0, What::F), 3.0);
+    // (t - 1)²/2 is the gap at t = 1.5.
+    let mut m = moving(&rig("stop.wall = { between = [\"a\", \"b\"], gap = 0.125, restitution = 0.5 }"));
+    let jammed = m.advance_to(3.0).unwrap_err().to_string();
+    assert!(jammed.contains("stop.wall") && jammed.contains("1.5"), "{jammed}");
 }

@@ -138,7 +138,7 @@ fn assembly(name: &str, until: f64) -> Value {
     let kit = Kit::read(&common::python::kit()).expect("a kit");
     let output = Path::new(env!("CARGO_TARGET_TMPDIR")).join("assemblies").join(name).with_extension("fmu");
     let archives = fmu_build::assembly::write(&file, Some(&output), false, &kit).expect("they are packed");
-    json!({"until": until, "states": text(record.states()), "events": text(record.events(true)), "sketch": sketch,
+    json!({"until": until, "states": text(record.states(&[])), "events": text(record.events(true)), "sketch": sketch,
            "archives": {"2": archives[0], "3": archives[1]}})
 }
 

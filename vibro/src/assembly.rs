@@ -1,12 +1,14 @@
 //! Described machines: reading a file with `--set`, the summary of `vibro check`, and a motion as
 //! tables, picture and account. Physics and the file's grammar are in `vibro-assembly`.
 
+mod columns;
 mod derivatives;
 mod fit_record;
 mod picture;
 mod start;
 mod summary;
 
+pub use columns::Chosen;
 pub use derivatives::{DerivativeRecord, check_parameters};
 pub use fit_record::read_record;
 pub use picture::figure;
@@ -23,6 +25,7 @@ use vibro_analysis::assembly::{
 };
 use vibro_assembly::description::Description;
 use vibro_assembly::motion::{Event, EventKind};
+use vibro_assembly::quantity::NamedQuantity;
 use vibro_assembly::{Assembly, Element, Motion, Quantity, Start, What};
 use vibro_impact::quantities::{self, Unit};
 
@@ -129,7 +132,7 @@ pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
     /// Names of the columns of `rows` after `time`: `.s`, `.v`, `.a` of each body, then `.e`,
-    /// `.rate`, `.f` of each element.
+    /// `.rate`, `.f` of each element, then further ones that were asked for.
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
@@ -169,13 +172,28 @@ pub fn record(
     asked: &Arc<AtomicBool>,
     done: &mut dyn FnMut(f64),
 ) -> Result<MotionRecord> {
+    record_with(machine, start, (times, &[]), asked, done)
+}
+
+/// As [`record`], with further quantities in the rows.
+///
+/// # Errors
+/// As [`record`].
+pub fn record_with(
+    machine: Description,
+    start: &Start,
+    (times, further): (&[f64], &[NamedQuantity]),
+    asked: &Arc<AtomicBool>,
+    done: &mut dyn FnMut(f64),
+) -> Result<MotionRecord> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = start.motion_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
     let motion = motion.with_interruption(asked.clone());
     let (kinetic, stored) = motion.kinetic_and_stored();
     let energy = kinetic + stored - motion.energy().balance();
-    let columns = columns(&assembly.description);
+    let mut columns = columns(&assembly.description);
+    columns.extend(further.iter().map(|own| own.name.clone()));
     let ends = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     let extremes = Extremes::new(&watched(&assembly.description), ends);
     let part = |time: f64| (time - start.time) / (ends.1 - start.time);
@@ -196,7 +214,9 @@ pub fn record(
         if record.ended.is_some() {
             return Ok(record);
         }
-        let row = std::iter::once(record.motion.time()).chain(values(&record.motion)).collect();
+        let motion = &record.motion;
+        let more = further.iter().map(|own| motion.value(own.quantity) + 0.0);
+        let row = std::iter::once(motion.time()).chain(values(motion)).chain(more).collect();
         record.rows.push(row);
         done(part(time));
         if asked.load(Ordering::Relaxed) {
@@ -279,14 +299,21 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// The text of `states.csv`: every number reads back to the same double.
+    /// The text of `states.csv`: every number reads back to the same double. `chosen` are the columns
+    /// after the time, all where there is none.
     ///
     /// # Errors
     /// [`Error::Output`].
-    pub fn states(&self) -> Result<Vec<u8>> {
-        let mut csv = CsvRows::new(std::iter::once("time").chain(self.columns.iter().map(String::as_str)))?;
+    pub fn states(&self, chosen: &[String]) -> Result<Vec<u8>> {
+        let place = |name: &String| self.columns.iter().position(|own| own == name);
+        let places: Vec<usize> = match chosen.is_empty() {
+            true => (0..self.columns.len()).collect(),
+            false => chosen.iter().filter_map(place).collect(),
+        };
+        let names = places.iter().map(|&k| self.columns[k].as_str());
+        let mut csv = CsvRows::new(std::iter::once("time").chain(names))?;
         for row in &self.rows {
-            csv.push(row.iter().map(|&x| exact(x)))?;
+            csv.push(std::iter::once(0).chain(places.iter().map(|k| k + 1)).map(|k| exact(row[k])))?;
         }
         csv.text()
     }

@@ -131,6 +131,10 @@ impl Period {
             section.follow(motion, &mut flows, &mut [&mut frame])?;
         }
         let size = system.states();
+        if size == 0 {
+            // All moves as prescribed, and the signals repeat.
+            return Ok(Self { distance: 0.0, multiplier: None, time: motion.time() - from });
+        }
         let mut change = motion.state() - &start;
         // Periodic signals return to their values up to rounding. This rounding is not a uniform
         // motion.

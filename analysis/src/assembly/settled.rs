@@ -15,12 +15,12 @@ use super::returns::ReturnRecord;
 use super::section::{Section, frequencies, last_period};
 use super::variation::{Metric, Variation};
 use crate::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::largest_exponent::{ExponentSign, LargestExponent};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use vibro_assembly::Motion;
 use vibro_assembly::neutral::Neutral;
+use vibro_assembly::{Assembly, Motion};
 
 /// Return, relative to the sizes of states, at which a motion is not followed further.
 const STEADY: f64 = 1e-9;
@@ -217,6 +217,21 @@ pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<(
     Ok(())
 }
 
+/// Refuses what asks for neighbouring motions of a machine that has none.
+///
+/// # Errors
+/// [`Error::Described`] for a machine that moves as prescribed.
+pub fn require_free(assembly: &Assembly) -> Result<()> {
+    if assembly.system().states() > 0 {
+        return Ok(());
+    }
+    let problem = format!(
+        "{} moves as prescribed, so that no motion is beside it; allowed is a machine with a body that forces move",
+        assembly.description.name
+    );
+    Err(Error::Described { problem })
+}
+
 /// Slowest rate of a motion, rad/s: that of its returns or of a slower own oscillation.
 fn slowest(motion: &Motion, interval: f64) -> f64 {
     let own = oscillations(motion.assembly().system()).into_iter();
@@ -292,12 +307,21 @@ fn periodic_exponent(
 /// # Errors
 /// As [`Section::advance`].
 pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -> Result<Settled> {
+    if exponents.is_some() {
+        require_free(motion.assembly())?;
+    }
+    let has_free = motion.assembly().system().states() > 0;
     let mut follower = Follower::new(motion, section);
     let mut period = follower.observe()?;
     let (mut class, mut exponent) = (MotionClass::Settling, None);
     while period.is_none() {
         let on_its_way = follower.seems_periodic();
         class = MotionClass::Settling;
+        if !has_free {
+            // Prescribed motions without a common period.
+            class = MotionClass::QuasiPeriodic;
+            break;
+        }
         if !on_its_way {
             let d = &follower.motion.assembly().description;
             let has_periods = last_period(d).is_some() || frequencies(d).next().is_none();

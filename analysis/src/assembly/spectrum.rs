@@ -9,7 +9,7 @@
 use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage};
 use super::growth::{ALIGN, Growth};
 use super::variation::{Metric, hold, pass};
-use super::{Machine, settle};
+use super::{Machine, require_free, settle};
 use crate::error::Result;
 use crate::largest_exponent::LargestExponent;
 use std::f64::consts::TAU;
@@ -129,6 +129,7 @@ pub fn spectrum(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Spectrum> {
     let (motion, section) = machine.motion(start)?;
+    require_free(motion.assembly())?;
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, discard)?;
     let assembly = motion.assembly().clone();

@@ -264,13 +264,19 @@ fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
 
 /// Refuses bodies with gravity in a file without `gravity`.
 pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
+    let text = "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"";
     for body in &machine.bodies {
         if let BodyKind::Free(Free { gravity, .. }) = body.kind
             && gravity != 0.0
+            && !body.is_inner()
         {
-            let text = "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"";
             let name = format!("body.{}.gravity", body.name);
             reading.place(Problem::new(name, Some(format!("{gravity:?}")), text));
         }
+    }
+    let heavy =
+        |place: usize| matches!(machine.bodies[place].kind, BodyKind::Free(free) if free.gravity != 0.0);
+    for element in machine.elements().filter(|element| element.coordinates().any(heavy)) {
+        reading.place(Problem::new(format!("{}.gravity", element.dotted()), None, text));
     }
 }

@@ -21,7 +21,13 @@ const VALUE: &str =
 const FIRST: [&str; 2] = ["Hz", "rad/s"];
 
 /// Reads the named parameters; with problems there are none.
-pub(super) fn read(reading: &mut Reading, root: &FileTable) -> NamedParameters {
+pub(super) fn read(reading: &mut Reading, root: &FileTable) {
+    let before = reading.problems.len();
+    reading.named = all(reading, root);
+    reading.named_refused = reading.problems.len() > before;
+}
+
+fn all(reading: &mut Reading, root: &FileTable) -> NamedParameters {
     let none = NamedParameters::default();
     let Some(whole) = reading.optional(root, "parameters") else { return none };
     let allowed = "allowed is a table such as [parameters] with backlash = \"0.1 mm\"";

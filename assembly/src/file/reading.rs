@@ -130,6 +130,8 @@ pub(super) struct Reading<'a> {
     written: HashMap<String, Written>,
     /// The named parameters, to be read before all else.
     pub named: NamedParameters,
+    /// Whether named parameters were refused: nothing is said of expressions then.
+    pub named_refused: bool,
     /// Expressions of numbers, by the numbers' names in the file.
     pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
@@ -143,6 +145,7 @@ impl<'a> Reading<'a> {
             lines: Lines::of(text),
             written: HashMap::new(),
             named: NamedParameters::default(),
+            named_refused: false,
             follow: Vec::new(),
             records,
             problems: Vec::new(),
@@ -311,7 +314,9 @@ impl<'a> Reading<'a> {
         }
         let found = number(entry.value, kind, dimension);
         if found.is_none() {
-            self.refuse(entry, kind.allowed(dimension));
+            let too_small = number(entry.value, kind.of_any_size(), dimension).is_some();
+            let allowed = if too_small { kind.allowed_sizes(dimension) } else { kind.allowed(dimension) };
+            self.refuse(entry, allowed);
         }
         found
     }
@@ -326,6 +331,9 @@ impl<'a> Reading<'a> {
                 None
             });
         };
+        if self.named_refused {
+            return Some(None);
+        }
         let parsed = Expression::parse(text, self.named.names());
         Some(parsed.map_err(|text| self.refuse(entry, text)).ok())
     }
@@ -334,7 +342,7 @@ impl<'a> Reading<'a> {
     pub fn following(&mut self, entry: &Entry, expression: Expression, kind: NumberKind) -> Option<f64> {
         let found = expression.value(&self.named.values());
         let found = found.and_then(|value| {
-            let allowed = || format!("is {value:?}; allowed is {}", kind.range.allowed);
+            let allowed = || format!("is {value:?}; {}", kind.allowed_instead_of(value));
             if kind.contains(value) { Ok(value) } else { Err(allowed()) }
         });
         self.follow.push((entry.name.clone(), expression));

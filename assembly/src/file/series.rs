@@ -39,7 +39,7 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
             slip.map(|slip| SeriesLaw::Slider { slip })
         }
         false => {
-            let damping = reading.required_number(table, "series_damping", kinds::DASHPOT, dimension);
+            let damping = reading.required_number(table, "series_damping", kinds::SERIES_DAMPING, dimension);
             damping.map(|damping| SeriesLaw::Dashpot { damping })
         }
     };

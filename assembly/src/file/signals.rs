@@ -107,6 +107,10 @@ fn harmonics(reading: &mut Reading, table: &FileTable, values: Values) -> Option
         reading.refuse(&list, allowed);
         return None;
     };
+    if items.is_empty() {
+        reading.refuse(&list, format!("is empty; {allowed}"));
+        return None;
+    }
     let mut all = Vec::new();
     for item in &items {
         let Some(table) = reading.table(item, allowed) else { continue };
@@ -128,6 +132,10 @@ fn sweeps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Ve
     let Some(entry) = reading.optional(table, "sweep") else { return Some(Vec::new()) };
     let items = if entry.value.is_table() { None } else { reading.items(&entry) };
     let allowed = "allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them";
+    if items.as_ref().is_some_and(Vec::is_empty) {
+        reading.refuse(&entry, format!("is empty; {allowed}"));
+        return None;
+    }
     let items = items.unwrap_or_else(|| vec![entry]);
     let mut all = Vec::new();
     for item in &items {
@@ -180,7 +188,12 @@ fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> 
 
 fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Step>> {
     let Some(list) = reading.optional(table, "steps") else { return Some(Vec::new()) };
-    let pairs = pairs(reading, &list, values, "allowed is a list of [time, height], such as [[0.4, 20.0]]")?;
+    let allowed = "allowed is a list of [time, height], such as [[0.4, 20.0]]";
+    let pairs = pairs(reading, &list, values, allowed)?;
+    if pairs.is_empty() {
+        reading.refuse(&list, format!("is empty; {allowed}"));
+        return None;
+    }
     Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
 }
 

@@ -3,6 +3,7 @@
 
 mod damaged;
 mod examples;
+mod extremes;
 mod grammar;
 mod named;
 mod parameters;

@@ -16,6 +16,10 @@ fn positive() -> impl Strategy<Value = f64> {
     prop_oneof![proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL, 1e-3..1e6].prop_map(f64::abs)
 }
 
+fn at_least(least: f64) -> impl Strategy<Value = f64> {
+    positive().prop_map(move |x| x.max(least))
+}
+
 fn not_negative() -> impl Strategy<Value = f64> {
     any_number().prop_map(f64::abs)
 }
@@ -36,7 +40,7 @@ const LAWS: [DampingLimit; 4] =
     [DampingLimit::NoPull, DampingLimit::Elastogap, DampingLimit::Pull, DampingLimit::UndampedRebound];
 
 prop_compose! {
-    fn harmonic()(amplitude in any_number(), frequency in positive(), phase in any_number()) -> Harmonic {
+    fn harmonic()(amplitude in any_number(), frequency in at_least(1e-12), phase in any_number()) -> Harmonic {
         Harmonic { amplitude, frequency, phase }
     }
 }

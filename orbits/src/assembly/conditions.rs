@@ -4,7 +4,7 @@
 use super::cycle::{Cycle, Leg};
 use super::place::Place;
 use super::word::{Letter, Word};
-use vibro_analysis::assembly::flight::{coefficients, turning_points};
+use vibro_analysis::assembly::flight::{Series, coefficients, turning_points};
 use vibro_assembly::mode::Watch;
 use vibro_assembly::system::System;
 
@@ -132,7 +132,7 @@ impl Cycle {
             leg.ending == Some(place) || next.is_some_and(of)
         };
         let mut past = 0.0;
-        leg.flow.stretches(&leg.states[0], leg.span, &mut |series, length| {
+        let mut look = |series: &Series, length: f64| {
             for (place, (_, row)) in watched.iter().enumerate() {
                 let q = coefficients(row.as_slice(), series);
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
@@ -152,7 +152,10 @@ impl Cycle {
                 });
             }
             past += length;
-        });
+        };
+        for part in leg.parts() {
+            leg.flow.stretches(part.start, part.span, &mut look);
+        }
         for (place, peak) in peaks.into_iter().enumerate().filter(|(_, peak)| *peak > f64::NEG_INFINITY) {
             let value = -peak / sizes[place].max(f64::MIN_POSITIVE);
             all.push((Condition::Stays { letter, watch: watched[place].0, place }, value));

@@ -4,7 +4,8 @@
 //! velocities, so that the motion over a word follows from its start and its event times. It is an
 //! orbit if it returns to its start and if each event's functional is zero at the event's time.
 //! The derivatives by start and times are carried along with the motion. Instability does not reach
-//! them: a change of the state does not move the times.
+//! them: a change of the state does not move the times. Knots of signals have fixed times and are no
+//! events of the word.
 
 use super::place::Place;
 use super::word::{Chatter, Letter, Word};
@@ -29,6 +30,8 @@ pub struct Leg {
     pub span: f64,
     /// Augmented states at its begin, after the event's law, and at its end.
     pub states: [Vec<f64>; 2],
+    /// Knots of signals within it: time, s, and augmented states before and after.
+    pub(super) knots: Vec<(f64, [Vec<f64>; 2])>,
     /// Its linear system.
     pub flow: Arc<Flow>,
     /// exp(A span).
@@ -72,11 +75,57 @@ fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
     own.map(|(place, _)| place).nth(letter.place).ok_or(Obstacle::Order)
 }
 
+/// A part of a flight between knots of signals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LegPart<'a> {
+    /// Time of its begin, s.
+    pub time: f64,
+    /// Duration, s.
+    pub span: f64,
+    /// Augmented state at its begin.
+    pub start: &'a [f64],
+}
+
 impl Leg {
+    /// The parts of the flight between knots of signals, in their order.
+    pub(super) fn parts(&self) -> impl Iterator<Item = LegPart<'_>> {
+        let begins = std::iter::once((self.time, &self.states[0]));
+        let begins = begins.chain(self.knots.iter().map(|(time, states)| (*time, &states[1])));
+        let ends = self.knots.iter().map(|knot| knot.0).chain([self.time + self.span]);
+        begins.zip(ends).map(|((time, start), end)| LegPart { time, span: end - time, start })
+    }
+
     /// The augmented state after the event before it: its begin, or that of its run of impacts.
     pub(super) fn entered(&self) -> &[f64] {
         self.run.as_ref().map_or(&self.states[0], |(_, z)| z)
     }
+}
+
+/// Augmented state at the end of a flight and the knots of signals within it.
+///
+/// A knot changes the signals alone, whose rows of the linear system are those of every piece, so
+/// that derivatives by states go on by the propagator of the whole flight.
+fn flown(
+    system: &System,
+    flow: &Flow,
+    (z, propagator): (&[f64], &DMatrix<f64>),
+    [mut time, until]: [f64; 2],
+) -> (Vec<f64>, Vec<(f64, [Vec<f64>; 2])>) {
+    let mut knots: Vec<(f64, [Vec<f64>; 2])> = Vec::new();
+    while let Some(knot) = system.signals.next_knot(time).filter(|knot| *knot < until) {
+        let begin = knots.last().map_or(z, |(_, states)| &states[1]);
+        let before = flow.stretches(begin, knot - time, &mut |_, _| ());
+        let mut after = before.clone();
+        with_signals(system, knot, &mut after);
+        knots.push((knot, [before, after]));
+        time = knot;
+    }
+    let mut end = match knots.last() {
+        Some((_, states)) => flow.stretches(&states[1], until - time, &mut |_, _| ()),
+        None => (propagator * DVectorView::from_slice(z, z.len())).as_slice().to_vec(),
+    };
+    with_signals(system, until, &mut end);
+    (end, knots)
 }
 
 impl Cycle {
@@ -122,8 +171,7 @@ impl Cycle {
             }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
             let propagator = flow.propagator(until - time);
-            let mut end = (&propagator * DVectorView::from_slice(&z, size)).as_slice().to_vec();
-            with_signals(system, until, &mut end);
+            let (end, knots) = flown(system, &flow, (&z, &propagator), [time, until]);
             let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?;
             let rate = flow.derivative(&end);
             if with_derivatives {
@@ -162,6 +210,7 @@ impl Cycle {
                 time,
                 span: until - time,
                 states,
+                knots,
                 flow,
                 propagator,
                 rate,

@@ -1,5 +1,6 @@
 //! An orbit examined: against the machine's own motion, by its events, measures and energies.
 
+use super::cycle::LegPart;
 use super::orbit::{Orbit, middle};
 use super::word::Letter;
 use vibro_analysis::assembly::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
@@ -30,13 +31,19 @@ impl Orbit {
             let end = leg.time + leg.span;
             let Some(letter) = self.word().letters.get((k + 1) % self.legs().len()) else {
                 let mut events = 0;
-                motion.advance_observed(time + self.period(), &mut |_| events += 1)?;
+                let mut count = |event: &Event| events += u32::from(event.kind != EventKind::Knot);
+                motion.advance_observed(time + self.period(), &mut count)?;
                 return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an event")) };
             };
             if motion.mode() != &letter.modes[0] {
                 return Err(self.differs(time, "is in another mode"));
             }
-            let reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
+            let mut reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
+            while reached == Reached::Event && motion.due().is_none() {
+                // A knot of a signal.
+                motion.apply_event(&mut |_| ())?;
+                reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
+            }
             // Of functionals that are one, rounding chooses.
             let row = |watch| leg.flow.watched.iter().find(|own| Some(own.0) == watch).map(|own| &own.1);
             let is_due = motion.due() == Some(letter.watch)
@@ -72,9 +79,18 @@ impl Orbit {
                     let _ = follow(&mut motion, &mut Flows::default(), leg.time, observers, &mut |_| false);
                 }
             }
-            let flight =
-                ObservedFlight { time: leg.time, flow: &leg.flow, start: &leg.states[0], span: leg.span };
-            observers.iter_mut().for_each(|o| o.flight(system, flight));
+            for (i, part) in leg.parts().enumerate() {
+                let LegPart { time, span, start } = part;
+                if let Some((time, [before, after])) = i.checked_sub(1).map(|i| &leg.knots[i]) {
+                    let events = [Event { time: *time, kind: EventKind::Knot }];
+                    let (flows, states) = ([&*leg.flow, &*leg.flow], [&before[..], &after[..]]);
+                    let passage =
+                        Passage { time: *time, watch: None, flows, states, events: &events, lost: 0.0 };
+                    observers.iter_mut().for_each(|o| o.passage(system, passage));
+                }
+                let flight = ObservedFlight { time, flow: &leg.flow, start, span };
+                observers.iter_mut().for_each(|o| o.flight(system, flight));
+            }
             let Some(letter) = self.word().letters.get((k + 1) % count) else { continue };
             let next = self.legs().get(k + 1);
             let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);

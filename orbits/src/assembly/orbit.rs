@@ -353,9 +353,11 @@ pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
 
 /// Time and augmented state after a part of a flight, on the contacts that are held.
 pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
-    let span = part * leg.span;
-    let there = leg.flow.propagator(span) * DVector::from_column_slice(&leg.states[0]);
-    let (time, mut z) = (leg.time + span, there.as_slice().to_vec());
+    let time = leg.time + part * leg.span;
+    let begin = leg.parts().take_while(|own| own.time <= time).last();
+    let (from, start) = begin.map_or((leg.time, &leg.states[0][..]), |own| (own.time, own.start));
+    let there = leg.flow.propagator(time - from) * DVector::from_column_slice(start);
+    let mut z = there.as_slice().to_vec();
     let system = place.assembly.system();
     with_signals(system, time, &mut z);
     keep(system, &leg.flow.mode, &mut z);

@@ -87,7 +87,10 @@ impl Problem {
         let (nodes, first) = (self.word.nodes(), self.first_time());
         let Numbers { times, period, .. } = self.numbers(place, u);
         let step = if self.has_run() { CHATTER_STEP } else { STEP };
-        let Some(beside) = Beside::of(self, (place, u), step)? else {
+        // Knots may move with the parameter.
+        let has_knots = cycle.legs.iter().any(|leg| !leg.knots.is_empty());
+        let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
+        let Some(beside) = beside else {
             return self.by_whole_motions(u, cycle, step);
         };
         let mut carried = Carried {

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 use vibro_analysis::assembly::flight::{Flow, Flows};
-use vibro_analysis::assembly::{Machine, common_period, is_steady, runs_on};
+use vibro_analysis::assembly::{Machine, common_period, is_steady, require_free, runs_on};
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Assembly;
 use vibro_assembly::description::Description;
@@ -28,7 +28,7 @@ impl Place {
         let period = common_period(d);
         let problem = match runs_on(d, 0.0) {
             Some(why) => format!(
-                "{why}: it has no periodic orbit; allowed are harmonics, constants and uniform motions"
+                "{why}: it has no periodic orbit; allowed are harmonics, constants, uniform motions and what repeats"
             ),
             None if period.is_none() && !is_steady(d) => {
                 "the harmonics' frequencies have no common period up to 1000 periods of the \
@@ -41,6 +41,7 @@ impl Place {
             return Err(Error::Described { problem });
         }
         let assembly = Arc::new(Assembly::new(description)?);
+        require_free(&assembly)?;
         Ok(Self { assembly, period, flows: Mutex::default() })
     }
 

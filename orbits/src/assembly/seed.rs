@@ -32,8 +32,8 @@ struct Record {
     times: Vec<f64>,
     /// The state after each event.
     states: Vec<Vec<f64>>,
-    /// Whether a signal had a knot.
-    has_knot: bool,
+    /// Time of a knot at which more than a signal changed, s.
+    jump: Option<f64>,
     /// Least and largest value of each number of the state.
     extents: Vec<(f64, f64)>,
 }
@@ -133,9 +133,16 @@ impl Observer for Record {
         self.include(z.as_slice());
     }
 
-    fn passage(&mut self, _: &System, passage: Passage<'_>) {
+    fn passage(&mut self, system: &System, passage: Passage<'_>) {
         let Some(watch) = passage.watch else {
-            self.has_knot = true;
+            let (own, [before, after]) = (system.states(), passage.states);
+            let is_rounding = |(a, b): (&f64, &f64)| (a - b).abs() <= WHOLE * (a.abs() + b.abs());
+            let goes_on = passage.flows[0].mode == passage.flows[1].mode
+                && passage.events.iter().all(|event| event.kind == EventKind::Knot)
+                && before[..own].iter().zip(&after[..own]).all(is_rounding);
+            if !goes_on {
+                self.jump = Some(passage.time);
+            }
             return;
         };
         let own: Vec<f64> = passage.flows[0]
@@ -177,9 +184,11 @@ pub(super) fn seed(
         section.follow(motion, &mut flows, &mut [&mut record])?;
     }
     let span = motion.time() - from;
-    if record.has_knot {
-        let problem = "a signal steps or has a knot within the period; allowed are harmonics, constants and uniform motions";
-        return Err(Error::Described { problem: problem.into() });
+    if let Some(time) = record.jump {
+        let problem = format!(
+            "at t = {time} s a knot of a signal moves a contact, a state or a stiffness at once: its orbits are not sought; allowed are knots of forces and motions between which contacts change"
+        );
+        return Err(Error::Described { problem });
     }
     let periods = match place.period {
         Some(period) => {

@@ -14,7 +14,7 @@ use crate::curve::{Equations, least_vectors, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use vibro_analysis::assembly::Section;
-use vibro_analysis::assembly::flight::{coefficients, turning_points};
+use vibro_analysis::assembly::flight::{Series, coefficients, turning_points};
 use vibro_assembly::Motion;
 use vibro_assembly::mode::Watch;
 use vibro_assembly::motion::{Event, EventKind};
@@ -131,7 +131,7 @@ fn with_impact(
     let leg = &cycle.legs[letter];
     let row = leg.flow.watched[functional].1.as_slice();
     let (mut best, mut past) = ((f64::NEG_INFINITY, 0.0), 0.0);
-    leg.flow.stretches(&leg.states[0], leg.span, &mut |series, length| {
+    let mut look = |series: &Series, length: f64| {
         let q = coefficients(row, series);
         turning_points(&q, &mut |part, value| {
             let is_inside = past + part > 0.0 && past + part * length < leg.span;
@@ -140,7 +140,10 @@ fn with_impact(
             }
         });
         past += length;
-    });
+    };
+    for part in leg.parts() {
+        leg.flow.stretches(part.start, part.span, &mut look);
+    }
     let time = leg.time + best.1;
     let mode = problem.word.mode_after(letter).clone();
     let kind = EventKind::Impact { stop, speed: 0.0, impulse: 0.0, stops: 1 };
@@ -156,8 +159,9 @@ fn with_impact(
     let index = if letters.is_empty() { 0 } else { letter + 1 };
     letters.insert(index, own);
     if problem.word.is_empty() {
-        let state = leg.flow.propagator(best.1) * DVector::from_column_slice(&leg.states[0]);
-        numbers.states = vec![state.as_slice()[..numbers.states[0].len()].to_vec()];
+        let (_, mut state) = within(place, leg, best.1 / leg.span);
+        state.truncate(numbers.states[0].len());
+        numbers.states = vec![state];
         numbers.times = vec![time];
     } else {
         // An impact is no node.

@@ -59,7 +59,8 @@ class Assembly(AssemblyDescription):
     ----------
     machine
         The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/machine-file.md says what may stand in
-        it. Records beside a file are read from its folder; a text or a dictionary has them as lists.
+        it. Records beside a file are read from its folder; a text or a dictionary has them as lists. Lists and matrices of a
+        dictionary may be NumPy arrays and sparse matrices of SciPy.
 
     Raises
     ------

@@ -23,7 +23,11 @@ def _key(name: object) -> str:
 def _value(name: str, value: object) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_key(k)} = {_value(f'{name}.{k}', v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple, np.ndarray)):
+    if hasattr(value, "toarray"):  # a sparse matrix of SciPy, which need not be there
+        value = value.toarray()
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(f"{name}[{i}]", v) for i, v in enumerate(value)) + "]"
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
@@ -33,4 +37,4 @@ def _value(name: str, value: object) -> str:
         return str(int(value))
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    raise TypeError(f"{name} is of type {type(value).__name__}: allowed are numbers, texts, booleans, lists and dictionaries")
+    raise TypeError(f"{name} is of type {type(value).__name__}: allowed are numbers, texts, booleans, lists, arrays, sparse matrices and dictionaries")

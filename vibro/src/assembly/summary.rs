@@ -81,6 +81,10 @@ pub fn summary(machine: Description) -> Result<String> {
     lines.extend(elements(d, &motion));
     lines.extend(following(d));
     lines.extend(neutral(&assembly));
+    if assembly.system().states() == 0 {
+        lines.push("moves as prescribed: no body is moved by forces".into());
+        return Ok(lines.join("\n"));
+    }
     lines.push(equilibrium(&assembly));
     lines.push("natural frequencies in the start's mode".into());
     lines.extend(frequencies(&assembly, &motion));
@@ -202,9 +206,6 @@ fn equilibrium(assembly: &Assembly) -> String {
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
     let size = system.states();
-    if size == 0 {
-        return Vec::new();
-    }
     let linear = system.linear(motion.mode());
     let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j));
     let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();

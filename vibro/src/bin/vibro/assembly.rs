@@ -11,7 +11,7 @@ use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::{self, DerivativeRecord, Ended, MotionRecord};
+use vibro::assembly::{self, Chosen, DerivativeRecord, Ended, MotionRecord};
 use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
@@ -94,11 +94,15 @@ fn follow(
     let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
     invocation.options.insert("knots".into(), a.knots.to_string());
+    if !a.columns.is_empty() {
+        invocation.options.insert("columns".into(), a.columns.join(","));
+    }
     if !start.is_own() {
         invocation.options.insert("start".into(), start.to_string());
     }
     let destination = Destination::new(common, &invocation, &machine);
     assembly::check_parameters(&machine.description, &start, &a.derivatives)?;
+    let columns = Chosen::of(&machine.description, &a.columns)?;
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = Arc::new(AtomicBool::new(false));
@@ -106,7 +110,8 @@ fn follow(
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, TIME).ticking();
-    let record = assembly::record(machine.description.clone(), &start, &times, &stop, &mut |part| {
+    let what = (&times[..], &columns.further[..]);
+    let record = assembly::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
         progress.part(part)
     })?;
     let derivatives = match a.derivatives.is_empty() {
@@ -116,7 +121,7 @@ fn follow(
     drop(progress);
     let held = destination::hold(&out);
     let manifest = Manifest::of_result(RESULT, &invocation, &machine);
-    let account = write((&record, derivatives.as_ref()), &out, &manifest, a.knots)?;
+    let account = write((&record, derivatives.as_ref()), &out, &manifest, (a.knots, &columns.names))?;
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
@@ -139,11 +144,11 @@ fn write(
     (record, derivatives): (&MotionRecord, Option<&DerivativeRecord>),
     out: &Path,
     manifest: &Manifest,
-    knots: bool,
+    (knots, columns): (bool, &[String]),
 ) -> Result<String> {
     std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
     destination::write_manifest(out, manifest)?;
-    write_whole(&out.join("states.csv"), &record.states()?)?;
+    write_whole(&out.join("states.csv"), &record.states(columns)?)?;
     write_whole(&out.join("events.csv"), &record.events(knots)?)?;
     write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
     write_whole(&out.join("end.toml"), Start::of(&record.motion).to_toml().as_bytes())?;

@@ -50,6 +50,11 @@ pub struct RunOfFile {
     /// time, in a last row
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
+    /// Columns of states.csv, in this order: box.s, a body or element for all of its own (box,
+    /// stop.upper), or a coordinate of a body with many, which no other table has (tube.q[3].s)
+    /// [default: all but such coordinates]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub columns: Vec<String>,
     /// List the knots of signals in events.csv too: a record has one at each of its times
     #[arg(long)]
     pub knots: bool,

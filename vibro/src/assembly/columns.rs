@@ -1,0 +1,53 @@
+//! Columns of `states.csv` by name (`--columns`).
+
+use crate::{Error, Result};
+use vibro_analysis::assembly::unknown;
+use vibro_assembly::Description;
+use vibro_assembly::quantity::NamedQuantity;
+
+/// The columns that were asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Chosen {
+    /// Their names in order; empty for all columns that a record has by itself.
+    pub names: Vec<String>,
+    /// Those of them that a record does not have by itself: coordinates of bodies with many.
+    pub further: Vec<NamedQuantity>,
+}
+
+impl Chosen {
+    /// The columns of a machine that names stand for: a column (`box.s`, `tube.q[3].v`), or a body or
+    /// an element (`box`, `stop.upper`) for all of its columns.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for an unknown name, with the nearest one, and for a column named twice.
+    pub fn of(d: &Description, names: &[String]) -> Result<Self> {
+        let own = d.named_quantities();
+        let inner: Vec<_> = (0..d.bodies.len()).flat_map(|body| d.inner_quantities(body)).collect();
+        let mut chosen = Self::default();
+        for name in names {
+            let plain = d.elements().find(|element| element.dotted() == *name);
+            let plain = plain.map_or(name.as_str(), |element| element.name());
+            let is_meant = |column: &&NamedQuantity| {
+                let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
+                column.name == plain || of == plain
+            };
+            let found: Vec<_> = own.iter().chain(&inner).filter(is_meant).collect();
+            if found.is_empty() {
+                let all: Vec<String> = own.iter().chain(&inner).map(|column| column.name.clone()).collect();
+                let problem = unknown(name, &all).to_string();
+                return Err(Error::Refused { what: format!("--columns {name}"), problem });
+            }
+            for column in found {
+                if chosen.names.contains(&column.name) {
+                    let problem = format!("names {} twice; allowed is each column once", column.name);
+                    return Err(Error::Refused { what: format!("--columns {name}"), problem });
+                }
+                chosen.names.push(column.name.clone());
+                if inner.contains(column) {
+                    chosen.further.push(column.clone());
+                }
+            }
+        }
+        Ok(chosen)
+    }
+}
