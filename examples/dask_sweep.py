@@ -1,11 +1,14 @@
 """A sweep or a plane of machines on dask: a cluster of this machine's cores, or any scheduler.
 
+    python examples/dask_sweep.py --machine damper.toml --vary stop.steel.gap=0.01:0.13:200 --measure amplitude.box.s --out sweep.parquet
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:200 --out sweep.parquet
     python examples/dask_sweep.py --vary drive.frequency=0.9:1.2:100 --vary drive.amplitude=0.05:0.25:50 \\
         --set stop.restitution=0.6 --scheduler tcp://node1:8786 --out plane.parquet
     python examples/dask_sweep.py --fmu target/VibroImpact3DOF.fmu --vary drive.frequency=0.9:1.2:200
 
-Every point is a motion whose last periods are measured. Workers need the Python package alone, which measures exactly. With --fmu they
+Every point is a motion whose last periods are measured. Workers need the Python package alone, which measures exactly. With --machine the
+machine is one of your own, from its file, started as that says, with parameters in SI and any of its measures (--measure): it is sent to the
+workers with the points. Without it the machine is the paper's, of which all below is said. With --fmu they
 need fmpy and numpy instead, and measure by samples: that is the way for an FMU that is part of a larger model. The FMU is then sent to
 them, also to those that join later. The table has the names of `vibro sweep`, which needs no Python and shares its work by --shard. A motion
 starts as there: all at rest in the middle but the block, which moves with the speed L ω10 of the point, unless --set or --vary gives
@@ -99,7 +102,7 @@ class Measure:
         parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
         start = [values.get(name, 0.0) for name in START]
         # All other parameters keep their defaults, as intended.
-        return vi.Machine().replace(**parameters).measure(MEASURED, start, settle=self.discard, periods=self.periods)
+        return vi.Machine().replace(**parameters).measure(MEASURED, start=start, settle=self.discard, periods=self.periods)
 
 
 @dataclass(frozen=True)
@@ -170,6 +173,23 @@ class FmuMeasure(Measure):
         result["impacts.lower"] = (after[1] - before[1]) / self.periods
         result["power.impact"] = float(table[-1, 3] - table[0, 3]) / (self.periods * period)
         return result
+
+
+def by_file(client: Client, arguments: argparse.Namespace) -> Any:
+    """A table of a machine's file: its parts are computed by the workers, and again by others where one is lost."""
+    import vibro_impact as vi
+
+    machine = vi.Assembly(arguments.machine).replace(dict(arguments.set))
+    measures = arguments.measure or [next(iter(machine.measures)), "class"]
+    return machine.sweep(
+        measures,
+        dict(arguments.vary),
+        settle=arguments.discard,
+        periods=arguments.periods,
+        errors="row",
+        executor=client,
+        checkpoint=arguments.checkpoint,
+    )
 
 
 def moving_block(values: Mapping[str, float]) -> dict[str, float]:
@@ -261,10 +281,21 @@ def by_fmu(fmu: Path, discard: int, periods: int) -> FmuMeasure:
     return FmuMeasure(discard, periods, model=("", fmpy.read_model_description(str(fmu))))
 
 
+def connected(arguments: argparse.Namespace) -> Client:
+    """A client of the scheduler that was named, or of a cluster of this machine's cores."""
+    if arguments.scheduler:
+        return Client(arguments.scheduler)
+    workers = arguments.workers or os.cpu_count()
+    return Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+
+
 def main() -> None:
     """Makes or joins a cluster, sweeps, writes the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", type=Path, help="this FMU, by fmpy [default: the Python package]")
+    parser.add_argument("--machine", type=Path, metavar="FILE", help="the machine of this file [default: the paper's machine]")
+    parser.add_argument("--measure", action="append", metavar="NAME", help="with --machine what is measured; may be repeated")
+    parser.add_argument("--checkpoint", type=Path, help="with --machine a folder in which finished parts are kept")
     parser.add_argument("--vary", action="append", type=axis, required=True, metavar="NAME=FROM:TO:COUNT")
     parser.add_argument("--set", action="append", default=[], type=setting, metavar="NAME=VALUE")
     parser.add_argument("--discard", default=Measure.discard, type=int, help="drive periods before what is measured")
@@ -276,6 +307,16 @@ def main() -> None:
     if arguments.periods < 1 or arguments.discard < 0:
         parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: allowed are 0 and 1 or more")
 
+    if arguments.machine:
+        if arguments.fmu:
+            parser.error("--machine and --fmu: allowed is one of them")
+        with connected(arguments) as client:
+            table = by_file(client, arguments)
+        table.to_parquet(arguments.output)
+        failed = [reason for reason in table.error.reshape(-1) if reason is not None]
+        print(f"{len(table)} points, {len(failed)} failed" + (f", the first with {failed[0]}" if failed else ""))
+        print(arguments.output)
+        return
     axes, fixed = dict(arguments.vary), dict(arguments.set)
     measure = Measure(arguments.discard, arguments.periods)
     if arguments.fmu:
@@ -284,13 +325,8 @@ def main() -> None:
     if isinstance(measure, FmuMeasure):
         measure = replace(measure, model=None)
     points = grid(axes, fixed)
-    if arguments.scheduler:
-        client = Client(arguments.scheduler)
-    else:
-        workers = arguments.workers or os.cpu_count()
-        client = Client(n_workers=workers, threads_per_worker=1, dashboard_address=None)
     rows: list[Row] = []
-    with client:
+    with connected(arguments) as client:
         for done in sweep(client, points, measure, arguments.fmu):
             rows += done
             print(f"\r{len(rows)} of {len(points)} points", end="", flush=True)

@@ -14,7 +14,7 @@ from pyarrow import parquet
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 sys.path.insert(0, str(EXAMPLES))
-os.environ["PYTHONPATH"] = str(EXAMPLES)  # the workers unpickle the module's functions
+os.environ["PYTHONPATH"] = os.pathsep.join([str(EXAMPLES), *filter(None, [os.environ.get("PYTHONPATH")])])  # the workers unpickle the module's functions
 
 import dask_sweep  # noqa: E402
 from dask.distributed import Client, LocalCluster  # noqa: E402
@@ -170,3 +170,43 @@ def test_wrong_arguments_are_named(fmu, arguments, word, way):
     by = ["--fmu", str(fmu)] if way == "fmu" else []
     done = subprocess.run([sys.executable, str(EXAMPLES / "dask_sweep.py"), *by, *arguments], capture_output=True, text=True)
     assert done.returncode != 0 and word in done.stderr, done.stderr
+
+
+DAMPER = EXAMPLES / "assembly" / "damper_with_buffer.toml"
+STEEL = "stop.steel.gap"
+
+
+def test_a_machine_s_file_has_the_rows_of_one_process(tmp_path):
+    import vibro_impact as vi
+
+    out = tmp_path / "gaps.parquet"
+    command = [sys.executable, str(EXAMPLES / "dask_sweep.py"), "--machine", str(DAMPER), "--vary", f"{STEEL}=0.004:0.009:20"]
+    command += ["--set", "body.box.mass=13", "--measure", "amplitude.box.s", "--measure", "class", "--discard", "6", "--periods", "4"]
+    done = subprocess.run([*command, "--workers", "2", "--out", str(out)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and "20 points, 0 failed" in done.stdout, done.stdout + done.stderr
+    machine = vi.Assembly(DAMPER).replace({"body.box.mass": 13.0})
+    alone = machine.sweep(["amplitude.box.s", "class"], {STEEL: [float(x) for x in dask_sweep.axis(f"{STEEL}=0.004:0.009:20")[1]]}, settle=6, periods=4)
+    read = parquet.read_table(out)
+    assert all(read.column(name).to_pylist() == alone[name].tolist() for name in (STEEL, "amplitude.box.s", "class"))
+
+
+def test_parts_of_a_killed_worker_are_computed_again(tmp_path):
+    """Of a study by `executor=`: a worker is killed while it computes, and the rows are those of one process."""
+    import threading
+
+    import numpy as np
+    import vibro_impact as vi
+
+    gaps = np.linspace(4e-3, 9e-3, 400)
+    alone = vi.measure_many(vi.Assembly(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        first = client.run(os.getpid)
+        killer = threading.Timer(0.5, lambda: os.kill(next(iter(first.values())), signal.SIGKILL))
+        killer.start()
+        found = vi.measure_many(
+            vi.Assembly(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20, executor=client, checkpoint=tmp_path / "parts"
+        )
+        killer.join()
+        assert set(client.run(os.getpid).values()) != set(first.values()), "a worker was replaced"
+    assert (found["amplitude.box.s"] == alone["amplitude.box.s"]).all()
+    assert len(list((tmp_path / "parts").glob("*.part"))) == 50

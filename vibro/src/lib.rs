@@ -17,6 +17,7 @@
 pub mod assembly;
 pub mod design_file;
 mod error;
+pub mod gallery;
 pub mod load_file;
 pub mod long_study;
 pub mod manifest;

@@ -89,9 +89,11 @@ class _Motions:
     @property
     def given(self) -> tuple[Any, Any]:
         """Machines and starts as the library reads them."""
+        # Copies: what came from another process may lie where the library cannot read it.
         starts = (self.starts.scaled, self.starts.si) if isinstance(self.starts, Coordinates) else self.starts
+        starts = np.array(starts, order="C") if isinstance(starts, np.ndarray) else starts
         if self.table is not None:
-            return self.machines[0]._rows(self.names, np.ascontiguousarray(self.table)), starts
+            return self.machines[0]._rows(self.names, np.array(self.table, order="C")), starts
         own = [m._described if isinstance(m, AssemblyDescription) else m._system for m in self.machines]
         return own, starts
 

@@ -27,7 +27,7 @@ pub fn folder(name: &str) -> PathBuf {
 pub fn command(out: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
     command.args(arguments);
-    if !arguments.iter().any(|word| ["check", "template"].contains(word)) {
+    if !arguments.iter().any(|word| ["check", "template", "new"].contains(word)) {
         command.arg("--out").arg(out);
     }
     command

@@ -22,8 +22,8 @@ use crate::plane_arguments::{Basin, SectionOfFile};
 use crate::ranges::{in_option, texts};
 use crate::run::RunArguments;
 use crate::study_arguments::{
-    Bifurcation, Compare, Isoperiodic, Lyapunov, Manifold, Merge, Plane, Reproduce, Response, Stability,
-    Template,
+    Bifurcation, Compare, Fmu, Isoperiodic, Lyapunov, Manifold, Merge, New, Plane, Reproduce, Response,
+    Stability, Template,
 };
 use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
 use clap::parser::ValueSource;
@@ -34,7 +34,7 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit` and `orbits` take a machine's FILE.
+`new` writes a machine's file to start from. `check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit`, `orbits` and `fmu` take a machine's FILE.
 Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
@@ -54,6 +54,7 @@ PARAMETERS of a machine's FILE are named in it (docs/machine-file.md). Those of 
   `vibro template` writes a file with every parameter.
 
 EXAMPLES
+  vibro new damper && vibro draw damper.toml
   vibro check machine.toml
   vibro run machine.toml --until 2s --samples 1000 --out my-machine
   vibro bifurcation machine.toml --vary stop.upper.gap=1mm:8mm:200 --of box.s
@@ -92,7 +93,8 @@ pub fn command() -> clap::Command {
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
     let all = all.mut_subcommands(|command| {
         let notes: &[&str] = match command.get_name() {
-            "check" | "draw" | "section" | "fit" => &[NUMBERS],
+            "check" | "draw" | "section" | "fit" | "fmu" => &[NUMBERS],
+            "new" => &[],
             "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
             "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" | "locus" => {
                 &[NUMBERS, LIMITS]
@@ -110,9 +112,9 @@ pub fn command() -> clap::Command {
 fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
-        "draw" => &["config", "replace", "discard_unfinished", "threads"],
+        "draw" | "fmu" => &["config", "replace", "discard_unfinished", "threads"],
         "section" | "fit" => &["config", "discard_unfinished", "threads"],
-        "template" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
+        "template" | "new" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
         | "locus" => &["discard_unfinished"],
@@ -129,7 +131,7 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "set" if ["check", "draw", "section"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
+        "set" if ["check", "draw", "section", "fmu"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
         "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
         "set" => Some(arg.clone()),
         _ => None,
@@ -221,6 +223,16 @@ pub enum Command {
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
+    /// Writes the file of one of the gallery's machines, with its comments, to start from; without a
+    /// name lists them
+    New(New),
+    /// Packs the machine of a FILE as an FMU, for Co-Simulation and Model Exchange, around the
+    /// compiled library that is at hand
+    ///
+    /// The library, `machine-kit.zip`, is sought beside the program and above it, in the folder that
+    /// the environment variable VIBRO_IMPACT_ARCHIVES names, or by --kit. In the repository `cargo
+    /// run --bin fmu-build` makes it.
+    Fmu(Fmu),
     /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
     /// account of powers
     Run(RunArguments),

@@ -5,6 +5,7 @@ use crate::assembly_studies::start_of;
 use crate::common_arguments::Common;
 use crate::destination::{self, Destination};
 use crate::output;
+use crate::packing;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
 use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
@@ -32,6 +33,7 @@ const RESULT: &str = "assembly-run";
 pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
     match command {
         Command::Draw { .. } => sketch(file, common)?,
+        Command::Fmu(a) => packing::pack(&read(file, common)?.description, a, common)?,
         Command::Run(a) => return follow(file, a, common),
         Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
         Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,

@@ -17,6 +17,7 @@ mod long;
 mod orbits;
 mod orbits_arguments;
 mod output;
+mod packing;
 mod plane_arguments;
 mod progress;
 mod ranges;
@@ -72,6 +73,9 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     if let Command::Template(a) = &arguments.command {
         return output::say(parameter_file::template(a.groups).trim_end());
     }
+    if let Command::New(a) = &arguments.command {
+        return packing::begin(a);
+    }
     if let Command::Sweep(a) = &arguments.command
         && a.list
     {
@@ -125,6 +129,8 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Check { .. }
         | Command::Draw { .. }
         | Command::Fit(_)
+        | Command::Fmu(_)
+        | Command::New(_)
         | Command::Section(_)
         | Command::Template(_) => {
             return Ok(());

@@ -174,6 +174,31 @@ pub struct Template {
     pub groups: bool,
 }
 
+/// Arguments of `new`.
+#[derive(Args, Debug)]
+pub struct New {
+    /// The machine: damper, gears, brake and others; without it all are listed
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+    /// The file to write, which must not be there [default: NAME.toml]
+    #[arg(value_name = "TO")]
+    pub to: Option<PathBuf>,
+}
+
+/// Arguments of `fmu`.
+#[derive(Args, Debug)]
+pub struct Fmu {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Version of FMI
+    #[arg(long, value_name = "2|3", default_value = "3", value_parser = ["2", "3"])]
+    pub fmi: String,
+    /// The compiled library of described machines (machine-kit.zip)
+    #[arg(long, value_name = "FILE")]
+    pub kit: Option<PathBuf>,
+}
+
 /// Arguments of `reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
