@@ -66,6 +66,7 @@ async function boot() {
   listen();
   await adoptLink();
   requestAnimationFrame(frame);
+  performance.mark("first-picture");
 }
 
 const theme = () => readTheme(["body", "spark-text"]);
@@ -181,6 +182,7 @@ function show() {
     adoptRange();
   }
   input("length").value = String(run.length);
+  showPace();
   element("timeline").setAttribute("aria-valuemax", String(run.length));
   document.title = `${machine.name}: workbench`;
 }
@@ -432,7 +434,7 @@ function listen() {
     const wanted = Number(input("length").value.replace(",", "."));
     if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: allowed is a number of seconds above 0.", true); }
     length = wanted;
-    void changed().then(showPace);
+    void changed();
   });
   for (const [id, key] of /** @type {const} */ ([["across", "across"], ["along", "along"]])) select(id).addEventListener("change", () => { chosen[key] = select(id).value; dirty = true; });
   select("parameter").addEventListener("change", adoptRange);
