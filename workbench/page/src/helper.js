@@ -23,16 +23,19 @@ export class Refused extends Error {
 
 /** One worker. Answers to a question that a newer one replaced are dropped by whoever asked. */
 export class Helper {
-  constructor() { this.begin(); }
-
-  begin() {
-    this.worker = new Worker(script);
+  constructor() {
     this.last = 0;
     /** @type {Map<number, {done: (x: any) => void, failed: (e: Error) => void, told: (x: any) => void, watch: number}>} */
     this.open = new Map();
-    this.worker.onmessage = ({ data }) => this.hear(data);
-    this.worker.onerror = (event) => { event.preventDefault(); this.end(`The computation broke off: ${event.message}`); };
-    this.worker.postMessage({ kind: "module", module });
+    this.worker = this.begin();
+  }
+
+  begin() {
+    const worker = new Worker(script);
+    worker.onmessage = ({ data }) => this.hear(data);
+    worker.onerror = (event) => { event.preventDefault(); this.end(`The computation broke off: ${event.message}`); };
+    worker.postMessage({ kind: "module", module });
+    return worker;
   }
 
   /** @param {any} data */
@@ -52,19 +55,20 @@ export class Helper {
       const id = ++this.last;
       const watch = limit && window.setTimeout(() => this.end(`It took longer than ${limit / 1000} s and was ended. A smaller machine, or the command line vibro, goes on.`), limit);
       this.open.set(id, { done, failed, told, watch });
-      /** @type {Worker} */ (this.worker).postMessage({ ...what, kind, id });
+      this.worker.postMessage({ ...what, kind, id });
     });
   }
 
   /** Ends the worker; all that it was asked fails with these words. A new one stands by. @param {string} words */
   end(words) {
-    this.worker?.terminate();
-    const open = [...(this.open?.values() ?? [])];
-    this.begin();
+    this.worker.terminate();
+    const open = [...this.open.values()];
+    this.open.clear();
+    this.worker = this.begin();
     for (const asked of open) { clearTimeout(asked.watch); asked.failed(new Refused(words, [{ line: null, words }])); }
   }
 
-  stop() { this.worker?.terminate(); for (const asked of this.open?.values() ?? []) clearTimeout(asked.watch); }
+  stop() { this.worker.terminate(); for (const asked of this.open.values()) clearTimeout(asked.watch); }
 }
 
 /** @param {string} words */

@@ -31,7 +31,7 @@ const gallery = new Map(), records = new Map();
 /** @type {Uint8Array | null} */
 let kit = null;
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
-const text = () => editor.area().value;
+const { text } = editor;
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
 
 /** @param {string} words @param {boolean} [bad] */

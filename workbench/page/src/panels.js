@@ -3,7 +3,7 @@ import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { columnOf, DAMPED, extent, INPUT, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
 
 /** What is chosen to be shown, by name. */
-export const chosen = { /** @type {string[]} */ histories: [], across: "", along: "" };
+export const chosen = { histories: /** @type {string[]} */ ([]), across: "", along: "" };
 
 /** Colours of curves, in their order. */
 const colours = () => [theme.box, theme.block, theme.secondary, theme.relative, theme.falling, theme.here];
