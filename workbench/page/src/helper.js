@@ -1,17 +1,16 @@
 // Workers that compute, each with a watch: one that takes too long is ended, and another takes its place.
 
+import { unpack } from "../../../explorer/page/src/packed.js";
+
 /* global WORKER: the script of the workers, put in by the bundler */
 
 /** The module of the page, compiled once. @type {WebAssembly.Module | null} */
 let module = null;
 let script = "";
 
-/** The module that lies in the page, compressed and as text. */
-export async function unpack() {
-  const text = /** @type {HTMLElement} */ (document.getElementById("core")).textContent ?? "";
-  const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  module = await WebAssembly.compile(await new Response(plain).arrayBuffer());
+/** Compiles the module that lies in the page. */
+export async function begin() {
+  module = await unpack();
   script = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
 }
 
