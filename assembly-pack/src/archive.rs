@@ -1,7 +1,7 @@
 //! The `.fmu` archive: written so that the same content gives the same bytes, read as a host does.
 
 use crate::{Error, Result};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{Cursor, Read, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -19,9 +19,36 @@ pub type Content = BTreeMap<String, Vec<u8>>;
 /// # Errors
 /// [`Error::Archive`] when an entry cannot be written.
 pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
-    let failed = |source| Error::Archive { path: PathBuf::from("(in memory)"), source };
+    let mut none = ZipArchive::new(Cursor::new(EMPTY)).map_err(in_memory)?;
+    to_bytes_with(content, &BTreeMap::new(), &mut none)
+}
+
+/// An archive without entries.
+const EMPTY: &[u8] = b"PK\x05\x06\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0";
+
+fn in_memory(source: zip::result::ZipError) -> Error {
+    Error::Archive { path: PathBuf::from("(in memory)"), source }
+}
+
+/// As [`to_bytes`], with further entries that are copied from `held` as they are compressed there:
+/// path → path in `held`.
+///
+/// # Errors
+/// [`Error::Archive`] when an entry cannot be written or is not held.
+pub(crate) fn to_bytes_with(
+    content: &Content,
+    borrowed: &BTreeMap<String, String>,
+    held: &mut ZipArchive<Cursor<&[u8]>>,
+) -> Result<Vec<u8>> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in content {
+    let names: BTreeSet<&String> = content.keys().chain(borrowed.keys()).collect();
+    for name in names {
+        if let Some(of) = borrowed.get(name) {
+            let place = held.index_for_name(of).ok_or(zip::result::ZipError::FileNotFound);
+            let entry = held.by_index_raw(place.map_err(in_memory)?).map_err(in_memory)?;
+            zip.raw_copy_file_rename(entry, name).map_err(in_memory)?;
+            continue;
+        }
         let mode = if name.starts_with("binaries/") || name == PROGRAM { 0o755 } else { 0o644 };
         // An archive within an archive is compressed already.
         let packed = name.ends_with(".fmu");
@@ -30,10 +57,10 @@ pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
             .compression_method(method)
             .last_modified_time(DateTime::default())
             .unix_permissions(mode);
-        zip.start_file(name.as_str(), options).map_err(failed)?;
-        zip.write_all(bytes).map_err(|e| failed(e.into()))?;
+        zip.start_file(name.as_str(), options).map_err(in_memory)?;
+        zip.write_all(&content[name]).map_err(|e| in_memory(e.into()))?;
     }
-    Ok(zip.finish().map_err(failed)?.into_inner())
+    Ok(zip.finish().map_err(in_memory)?.into_inner())
 }
 
 /// Writes the archive, whole or not at all: another process never sees a half-written one.

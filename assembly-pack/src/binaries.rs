@@ -105,7 +105,9 @@ impl Binaries {
 
     /// Inverse of [`folders`](Self::folders); `None` for an unknown tuple.
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        let known = |name: &str| [OWN].into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
+        // WebAssembly is no platform of FMUs: in a page a library is for one of those below.
+        let own = Some(OWN).filter(|_| !cfg!(target_family = "wasm"));
+        let known = |name: &str| own.into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
         libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()
     }
 

@@ -13,7 +13,7 @@ pub const LICENCE_LIST: &str = "README.txt";
 /// Folders of the entries of its file, and the entry of its date.
 const BINARIES: &str = "binaries/";
 const LICENCES: &str = "licences/";
-const DATE: &str = "date.txt";
+pub(crate) const DATE: &str = "date.txt";
 
 /// Compiled library and licences, shared by the archives of all machines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

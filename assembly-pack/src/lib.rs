@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 pub mod archive;
+mod around;
 mod binaries;
 mod content;
 mod error;
@@ -19,6 +20,7 @@ pub mod reference;
 mod terminals;
 
 pub use archive::Content;
+pub use around::{around, platforms_of};
 pub use binaries::{
     Binaries, PACKED_PLATFORMS, PLATFORM, PLATFORM_TUPLE, PackedPlatform, SHARED_LIBRARY, binary_path,
 };

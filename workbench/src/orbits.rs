@@ -31,7 +31,7 @@ pub fn branches(
     let ends = (range.first().copied().unwrap_or(0.0), range.get(1).copied().unwrap_or(0.0));
     let family = Family::new(&machine, parameter, ends)?;
     let of: QuantityName = of.parse()?;
-    let measure: Measure = format!("{of}.max").parse()?;
+    let measure: Measure = format!("maximum.{of}").parse()?;
     let found = tree(&family, &TreeOptions { seeds: 12, ..TreeOptions::default() }, &mut |done, known| {
         let _ = progressed(done, known);
         true

@@ -12,13 +12,7 @@ export function use(module) {
   glue.initSync({ module });
 }
 
-/** The module that lies in the page, compressed and as text. @returns {Promise<WebAssembly.Module>} */
-export async function unpack() {
-  const text = /** @type {HTMLElement} */ (document.getElementById("core")).textContent ?? "";
-  const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(plain).arrayBuffer());
-}
+export { unpack } from "./packed.js";
 
 /** @typedef {{name: string, symbol: string, unit: string, allowed: string, low: number, high: number, meaning: string, group: boolean}} Parameter */
 

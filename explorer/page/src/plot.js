@@ -65,7 +65,7 @@ export function short(x, span) {
   return (text.includes(".") ? text.replace(/\.?0+$/, "") : text).replace(/^-0$/, "0").replace("-", "−");
 }
 
-/** @typedef {import("./units.js").Axis} Axis */
+/** @typedef {{label: string, factor: number}} Axis the words at an axis, and how many of its unit one unit of the data is */
 
 /** A frame with linear axes. */
 export class Frame {

@@ -3,7 +3,7 @@
 import { BY_NAME, set, state } from "./state.js";
 
 /** @typedef {{plain: string, symbol: string, factor: number}} Unit a unit as files and as the page write it, and how many of it the SI unit is */
-/** @typedef {{label: string, factor: number}} Axis the words at an axis, and how many of its unit one unit of the data is */
+/** @typedef {import("./plot.js").Axis} Axis */
 
 /** @type {Map<string, Unit>} */
 const shown = new Map();

@@ -3,8 +3,8 @@ import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-/** @param {string} packages folder of the npm packages @param {string} page */
-export async function open(packages, page) {
+/** @param {string} packages folder of the npm packages @param {string} page @param {string} [ready] what is true once a page is */
+export async function open(packages, page, ready = "window.explorer && window.explorer.diagram.id > 0") {
   const { chromium } = createRequire(join(resolve(packages), "package.json"))("playwright-core");
   const names = process.env.CHROMIUM ? [process.env.CHROMIUM] : ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
   let browser;
@@ -25,7 +25,7 @@ export async function open(packages, page) {
     tab.on("request", (/** @type {any} */ r) => { if (!r.url().startsWith(address) && !/^(blob|data):/.test(r.url())) wrong.push(`request: ${r.url()}`); });
     if (before) await tab.addInitScript(before);
     await tab.goto(address + hash);
-    if (!before) await tab.waitForFunction("window.explorer && window.explorer.diagram.id > 0");
+    if (!before) await tab.waitForFunction(ready);
     return { tab, wrong, close: () => context.close() };
   }
   return { tab, close: () => browser.close() };

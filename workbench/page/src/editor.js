@@ -1,7 +1,14 @@
 // The text of the machine, its line numbers, and what is wrong at which line.
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
-export const area = () => /** @type {HTMLTextAreaElement} */ (document.getElementById("text"));
+const area = () => /** @type {HTMLTextAreaElement} */ (document.getElementById("text"));
+/** Largest text that the editor shows, letters: a browser lays out no more at once. */
+const SHOWN = 200_000;
+/** A text that is too large to be shown, or nothing. @type {string | null} */
+let held = null;
+
+/** The whole text. */
+export const text = () => held ?? area().value;
 
 let lines = 0;
 /** @type {Set<number>} */
@@ -36,8 +43,11 @@ function count() {
 /** Puts a text into the editor; the cursor and the scroll stay. @param {string} text */
 export function put(text) {
   const box = area(), { selectionStart, selectionEnd, scrollTop } = box;
-  if (box.value === text) return;
-  box.value = text;
+  held = text.length > SHOWN ? text : null;
+  box.readOnly = held !== null;
+  const shown = held === null ? text : `${text.slice(0, 2000)}\n# … and ${text.length - 2000} letters more, which are too many for this editor`;
+  if (box.value === shown) return;
+  box.value = shown;
   if (document.activeElement === box) box.setSelectionRange(selectionStart, selectionEnd);
   box.scrollTop = scrollTop;
   count();

@@ -1,17 +1,16 @@
 // Workers that compute, each with a watch: one that takes too long is ended, and another takes its place.
 
+import { unpack } from "../../../explorer/page/src/packed.js";
+
 /* global WORKER: the script of the workers, put in by the bundler */
 
 /** The module of the page, compiled once. @type {WebAssembly.Module | null} */
 let module = null;
 let script = "";
 
-/** The module that lies in the page, compressed and as text. */
-export async function unpack() {
-  const text = /** @type {HTMLElement} */ (document.getElementById("core")).textContent ?? "";
-  const bytes = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
-  const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  module = await WebAssembly.compile(await new Response(plain).arrayBuffer());
+/** Compiles the module that lies in the page. */
+export async function begin() {
+  module = await unpack();
   script = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
 }
 
@@ -23,16 +22,19 @@ export class Refused extends Error {
 
 /** One worker. Answers to a question that a newer one replaced are dropped by whoever asked. */
 export class Helper {
-  constructor() { this.begin(); }
-
-  begin() {
-    this.worker = new Worker(script);
+  constructor() {
     this.last = 0;
     /** @type {Map<number, {done: (x: any) => void, failed: (e: Error) => void, told: (x: any) => void, watch: number}>} */
     this.open = new Map();
-    this.worker.onmessage = ({ data }) => this.hear(data);
-    this.worker.onerror = (event) => { event.preventDefault(); this.end(`The computation broke off: ${event.message}`); };
-    this.worker.postMessage({ kind: "module", module });
+    this.worker = this.begin();
+  }
+
+  begin() {
+    const worker = new Worker(script);
+    worker.onmessage = ({ data }) => this.hear(data);
+    worker.onerror = (event) => { event.preventDefault(); this.end(`The computation broke off: ${event.message}`); };
+    worker.postMessage({ kind: "module", module });
+    return worker;
   }
 
   /** @param {any} data */
@@ -52,19 +54,20 @@ export class Helper {
       const id = ++this.last;
       const watch = limit && window.setTimeout(() => this.end(`It took longer than ${limit / 1000} s and was ended. A smaller machine, or the command line vibro, goes on.`), limit);
       this.open.set(id, { done, failed, told, watch });
-      /** @type {Worker} */ (this.worker).postMessage({ ...what, kind, id });
+      this.worker.postMessage({ ...what, kind, id });
     });
   }
 
   /** Ends the worker; all that it was asked fails with these words. A new one stands by. @param {string} words */
   end(words) {
-    this.worker?.terminate();
-    const open = [...(this.open?.values() ?? [])];
-    this.begin();
+    this.worker.terminate();
+    const open = [...this.open.values()];
+    this.open.clear();
+    this.worker = this.begin();
     for (const asked of open) { clearTimeout(asked.watch); asked.failed(new Refused(words, [{ line: null, words }])); }
   }
 
-  stop() { this.worker?.terminate(); for (const asked of this.open?.values() ?? []) clearTimeout(asked.watch); }
+  stop() { this.worker.terminate(); for (const asked of this.open.values()) clearTimeout(asked.watch); }
 }
 
 /** @param {string} words */

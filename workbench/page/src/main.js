@@ -2,7 +2,8 @@
 import { readout, readTheme, Surface } from "../../../explorer/page/src/plot.js";
 import { enable, tick } from "../../../explorer/page/src/sound.js";
 import * as editor from "./editor.js";
-import { Helper, Refused, unpack } from "./helper.js";
+import { begin as compile, Helper, Refused } from "./helper.js";
+import { bytesIn } from "../../../explorer/page/src/packed.js";
 import { fromHash, LONGEST, toHash } from "./link.js";
 import * as numbers from "./numbers.js";
 import { chosen, choose, drawEnergy, drawHistories, drawPortrait, drawTimeline, shownIn } from "./panels.js";
@@ -31,7 +32,7 @@ const gallery = new Map(), records = new Map();
 /** @type {Uint8Array | null} */
 let kit = null;
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
-const text = () => editor.area().value;
+const { text } = editor;
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
 
 /** @param {string} words @param {boolean} [bad] */
@@ -49,7 +50,7 @@ async function boot() {
   if (typeof WebAssembly !== "object" || typeof CompressionStream !== "function") {
     return broken("This browser has no WebAssembly (or no CompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 103, Firefox 113, Safari 16.4. The command line vibro does the same without a browser.");
   }
-  try { await unpack(); } catch (error) {
+  try { await compile(); } catch (error) {
     return broken(`WebAssembly could not be started: ${/** @type {Error} */ (error).message}. The command line vibro does the same without a browser.`);
   }
   helper = new Helper();
@@ -60,12 +61,15 @@ async function boot() {
   select("example").replaceChildren(new Option("own machine", ""), ...[...gallery.keys()].filter((n) => n.endsWith(".toml")).map((n) => new Option(title(n), n)));
   playing = !calm.matches;
   showPlaying(); showPace();
-  const packed = element("kit").textContent?.trim();
-  if (packed) kit = Uint8Array.from(atob(packed), (c) => c.charCodeAt(0));
+  const packed = bytesIn("kit");
+  if (packed.length) kit = packed;
   showKit();
   listen();
   await adoptLink();
   requestAnimationFrame(frame);
+  performance.mark("first-picture");
+  // The worker that packs stands by where there is something to pack.
+  if (kit) setTimeout(() => { packer ??= new Helper(); }, 1000);
 }
 
 const theme = () => readTheme(["body", "spark-text"]);
@@ -181,6 +185,7 @@ function show() {
     adoptRange();
   }
   input("length").value = String(run.length);
+  showPace();
   element("timeline").setAttribute("aria-valuemax", String(run.length));
   document.title = `${machine.name}: workbench`;
 }
@@ -248,17 +253,17 @@ function showKit() {
 
 /** Files that were dropped or chosen. @param {Iterable<File>} files */
 async function receive(files) {
-  let main = null;
+  let main = null, more = false;
   for (const file of files) {
     if (file.size > 64 * 2 ** 20) { editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed are ${64 * 2 ** 20}` }]); continue; }
     if (/\.zip$/i.test(file.name)) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
-    } else if (/\.csv$/i.test(file.name)) records.set(file.name, await file.text());
+    } else if (/\.csv$/i.test(file.name)) { records.set(file.name, await file.text()); more = true; }
     else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }
-  if (main !== null) await adopt(main); else { showRecords(); await changed(); }
+  if (main !== null) await adopt(main); else if (more) { showRecords(); await changed(); }
 }
 
 const showPlaying = () => {
@@ -432,7 +437,7 @@ function listen() {
     const wanted = Number(input("length").value.replace(",", "."));
     if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: allowed is a number of seconds above 0.", true); }
     length = wanted;
-    void changed().then(showPace);
+    void changed();
   });
   for (const [id, key] of /** @type {const} */ ([["across", "across"], ["along", "along"]])) select(id).addEventListener("change", () => { chosen[key] = select(id).value; dirty = true; });
   select("parameter").addEventListener("change", adoptRange);

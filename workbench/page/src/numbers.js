@@ -64,7 +64,7 @@ function make(all, change, goTo) {
       part(slider);
       change(n.name, String(digits));
     });
-    row.append(name, field, unit, slider, why);
+    row.append(name, slider, field, unit, why);
     const own = { row, field, slider, why, number: n };
     fields.set(n.name, own);
     range(slider, n);

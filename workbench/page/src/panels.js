@@ -3,7 +3,7 @@ import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { columnOf, DAMPED, extent, INPUT, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
 
 /** What is chosen to be shown, by name. */
-export const chosen = { /** @type {string[]} */ histories: [], across: "", along: "" };
+export const chosen = { histories: /** @type {string[]} */ ([]), across: "", along: "" };
 
 /** Colours of curves, in their order. */
 const colours = () => [theme.box, theme.block, theme.secondary, theme.relative, theme.falling, theme.here];
@@ -15,7 +15,8 @@ export function choose() {
   if (!chosen.histories.length) {
     const moving = bodies.filter((b) => !b.prescribed && has(`${b.name}.s`)), all = bodies.filter((b) => has(`${b.name}.s`));
     chosen.histories = (moving.length ? moving : all).slice(0, 3).map((b) => `${b.name}.s`);
-    const contact = elements.find((e) => ["stop", "friction", "freewheel"].includes(e.section) && has(`${e.name}.f`));
+    // Forces of rigid stops are impulses but while they rest: a contact with a force is told by it.
+    const contact = elements.find((e) => ["stop", "friction", "freewheel"].includes(e.section) && has(`${e.name}.f`) && extent(columnOf(`${e.name}.f`)).some((f) => f !== 0));
     if (contact) chosen.histories.push(`${contact.name}.f`);
   }
   if (!has(chosen.across) || !has(chosen.along)) {
@@ -105,7 +106,7 @@ export function drawPortrait(g, w, h) {
 /** Where the energy is, and where it went. @param {any} g @param {number} w */
 export function drawEnergy(g, w) {
   const now = valuesAt(run.at);
-  const most = Math.max(1e-300, ...[INPUT, DAMPED, RUBBED, LOST].map((p) => Math.max(...extent(p).map(Math.abs))), extent(KINETIC)[1], extent(STORED)[1]);
+  const flows = Math.max(1e-300, ...[INPUT, DAMPED, RUBBED, LOST].map((p) => Math.max(...extent(p).map(Math.abs)))), held = Math.max(1e-300, extent(KINETIC)[1] + extent(STORED)[1]);
   const bars = /** @type {[string, [number, string][]][]} */ ([
     ["in motion and springs", [[now[KINETIC], theme.box], [Math.max(0, now[STORED]), theme.falling]]],
     ["put in", [[Math.abs(now[INPUT]), now[INPUT] < 0 ? theme.soft : theme.secondary]]],
@@ -119,7 +120,7 @@ export function drawEnergy(g, w) {
     g.textAlign = "right"; g.fillText(energy(parts.reduce((sum, [x]) => sum + x, 0) * (i === 1 && now[INPUT] < 0 ? -1 : 1)), left + span, y - 7);
     g.fillStyle = theme.grid; g.fillRect(left, y, span, 7);
     let x = left;
-    for (const [value, colour] of parts) { const wide = Math.min(left + span - x, span * Math.max(0, value) / (2 * most)); g.fillStyle = colour; g.fillRect(x, y, wide, 7); x += wide; }
+    for (const [value, colour] of parts) { const wide = Math.min(left + span - x, span * Math.max(0, value) / (i ? flows : held)); g.fillStyle = colour; g.fillRect(x, y, wide, 7); x += wide; }
   });
 }
 

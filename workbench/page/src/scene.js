@@ -8,7 +8,7 @@ const REACH = 85;
 const LEAST = 0.2;
 
 /** Where each body is in the middle of its motion, its mean rate where it drifts, and how large its motion is drawn. */
-const view = { /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ bodies: [], /** @type {{place: number, gap: number, scale: number}[]} */ stops: [], length: 0, scales: [0, 0] };
+const view = { bodies: /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ ([]), stops: /** @type {{place: number, gap: number, scale: number}[]} */ ([]), scales: [0, 0] };
 export const scene = {
   /** @type {Float32Array} */ marks: new Float32Array(0),
   /** @type {string[]} */ words: [],
@@ -24,7 +24,6 @@ export const tagOf = (name) => run.machine.sketch.names.lastIndexOf(name);
 /** Looks at the whole run, so that it fits. */
 export function look() {
   const { machine, width, rows, count } = run;
-  view.length = count;
   const first = rows[0], span = rows[(count - 1) * width] - first || 1;
   const most = [0, 0], found = machine.bodies.map((body) => {
     const place = columnOf(`${body.name}.s`);

@@ -12,7 +12,8 @@ export const study = {
   /** @type {Helper[]} */ helpers: [],
   /** @type {Frame | null} */ frame: null,
   running: false,
-  changed: () => {}, /** @param {number} part @param {string} words */ told: (part, words) => { void part; void words; },
+  changed: () => {},
+  told: /** @type {(part: number, words: string) => void} */ (() => {}),
 };
 
 /** The value at an index, SI. @param {number} i */

@@ -1,0 +1,236 @@
+// The workbench in headless Chromium: node page.mjs <npm packages> <page> <folder for what is downloaded and shown> [name of a test].
+import assert from "node:assert/strict";
+import { mkdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { open } from "../../../explorer/page/test/browser.mjs";
+
+const [packages, page, folder, only] = process.argv.slice(2);
+mkdirSync(folder, { recursive: true });
+const READY = "window.workbench && workbench.pictures > 0";
+const browser = await open(packages, page, READY);
+const axe = readFileSync(join(packages, "node_modules/axe-core/axe.min.js"), "utf8");
+
+const text = (/** @type {any} */ tab) => tab.inputValue("#text");
+const settled = (/** @type {any} */ tab) => tab.waitForFunction("!workbench.state().opening && !workbench.state().extending", null, { timeout: 60_000 });
+const whole = (/** @type {any} */ tab) => tab.waitForFunction("workbench.state().whole", null, { timeout: 60_000 });
+const pick = async (/** @type {any} */ tab, /** @type {string} */ name) => { await tab.selectOption("#example", name); await tab.waitForFunction("document.querySelector('#example').value !== ''"); await settled(tab); };
+/** Largest time between two frames of the page while something is done. @param {any} tab @param {() => Promise<any>} what */
+async function stillness(tab, what) {
+  await tab.evaluate("window.gap = 0; window.watching = true; { let before = performance.now(); const look = () => { const now = performance.now(); window.gap = Math.max(window.gap, now - before); before = now; if (window.watching) requestAnimationFrame(look); }; requestAnimationFrame(look); }");
+  await what();
+  return tab.evaluate("(window.watching = false, window.gap)");
+}
+/** A page that is still for longer than this is frozen, ms. */
+const FROZEN = 1500;
+
+/** @type {Record<string, () => Promise<void>>} */
+const tests = {
+  async "every machine of the gallery opens, moves and is drawn"() {
+    const { tab, wrong, close } = await browser.tab();
+    const names = await tab.$$eval("#example option", (/** @type {any[]} */ all) => all.map((o) => o.value).filter(Boolean));
+    assert.ok(names.length >= 26, `${names.length}`);
+    for (const name of names) {
+      await pick(tab, name);
+      await whole(tab);
+      assert.ok(await tab.isHidden("#problems"), `${name}: ${await tab.textContent("#problems")}`);
+      const found = await tab.evaluate(`(() => { const { run, scene } = workbench, at = (t) => Array.from(workbench.valuesAt(t)); const a = at(0.1 * run.length), b = at(0.37 * run.length);
+        return { count: run.count, events: run.events.length, moved: a.some((x, i) => i > 7 && x !== b[i]) || at(0).some((x, i) => i > 7 && x !== b[i]), finite: run.rows.subarray(0, run.count * run.width).every(Number.isFinite), marks: scene.marks.length, numbers: document.querySelectorAll(".field").length, problem: run.problem }; })()`);
+      assert.ok(found.count > 200 && found.moved && found.finite && found.marks > 100 && found.numbers > 0, `${name}: ${JSON.stringify(found)}`);
+      assert.equal(found.problem, "", name);
+    }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "errors stand at their lines in fifty broken files, and go"() {
+    const { tab, wrong, close } = await browser.tab();
+    let broken = 0;
+    for (const name of ["damper_with_buffer.toml", "gear_backlash.toml", "two_blocks.toml", "percussion_drill.toml"]) {
+      await pick(tab, name);
+      const whole = await text(tab), lines = whole.split("\n");
+      for (let i = 0; i < lines.length && broken < 60; i++) {
+        const key = lines[i].match(/^(\w+)( *= *)(.*)$/);
+        if (!key) continue;
+        // A key that is none, and a value that cannot be.
+        const worse = broken % 2 ? `${key[1]}${key[2]}"none of it"` : `${key[1]}x${key[2]}${key[3]}`;
+        await tab.fill("#text", lines.with(i, worse).join("\n"));
+        await settled(tab);
+        const told = await tab.$$eval("#problems li", (/** @type {any[]} */ all) => all.map((li) => li.textContent));
+        assert.ok(told.some((/** @type {string} */ words) => words.startsWith(`Line ${i + 1} `)), `${name}:${i + 1} ${worse}: ${told}`);
+        assert.equal(await tab.getAttribute("#text", "aria-invalid"), "true");
+        broken++;
+      }
+      await tab.fill("#text", whole);
+      await settled(tab);
+      assert.ok(await tab.isHidden("#problems"));
+    }
+    assert.ok(broken >= 50, `${broken}`);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a number is changed by field, unit and slider, and all else of the text stays"() {
+    const { tab, wrong, close } = await browser.tab({}, "#example=damper_with_buffer");
+    const before = await text(tab);
+    await tab.fill("[id='n-stop.steel.gap']", "5");
+    await tab.press("[id='n-stop.steel.gap']", "Enter");
+    await tab.waitForFunction("document.querySelector('#text').value.includes('gap = \"5 mm\"')");
+    assert.equal(await text(tab), before.replace('gap = "4 mm"', 'gap = "5 mm"'));
+    await tab.fill("[id='n-stop.steel.gap']", "0.6 cm");
+    await tab.press("[id='n-stop.steel.gap']", "Enter");
+    await tab.waitForFunction("document.querySelector('#text').value.includes('gap = \"0.6 cm\"')");
+    await settled(tab);
+    await tab.focus("[aria-label='stop.steel.restitution, slider']");
+    await tab.keyboard.press("ArrowLeft");
+    await tab.waitForFunction("!document.querySelector('#text').value.includes('restitution = 0.7\\n')");
+    await settled(tab);
+    const after = await text(tab);
+    assert.equal(after.split("\n").length, before.split("\n").length);
+    assert.equal(after.replace(/gap = .*|restitution = .*/g, ""), before.replace(/gap = .*|restitution = .*/g, ""));
+    await tab.fill("[id='n-stop.steel.restitution']", "7");
+    await tab.press("[id='n-stop.steel.restitution']", "Enter");
+    await tab.waitForSelector(".field.bad");
+    assert.match(await tab.textContent(".field.bad .why"), /allowed is a number from 0 to 1/);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a link holds the file; one that is too long, or has records, is refused"() {
+    const { tab, wrong, close } = await browser.tab({ permissions: ["clipboard-read", "clipboard-write"] }, "#example=gear_backlash");
+    await tab.waitForFunction("location.hash.startsWith('#m=')");
+    const first = await tab.evaluate("location.hash");
+    await tab.fill("[id='n-body.pinion.inertia']", "0.0005");
+    await tab.press("[id='n-body.pinion.inertia']", "Enter");
+    await tab.waitForFunction((/** @type {string} */ first) => location.hash.startsWith("#m=") && location.hash !== first, first);
+    await settled(tab);
+    const [hash, written] = [await tab.evaluate("location.hash"), await text(tab)];
+    const other = await browser.tab({}, hash);
+    assert.equal(await text(other.tab), written);
+    assert.deepEqual(other.wrong, []);
+    await other.close();
+    let noise = "";
+    for (let i = 0, x = 1; i < 9000; i++) { x = (x * 48271) % 2147483647; noise += `# ${x.toString(36)}${i % 6 ? "" : "\n"}`; }
+    await tab.fill("#text", `${written}\n${noise}`);
+    await settled(tab);
+    await tab.click("#copy");
+    await tab.waitForFunction("/longer than a link may be/.test(document.querySelector('#taken').textContent)");
+    await pick(tab, "valve_train.toml");
+    await tab.click("#copy");
+    await tab.waitForFunction("/holds no records \\(cam_lift.csv\\)/.test(document.querySelector('#taken').textContent)");
+    const damaged = await browser.tab({}, "#m=AAAA");
+    assert.match(await damaged.tab.textContent("#status"), /link is damaged/);
+    await damaged.close();
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "files and records are taken, tables and pictures are given"() {
+    const { tab, wrong, close } = await browser.tab();
+    const machine = 'name = "Own"\n[body.a]\nmass = 1.0\n[body.t]\nmotion = { table = "lift.csv" }\n[spring.s]\nbetween = ["t", "a"]\nstiffness = 100.0\n';
+    await tab.setInputFiles("#files", [{ name: "own.toml", mimeType: "application/toml", buffer: Buffer.from(machine) }]);
+    await tab.waitForFunction("/lift.csv is here: drop it beside/.test(document.querySelector('#problems').textContent)");
+    await tab.setInputFiles("#files", [{ name: "lift.csv", mimeType: "text/csv", buffer: Buffer.from("0,0\n0.5,0.01\n1,0\n") }]);
+    await tab.waitForFunction("workbench.run.machine.name === 'Own' && document.querySelector('#problems').hidden", null, { timeout: 10_000 }).catch(async (/** @type {Error} */ e) => { throw new Error(`${e.message}: ${await tab.textContent("#problems")}`); });
+    await pick(tab, "bouncing_ball.toml");
+    await whole(tab);
+    for (const [what, name, check] of /** @type {[string, string, RegExp][]} */ ([["file", "BouncingBall.toml", /^#|^name/m], ["run", "run.csv", /^time,ball\.s,/], ["events", "events.csv", /^time,kind,element,value,stops,impulse\n.*impact,stop\./], ["sketch-svg", "BouncingBall-sketch.svg", /<svg.*>ball</s], ["history-svg", "BouncingBall-histories.svg", /<svg/], ["sketch-png", "BouncingBall-sketch.png", /PNG/]])) {
+      const [download] = await Promise.all([tab.waitForEvent("download"), tab.click(`[data-take="${what}"]`)]);
+      assert.equal(download.suggestedFilename(), name);
+      await download.saveAs(join(folder, name));
+      assert.match(readFileSync(join(folder, name), "latin1"), check, what);
+    }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "hostile files answer, and the page never freezes"() {
+    const { tab, wrong, close } = await browser.tab();
+    const send = (/** @type {string} */ name, /** @type {Buffer} */ buffer) => tab.evaluate(({ name, size, head, unit }) => { const text = head + unit.repeat(Math.ceil((size - head.length) / unit.length)); return workbench.receive([new File([text], name)]); }, { name, ...JSON.parse(buffer.toString()) });
+    const made = (/** @type {string} */ head, /** @type {string} */ unit, /** @type {number} */ size) => Buffer.from(JSON.stringify({ head, unit, size }));
+    let bodies = 'name = "Many"\n';
+    for (let i = 0; i < 100_000; i++) bodies += `body.b${i.toString(36)}.mass=1\n`;
+    const cases = /** @type {[string, () => Promise<any>, RegExp][]} */ ([
+      ["100,000 bodies", () => tab.evaluate((/** @type {string} */ t) => workbench.receive([new File([t], "many.toml")]), bodies), /longer than 4 s|there are 100000; allowed/],
+      ["deep arrays", () => send("deep.toml", made('name = "Deep"\nx = ', "[", 200_000)), /Line 2|recursion|longer than|broke off/],
+      ["deep keys", () => send("keys.toml", made('name = "Deep"\na', ".a", 200_000)), /Line 2|longer than|broke off/],
+      ["64 MiB", () => send("large.toml", made('name = "Large"\n', "# comment\n", 64 * 2 ** 20)), /bytes: allowed/],
+      ["bytes", () => send("bytes.toml", made("", "\u0000\uffff", 1000)), /Line 1/],
+    ]);
+    for (const [name, what, answer] of cases) {
+      const began = Date.now(), gap = await stillness(tab, async () => { await what(); await settled(tab); });
+      const told = await tab.textContent("#problems");
+      console.log(`    ${name}: still for ${gap.toFixed(0)} ms, answered after ${Date.now() - began} ms: ${told.slice(0, 90)}`);
+      assert.match(told, answer, name);
+      assert.ok(gap < FROZEN, `${name}: ${gap}`);
+      await pick(tab, "bouncing_ball.toml");
+      assert.ok(await tab.isHidden("#problems"), `${name}: ${await tab.textContent("#problems")}`);
+    }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a diagram is drawn, its point is played, and a study is stopped by a click"() {
+    const { tab, wrong, close } = await browser.tab({}, "#example=damper_with_buffer");
+    await tab.selectOption("#values", "60");
+    await tab.click("#compute");
+    await tab.waitForFunction("/60 .*values|120 values in/.test(document.querySelector('#studyWords').textContent) && !workbench.study.running", null, { timeout: 60_000 });
+    const { rising, falling } = await tab.evaluate("workbench.study.found");
+    assert.equal(rising.length, 60); assert.equal(falling.length, 60);
+    assert.ok(rising.filter((/** @type {any} */ f) => f.values.length && f.words).length > 50);
+    const [x, y] = await tab.evaluate("(() => { const { study } = workbench, f = study.found.rising[20], [k] = workbench.shownIn(study.ofUnit, Math.max(...study.frame.y.map(Math.abs))); return [study.frame.px(workbench.valueAt(f.index) * study.factor), study.frame.py(f.values[0] * k)]; })()");
+    const before = await text(tab);
+    await tab.click("#diagram", { position: { x, y } });
+    await tab.waitForFunction((/** @type {string} */ t) => /** @type {any} */ (document.querySelector("#text")).value !== t, before);
+    await settled(tab);
+    assert.match(await tab.textContent("#studyWords"), /load\.shaker\.frequency = .* Hz: \d+T|chaotic|quasi/);
+    await tab.selectOption("#values", "600");
+    await tab.click("#compute");
+    await tab.waitForFunction("workbench.study.found.rising.length > 3");
+    await tab.click("#halt");
+    assert.match(await tab.textContent("#studyWords"), /Stopped/);
+    assert.ok(await tab.isHidden("#halt"));
+    await pick(tab, "impact_pair.toml");
+    await tab.click("#orbits");
+    await tab.waitForFunction("!workbench.study.running && workbench.study.branches.length > 0", null, { timeout: 120_000 });
+    assert.ok(await tab.evaluate("workbench.study.branches.some((b) => b.length > 3 && b.some((p) => p[2]))"));
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "the keyboard alone plays, scrubs and edits; reduced motion starts paused"() {
+    const { tab, wrong, close } = await browser.tab({ reducedMotion: "reduce" });
+    await whole(tab);
+    assert.equal(await tab.evaluate("workbench.run.at"), 0, "paused");
+    const reached = new Set();
+    for (let i = 0; i < 60; i++) { await tab.keyboard.press("Tab"); reached.add(await tab.evaluate("document.activeElement.id || document.activeElement.className || document.activeElement.tagName")); }
+    for (const id of ["scroll", "timeline", "play", "next", "again", "pace", "length", "sound", "example", "open", "copy", "text"]) assert.ok(reached.has(id), `${id} by Tab: ${[...reached]}`);
+    await tab.focus("#timeline");
+    await tab.keyboard.press("PageUp");
+    assert.ok(await tab.evaluate("workbench.run.at > 0"));
+    await tab.keyboard.press("Home");
+    await tab.keyboard.press("n");
+    await tab.waitForFunction("/at .* s/.test(document.querySelector('#status').textContent)");
+    await tab.keyboard.press(" ");
+    await tab.waitForFunction("workbench.run.at > 0.02");
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "axe finds nothing, wide, narrow and dark; pictures are taken"() {
+    for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1500 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
+      const { tab, wrong, close } = await browser.tab(options, hash);
+      await whole(tab);
+      if (name === "wide") { await tab.click("#compute"); await tab.waitForFunction("workbench.study.found.rising.length === 200 && !workbench.study.running", null, { timeout: 120_000 }); }
+      await tab.evaluate("workbench.run.at = 0.4 * workbench.run.length");
+      await tab.waitForTimeout(700);
+      await tab.screenshot({ path: join(folder, `workbench-${name}.png`) });
+      assert.ok(await tab.evaluate("document.documentElement.scrollWidth <= innerWidth"), `${name}: nothing stands out to the side`);
+      await tab.evaluate(axe);
+      const { violations } = await tab.evaluate("axe.run()");
+      assert.deepEqual(violations.map((/** @type {any} */ v) => `${v.id}: ${v.nodes.map((/** @type {any} */ n) => n.html).slice(0, 3)}`), [], name);
+      assert.deepEqual(wrong, []);
+      await close();
+    }
+  },
+};
+
+let failed = 0;
+for (const [name, test] of Object.entries(tests)) {
+  if (only && !name.includes(only)) continue;
+  const began = Date.now();
+  try { await test(); console.log(`ok   ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`); } catch (error) { failed++; console.log(`FAIL ${name}\n${/** @type {Error} */ (error).stack}`); }
+}
+await browser.close();
+process.exit(failed ? 1 : 0);
