@@ -42,6 +42,11 @@ const BESIDE: (u32, f64) = (8, 0.3);
 const REWEIGHTED: u32 = 2;
 /// Likewise where large residuals count less: outliers leave the deviation in steps.
 const REWEIGHTED_ROBUST: u32 = 6;
+/// A motion that is close to the record throughout.
+const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
+/// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
+const AGREED: u32 = 3;
+const SAME: f64 = 1e-6;
 /// Most free numbers.
 const MOST_FREE: usize = 50;
 
@@ -141,6 +146,8 @@ pub struct Fitted {
     pub residuals: Vec<Vec<f64>>,
     /// For each stop the times of the motion's contacts less those of the record, s.
     pub contacts: Vec<(String, Vec<f64>)>,
+    /// Times of the record at which stops of the fitted motion are hit or touched, with their names.
+    pub events: Vec<(f64, String)>,
     /// Segments after the first; empty of one motion.
     pub segments: Vec<Fresh>,
     /// Why the fitted motion has no derivative by a number from some time on; differences stand there.
@@ -171,10 +178,7 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     let further = (1..=request.starts).map(|k| bounds.within(k));
     let starts: Vec<Vec<f64>> =
         std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
-    let by = |start: &Vec<f64>| match request.segments {
-        Segments::Length(length) => over_segments(&model.for_segments(), &bounds, start, Some(length), go_on),
-        way => best_from(&model, &bounds, start, way == Segments::Auto, go_on),
-    };
+    let by = |start: &Vec<f64>| best_from(&model, &bounds, start, request.segments, go_on);
     let found: Vec<Result<Solved>> = starts.par_iter().map(by).collect();
     let mut failed = None;
     let mut note = |error| _ = failed.get_or_insert(error);
@@ -202,30 +206,54 @@ fn best_from(
     model: &Model,
     bounds: &Bounds,
     start: &[f64],
-    by_segments: bool,
+    segments: Segments,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
-    let mut best: Option<Solved> = None;
+    let (mut best, mut same): (Option<Solved>, u32) = (None, 0);
+    // Where the motion keeps near the record from the start on, there is one valley.
+    let is_regular = model.is_near(start, WAYS[0]);
     let is_small = start.len() <= sobol::DIMENSIONS;
     let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| bounds.beside(start, k, BESIDE.1));
     let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);
-    let ways = WAYS.iter().map(|way| Box::new(|| horizons(start, *way)) as Attempt);
-    let segments = by_segments
-        .then(|| Box::new(|| over_segments(&model.for_segments(), bounds, start, None, go_on)) as Attempt);
+    let divided = |begin: &[f64], length: Option<f64>| {
+        over_segments(&model.for_segments(), bounds, begin, length, go_on)
+    };
+    let length = if let Segments::Length(length) = segments { Some(length) } else { None };
+    let ways = WAYS
+        .iter()
+        .take(if is_regular { 1 } else { WAYS.len() })
+        .map(|way| Box::new(|| horizons(start, *way)) as Attempt);
+    let by_segments = (segments != Segments::None).then(|| Box::new(|| divided(start, length)) as Attempt);
     let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
-    for attempt in ways.chain(segments).chain(beside) {
+    for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
         let Ok(mut found) = attempt() else { continue };
         found.cost = model.cost(&found)?;
-        let is_done = model.is_noise(&found.point, &found.reach)? || !go_on();
-        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+        let is_done = found.is_continuous && model.is_noise(&found.point, &found.reach)?
+            || is_regular && model.is_near(&found.point.values, CLOSE)
+            || !go_on();
+        let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+        if !found.is_continuous && best.is_some() {
+            continue;
+        }
+        if (found.cost / before - 1.0).abs() < SAME {
+            // Ways from one start may end in one wrong minimum.
+            same += u32::from(k >= WAYS.len());
+        } else if found.cost < before {
+            same = 1;
+        }
+        if found.cost < before {
             best = Some(found);
         }
-        if is_done {
+        if is_done || same >= AGREED {
             break;
         }
     }
     // The reason for none at all is that of the given start.
-    best.map_or_else(|| horizons(start, WAYS[0]), Ok)
+    let best = best.map_or_else(|| horizons(start, WAYS[0]), Ok)?;
+    match length {
+        Some(_) if best.reach.nodes.is_empty() => divided(&best.point.values, length),
+        _ => Ok(best),
+    }
 }
 
 /// A way to a fit.

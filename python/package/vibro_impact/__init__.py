@@ -15,7 +15,7 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 """
 
 from ._assembly import Assembly
-from ._assembly_fit import AssemblyFit, Segment, fit
+from ._assembly_fit import AssemblyFit, MachineFit, Segment, fit
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition
 from ._assembly_studies import AssemblyAttractor, AssemblyBasins, AssemblySection, AssemblySpectrum
@@ -63,6 +63,7 @@ __all__ = [
     "Ends",
     "Load",
     "Machine",
+    "MachineFit",
     "MixedParametersWarning",
     "Orbit",
     "Run",

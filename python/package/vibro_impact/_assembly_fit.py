@@ -10,9 +10,10 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, number, whole
-from ._assembly_start import StartLike, numbers_of
 from ._assembly_description import AssemblyDescription
+from ._assembly_start import StartLike, numbers_of
 from ._base import AnyMachine
+from ._parameters import SI_NAMES
 from ._progress import Bar
 from ._start import Start
 from ._show import Line, lines
@@ -20,6 +21,9 @@ from ._result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from ._assembly import Assembly
+    from ._machine import Machine
 
 _LOSSES = ("linear", "soft_l1", "huber")
 
@@ -78,6 +82,16 @@ class AssemblyFit(Result):
         return lines(some, "time (s)", "fitted motion less record, SI")
 
 
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class MachineFit(AssemblyFit):
+    """A :class:`Machine` fitted to a record."""
+
+    machine: Machine  # type: ignore[assignment]
+    "The machine with the fitted numbers."
+    twin: Assembly
+    "The same as a machine of your own, whose names columns and starts have."
+
+
 def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, list[tuple[str, Floats]]]:
     """The times and the columns of a record."""
     if not isinstance(record, Mapping):
@@ -97,8 +111,56 @@ def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, 
     return np.empty(0) if t is None else t, columns
 
 
+# Where each parameter of `Machine` stands in the file of the same machine.
+_TWIN = """
+name = "Machine"
+body.box = {{ mass = "= box_m" }}
+body.block = {{ mass = "= block_m" }}
+body.secondary = {{ mass = "= secondary_m" }}
+spring.mount = {{ between = ["ground", "box"], stiffness = "= box_k", damping = "= box_c" }}
+spring.secondary_mount = {{ between = ["ground", "secondary"], stiffness = "= secondary_k", damping = "= secondary_c" }}
+spring.coupling = {{ between = ["block", "secondary"], stiffness = "= coupling_k" }}
+stop.upper = {{ between = ["box", "block"], gap = "= stop_gap", restitution = "= stop_restitution" }}
+stop.lower = {{ between = ["block", "box"], gap = "= stop_gap", restitution = "= stop_restitution" }}
+load.drive = {{ on = "box", amplitude = "= drive_amplitude", frequency = "= drive_frequency / (2*pi)", phase = "= drive_phase" }}
+load.box = {{ on = "box", constant = "= load_box" }}
+load.block = {{ on = "block", constant = "= load_block" }}
+load.secondary = {{ on = "secondary", constant = "= load_secondary" }}
+[parameters]
+{parameters}
+"""
+
+
+def _twin(machine: Machine) -> Assembly:
+    """The machine of the 3-DOF core as a machine of bodies and elements, by whose names it is set."""
+    from ._assembly import Assembly
+
+    return Assembly(_TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES)))
+
+
+def _fit_machine(machine: Machine, record: Mapping[str, Any], free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
+    """The fit of the twin, by the machine's own names."""
+    from ._arguments import state
+
+    names = [free] if isinstance(free, str) else list(free)
+    unknown = [name for name in names if name not in SI_NAMES and not name.startswith(("start.", "record."))]
+    if unknown:
+        allowed = "allowed are its physical parameters (SI_NAMES), start.BODY.s, start.BODY.v, record.shift and record.offset.COLUMN"
+        raise ValueError(f"free: {unknown[0]!r} of a Machine cannot be fitted: {allowed}")
+    if start is None or isinstance(start, Mapping) and not any(str(name).endswith((".s", ".v")) for name in start):
+        values = np.asarray(state("start", start, machine._system), dtype=np.float64)
+        bodies = ("box", "block", "secondary")
+        start = {f"{body}.{what}": float(values[3 * k + i]) for k, what in enumerate("sv") for i, body in enumerate(bodies)}
+    dotted = {f"{body}_{what}": f"{body}.{what}" for body in ("box", "block", "secondary") for what in "sv"}
+    columns = {dotted.get(name, name): pair for name, pair in record.items()}
+    found = fit(_twin(machine), columns, free=names, start=start, **arguments)
+    fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
+    parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
+    return MachineFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
+
+
 def fit(
-    machine: AssemblyDescription,
+    machine: AnyMachine,
     record: Mapping[str, tuple[ArrayLike, ArrayLike]],
     *,
     free: Iterable[str],
@@ -111,7 +173,10 @@ def fit(
     start: StartLike = None,
     progress: bool = False,
 ) -> AssemblyFit:
-    """Numbers of a machine of your own fitted to a record, with their errors: ``vibro fit FILE``.
+    """Numbers of a machine fitted to a record, with their errors: ``vibro fit FILE``.
+
+    A :class:`Machine` is fitted as the same machine of bodies and elements: `free` are its physical parameters, columns ``box.s`` or
+    ``box_s`` and so on, stops ``upper`` and ``lower``, `start` as of :meth:`Machine.simulate`; the result is a :class:`MachineFit`.
 
     >>> import vibro_impact as vi
     >>> slide = vi.Assembly({
@@ -154,8 +219,13 @@ def fit(
     RuntimeError
         Where no motion of the machine covers the record.
     """
+    from ._machine import Machine
+
+    if isinstance(machine, Machine):
+        arguments = {"within": within, "events": events, "sigma": sigma, "loss": loss, "segments": segments, "starts": starts}
+        return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
     if not isinstance(machine, AssemblyDescription):
-        raise TypeError(f"machine is of type {type(machine).__name__}: allowed is a machine of your own (Assembly)")
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Assembly and Machine")
     names = [free] if isinstance(free, str) else list(free)
     t, columns = _record(record)
     contacts = [(stop, [float(time) for time in np.asarray(times)]) for stop, times in (events or {}).items()]

@@ -486,7 +486,7 @@ class Machine(ParameterValues):
 
     def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
         """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
-        return fit(self, record, **options)  # type: ignore[arg-type, unused-ignore]
+        return fit(self, record, **options)
 
     def assembly(self) -> Assembly:
         """The machine as one of your own: the same bodies, springs, stops and loads with these numbers, started in the middle.

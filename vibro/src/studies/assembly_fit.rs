@@ -136,6 +136,20 @@ fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
+/// The contacts of the fitted motion, as ticks below a record.
+fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Layer {
+    let times = &request.measured.times;
+    let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let inside = fitted.events.iter().map(|(time, _)| *time).filter(|time| (first..=last).contains(time));
+    let every = fitted.events.len().div_ceil(POINTS).max(1);
+    let ticks = inside
+        .step_by(every)
+        .map(|time| vec![(time, least - 0.1 * (most - least)), (time, least - 0.04 * (most - least))]);
+    Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks.collect())
+}
+
 /// For each column the record with the fitted motion, and the residual.
 fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
     let measured = &request.measured;
@@ -160,6 +174,7 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
                     Dash::Solid,
                     path(&|i| values[i] + fitted.residuals[i][k]),
                 ),
+                contacts(request, fitted, values),
             ],
         });
         let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));

@@ -39,6 +39,8 @@ pub(super) struct Followed {
     pub end: Vec<Varied>,
     /// Time of the record where it ends, s.
     until: f64,
+    /// Times of the record at which stops are hit or touched, with their indices.
+    pub events: Vec<(f64, usize)>,
     /// Why there is no derivative by a number any more, in words.
     lost: Vec<String>,
 }
@@ -160,10 +162,11 @@ impl<'a> Compared<'a> {
         };
         let lists = self.measured.contacts.iter();
         let mut contacts: Vec<_> = lists.map(|(_, times)| (inside(times), Vec::new())).collect();
+        let mut events = Vec::new();
         let mut note = |event: &Event, by: &[Option<f64>]| {
-            if let EventKind::Impact { stop, .. } | EventKind::Press { stop, .. } = event.kind
-                && let Some(list) = self.stops.iter().position(|own| *own == stop)
-            {
+            let (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }) = event.kind else { return };
+            events.push((event.time - made.shift, stop));
+            if let Some(list) = self.stops.iter().position(|own| *own == stop) {
                 let by = columns.all(|k| by[k], Some(-1.0), None);
                 contacts[list].1.push((event.time - made.shift, by));
             }
@@ -190,7 +193,7 @@ impl<'a> Compared<'a> {
         let lost =
             (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
         let lost = lost.collect();
-        Ok(Followed { first: range.start, samples, contacts, end, until, lost })
+        Ok(Followed { first: range.start, samples, contacts, end, until, events, lost })
     }
 
     /// A segment with derivatives by differences where it has none.

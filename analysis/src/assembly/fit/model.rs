@@ -17,10 +17,11 @@ const FEW: usize = 8;
 /// Noise of a column above which it shows the motion, and up to which residuals are noise.
 const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
+/// Noise of a column, and part of the interval between contacts, up to which a fit is done.
+const DONE: f64 = 2.0;
+const MET: f64 = 0.01;
 /// Residual of a column, in parts of its standard deviation, that is rounding.
 const EXACT: f64 = 1e-12;
-/// Intervals between contacts that a contact's time may be off and still be near.
-const OFF: f64 = 0.3;
 
 /// A machine beside a record.
 #[derive(Clone)]
@@ -199,7 +200,7 @@ impl<'a> Model<'a> {
             }
         }
         for (list, (_, measured)) in self.measured.contacts.iter().enumerate() {
-            let limit = OFF * interval(measured);
+            let limit = way.near * interval(measured);
             let is_near =
                 |(i, time): &(usize, Option<f64>)| time.is_some_and(|t| (t - measured[*i]).abs() <= limit);
             if let Some((i, _)) = beside.contacts(list).find(|own| measured[own.0] >= from && !is_near(own)) {
@@ -216,11 +217,21 @@ impl<'a> Model<'a> {
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
     }
 
-    /// Whether the residuals at a point are not much more than the noise.
+    /// Whether the residuals at a point are little more than the noise, and each contact has its own.
     pub fn is_noise(&self, point: &Point, reach: &Reach) -> Result<bool> {
         let beside = self.beside(point, reach)?;
         let mut columns = self.noise.iter().enumerate();
-        Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= NOISY * noise))
+        let mut lists = self.measured.contacts.iter().enumerate();
+        Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= DONE * noise)
+            && lists.all(|(k, (_, times))| {
+                let off = self.contacts_off(&beside, k);
+                off.len() == times.len() && self.spread(off.into_iter()) <= MET * interval(times)
+            }))
+    }
+
+    /// Whether one motion keeps near the record from values on: there is but one way to it.
+    pub fn is_near(&self, values: &[f64], way: Way) -> bool {
+        self.near_until(&values.to_vec().into(), &[], way) >= self.end()
     }
 
     /// The machine fitted at a point.
@@ -240,7 +251,11 @@ impl<'a> Model<'a> {
         let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
         let at = self.evaluated(&beside, point, reach);
         let residuals = beside.samples().map(|all| all.iter().map(|(residual, _)| *residual).collect());
+        let all = beside.0.iter().flat_map(|own| &own.events);
+        let named =
+            |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
         Ok(Fitted {
+            events: all.filter_map(named).collect(),
             segments: self.segments(&beside, &machine, point, reach)?,
             start,
             uncertainty: Uncertainty::of(&at, &names, &point.values, (self.loss, self.has_sigma)),

@@ -4,6 +4,7 @@
 //! A segment begins in mid-flight in the state that the fitted motion has there. How much its start may
 //! differ from the end of the segment before falls step by step, to rounding in the end.
 
+use super::beside::Followed;
 use super::evaluated::{Point, Reach};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
@@ -28,6 +29,9 @@ const LONGER: (f64, f64) = (0.1, 0.6);
 const NOISE: f64 = 1e-3;
 /// How far segments may miss the next one's start, in parts of the states' sizes, one after another.
 const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
+
+/// Miss of a next start, in parts of the states' sizes, up to which segments are one motion.
+const CONTINUOUS: f64 = 1e-6;
 
 /// Ends of segments: by the growth of changes, or by a length, s.
 pub(super) type Length = Option<f64>;
@@ -62,16 +66,19 @@ pub(super) fn over_segments(
         reach.end = near.clamp(reach.end + LONGER.0 * span, reach.end + LONGER.1 * span).min(end);
     }
     reach.end = end;
-    let mut solved = None;
     for (k, defect) in DEFECTS.iter().enumerate() {
         reach.weights = weights(*defect);
         let is_last = k + 1 == DEFECTS.len();
         let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
-        let found = solve(model, bounds, &point, (&reach, convergence), go_on)?;
-        point = found.point.clone();
-        solved = Some(found);
+        point = solve(model, bounds, &point, (&reach, convergence), go_on)?.point;
     }
-    Ok(solved.unwrap_or(Solved { point, reach, cost: f64::INFINITY }))
+    let beside = model.beside(&point, &reach)?;
+    let misses = |(before, state): (&Followed, &Vec<f64>)| {
+        let missed = before.end.iter().zip(state).zip(&sizes);
+        missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
+    };
+    let is_continuous = beside.0.iter().zip(&point.states).all(|own| misses(own) < CONTINUOUS);
+    Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 
 /// Where the last segment ends, and its state there: in the middle of the longest time without an event

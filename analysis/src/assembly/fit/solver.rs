@@ -170,6 +170,8 @@ pub(super) struct Solved {
     pub reach: Reach,
     /// The sum of losses, without that of defects.
     pub cost: f64,
+    /// Whether no segment misses the next one's start.
+    pub is_continuous: bool,
 }
 
 /// What is found of a number's sizes: the largest lengths of its columns of derivatives so far.
@@ -282,5 +284,5 @@ pub(super) fn solve(
             }
         }
     }
-    Ok(Solved { point, reach: reach.clone(), cost: loss.sum(at.residuals()) })
+    Ok(Solved { point, reach: reach.clone(), cost: loss.sum(at.residuals()), is_continuous: true })
 }

@@ -1,0 +1,99 @@
+//! How sure the numbers are: errors beside the spread of repeated fits, what is not determined.
+
+use super::*;
+
+#[test]
+fn second_method_errors_are_those_of_repeated_records() {
+    let m = example("coulomb_oscillator.toml");
+    let free = ["spring.mount.stiffness", "friction.floor.force"];
+    let (mut inside, mut all, mut noise) = (0u32, 0u32, Noise(7));
+    for _ in 0..200 {
+        let measured = record(&m, &[("mass.s", 5e-6)], 0.25, 100, &mut noise);
+        let found = fitted(&request(off(&m, &free, |_| 1.05), measured, &free));
+        for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+            let truth = m.description.get(name).unwrap();
+            inside += u32::from((value - truth).abs() < 2.0 * error.unwrap());
+            all += 1;
+        }
+    }
+    // 95.4 % of normal estimates; the bounds allow for correlation within a draw.
+    let share = f64::from(inside) / f64::from(all);
+    assert!((0.90..=0.98).contains(&share), "{share}");
+}
+
+#[test]
+fn closed_form_only_ratios_of_mass_stiffness_and_friction_are_determined() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(4));
+    let free = ["body.mass.mass", "spring.mount.stiffness", "friction.floor.force"];
+    let found = fitted(&request(off(&m, &free, |i| [1.0, 1.1, 0.9][i]), measured, &free));
+    let [undetermined] = &found.uncertainty.undetermined[..] else {
+        panic!("{:?}", found.uncertainty.undetermined)
+    };
+    let parts: Vec<f64> = undetermined.combination.iter().map(|(_, part)| part.abs()).collect();
+    assert_eq!(parts.len(), 3);
+    assert!(parts.iter().all(|part| (part - 3f64.sqrt().recip()).abs() < 1e-4), "{parts:?}");
+    assert!(found.uncertainty.errors.iter().all(Option::is_none));
+}
+
+#[test]
+fn invariant_a_number_without_effect_spoils_no_other() {
+    // The stop is out of reach.
+    let text = "name = \"Far\"\nbody.a = { mass = 1.0, start = { s = 1e-3 } }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 9300.0 }\n\
+                stop.far = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.5 }\n";
+    let m = Machine::parse(text, "far.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-6)], 0.3, 200, &mut Noise(8));
+    let free = ["spring.k.stiffness", "stop.far.gap"];
+    let found = fitted(&request(m.with([("spring.k.stiffness", 8e3)]).unwrap(), measured, &free));
+    let error = found.uncertainty.errors[0].unwrap();
+    assert!((found.values[0].1 - 9300.0).abs() < FAR * error && error < 10.0, "{:?} {error}", found.values);
+    assert_eq!((found.values[1].1, found.uncertainty.errors[1]), (1.0, None));
+}
+
+#[test]
+fn closed_form_of_two_factors_only_the_product_is_determined() {
+    let text = "name = \"Product\"\nparameters = { width = 20.0, modulus = 500.0 }\n\
+                body.a = { mass = 1.0, start = { s = 1e-3 } }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = \"= width * modulus\", damping = 5.0 }\n";
+    let m = Machine::parse(text, "product.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-6)], 0.3, 200, &mut Noise(16));
+    let free = ["width", "spring.k.damping", "modulus"];
+    let found = fitted(&request(off(&m, &free, |_| 1.05), measured, &free));
+    let [undetermined] = &found.uncertainty.undetermined[..] else {
+        panic!("{:?}", found.uncertainty.undetermined)
+    };
+    let [(a, width), (b, modulus)] = &undetermined.combination[..] else { panic!("{undetermined:?}") };
+    assert_eq!((a.as_str(), b.as_str()), ("width", "modulus"));
+    assert!((width + modulus).abs() < 1e-4 && (width.abs() - 0.5f64.sqrt()).abs() < 1e-4, "{undetermined:?}");
+    let [None, Some(error), None] = found.uncertainty.errors[..] else { panic!("{:?}", found.uncertainty) };
+    assert!((found.values[1].1 - 5.0).abs() < FAR * error);
+    let product = found.values[0].1 * found.values[2].1;
+    assert!((product / 1e4 - 1.0).abs() < 1e-3, "{product}");
+}
+
+#[test]
+fn second_method_errors_of_correlated_residuals_are_the_spread_of_repeated_fits() {
+    // A sensor whose noise lasts some ten samples.
+    const LASTS: f64 = 0.9;
+    let m = example("coulomb_oscillator.toml");
+    let free = ["spring.mount.stiffness", "friction.floor.force"];
+    let (mut values, mut errors, mut white, mut noise) = (Vec::new(), 0.0, 0.0, Noise(17));
+    for _ in 0..100 {
+        let mut measured = record(&m, &[("mass.s", 0.0)], 0.25, 400, &mut noise);
+        let mut own = 0.0;
+        for value in &mut measured.columns[0].1 {
+            own = LASTS * own + 2e-6 * noise.normal();
+            *value += own;
+        }
+        let found = fitted(&request(m.clone(), measured, &free));
+        values.push(found.values[0].1);
+        errors += found.uncertainty.errors[0].unwrap() / 100.0;
+        white += found.uncertainty.white[0].unwrap() / 100.0;
+    }
+    let mean = values.iter().sum::<f64>() / 100.0;
+    let spread = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 99.0).sqrt();
+    // 100 draws tell a spread to 7 %; Newey and West's errors are some 10 to 20 % small at this length.
+    assert!((0.7..1.3).contains(&(errors / spread)), "{errors} {spread}");
+    assert!(white < 0.5 * spread, "{white} {spread}");
+}
