@@ -16,6 +16,8 @@ pub struct NumberKind {
     pub range: Range,
     /// Whether zero is refused even within the range.
     pub not_zero: bool,
+    /// Whether a file may give it in a unit of any dimension, as the number that it is in SI.
+    pub any_unit: bool,
 }
 
 const fn kind(
@@ -24,7 +26,7 @@ const fn kind(
     rotation: &'static str,
     range: Range,
 ) -> NumberKind {
-    NumberKind { meaning, units: [translation, rotation], range, not_zero: false }
+    NumberKind { meaning, units: [translation, rotation], range, not_zero: false, any_unit: false }
 }
 
 const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
@@ -69,6 +71,22 @@ pub const DURATION: NumberKind = kind("Duration of a sweep", "s", "s", Range::PO
 pub const PERIOD: NumberKind = kind("Period of steps and record", "s", "s", Range::POSITIVE);
 pub const DRIVEN_RATE: NumberKind = kind("Rate", "m/s", "rad/s", Range::FINITE);
 pub const ACCELERATION: NumberKind = kind("Acceleration", "m/s2", "rad/s2", Range::FINITE);
+/// A value of a signal that blocks read.
+pub const SIGNAL: NumberKind =
+    NumberKind { any_unit: true, ..kind("Value of a signal", "1", "1", Range::FINITE) };
+pub const COEFFICIENT_OF_BLOCK: NumberKind = kind("Coefficient of a block", "1", "1", Range::FINITE);
+pub const BLOCK_START: NumberKind = kind("State of a block at time 0", "1", "1", Range::FINITE);
+pub const OUTPUT_LIMIT: NumberKind = kind("Limit of an output", "1", "1", Range::FINITE);
+pub const SAMPLE: NumberKind = kind("Time between samples", "s", "s", Range::POSITIVE);
+pub const DELAY: NumberKind = kind("Time until outputs act", "s", "s", Range::NOT_NEGATIVE);
+pub const FACTOR: NumberKind = kind("Force or torque per unit of the output", "N", "N.m", Range::FINITE);
+const QUANTUM: NumberKind = kind("Step to which an input is rounded", "1", "1", Range::POSITIVE);
+
+/// The kind of the step to which an input of a block is rounded, by the input's SI unit.
+pub const fn quantum(unit: &'static str) -> NumberKind {
+    NumberKind { units: [unit, unit], ..QUANTUM }
+}
+
 /// A value of a record that has a scale.
 pub const PLAIN: NumberKind = kind("Value of a record", "1", "1", Range::FINITE);
 
@@ -116,6 +134,7 @@ impl NumberKind {
     pub fn allowed(&self, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
+            "1" if self.any_unit => format!("allowed is {}, with or without a unit", self.range.allowed),
             "1" => format!("allowed is {}", self.range.allowed),
             _ => format!("allowed is {}, in {}", self.range.allowed, units.join(", ")),
         }
