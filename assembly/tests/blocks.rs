@@ -2,9 +2,10 @@
 
 use crate::common::*;
 use nalgebra::{DMatrix, DVector};
+use vibro_assembly::derivative::{By, Gradient};
 use vibro_assembly::file::{no_records, parse};
-use vibro_assembly::motion::EventKind;
-use vibro_assembly::{Motion, Quantity};
+use vibro_assembly::motion::{EventKind, Reached};
+use vibro_assembly::{Assembly, Description, Differentiated, Motion, Quantity, Start};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
@@ -418,7 +419,6 @@ fn second_method_a_larger_machine_has_the_same_limits() {
         }
     }
     assert!(limits > 4, "{limits}");
-    let _ = quantity(&a, "pd.u");
 }
 
 /// What is written reads back to an equal machine.
@@ -435,4 +435,193 @@ fn invariant_blocks_are_written_and_read_back() {
         let read = parse(&written, "written.toml", &no_records).unwrap_or_else(|e| panic!("{e}\n{written}"));
         assert_eq!(read, machine, "{written}");
     }
+}
+
+/// Derivatives of a motion at its end by columns, against central differences of whole motions.
+fn check_derivatives(text: &str, names: &[&str], end: f64, quantities: &[&str], step: f64, allowed: f64) {
+    let d = machine(text);
+    let of = |d: &Description| {
+        let mut m = motion(d.clone());
+        m.advance_to(end).unwrap();
+        quantities.iter().map(|name| column(&m, name)).collect::<Vec<f64>>()
+    };
+    let assembly = std::sync::Arc::new(Assembly::new(d.clone()).unwrap());
+    let columns: Vec<By> = names.iter().map(|name| (*name).into()).collect();
+    let mut m = Differentiated::new(assembly.clone(), &columns).unwrap();
+    m.advance_to(end).unwrap();
+    let mut gradient = Gradient::new(assembly, &columns).unwrap();
+    gradient.advance_to(end).unwrap();
+    gradient.add(quantity(gradient.motion(), quantities[0]), 1.0);
+    let gradient = gradient.gradient().unwrap();
+    for (p, name) in names.iter().enumerate() {
+        let value = d.get(name).unwrap();
+        let h = step * value.abs().max(1.0);
+        let with = |value: f64| of(&d.with([(*name, value)]).unwrap());
+        let (above, below) = (with(value + h), with(value - h));
+        for (k, quantity) in quantities.iter().enumerate() {
+            let found = m.derivative(self::quantity(m.motion(), quantity), p);
+            let found = found.unwrap_or_else(|| panic!("{name}: {:?}", m.lost(p)));
+            let exact = (above[k] - below[k]) / (2.0 * h);
+            let size = found.abs().max(exact.abs()).max(1e-3);
+            assert!((found - exact).abs() < allowed * size, "{quantity} by {name}: {found} {exact}");
+            if k == 0 {
+                near(*gradient[p].as_ref().unwrap(), found, 1e-9 * size);
+            }
+        }
+    }
+}
+
+#[test]
+fn second_method_derivatives_through_samples_and_limits() {
+    let text = drive("steps = [[0.0505, 0.03]]\nharmonics = [{ amplitude = 0.01, frequency = 1.3 }]");
+    let text = text.replace("sample = \"= T\"", "sample = \"1 ms\"\ndelay = \"1.3 ms\"\nstart = [0.001]");
+    let names = [
+        "kp",
+        "kv",
+        "body.cart.mass",
+        "load.motor.factor",
+        "block.pp.limits.u[1]",
+        "block.pp.start[0]",
+        "block.pp.b[0][0]",
+        "signal.wanted.amplitude",
+        "signal.wanted.steps[0].height",
+        "friction.dry.force",
+        "body.cart.start.s",
+    ];
+    check_derivatives(&text, &names, 0.1234, &["cart.s", "cart.v", "pp.u", "motor.f"], 1e-6, 1e-4);
+}
+
+#[test]
+fn second_method_derivatives_of_continuous_blocks_with_limits() {
+    let text = r#"
+        name = "Limits"
+        body.cart = { mass = 2.0, start = { s = 1.0 } }
+        stop.wall = { between = ["ground", "cart"], gap = 1.05, restitution = 0.7 }
+        spring.k = { between = ["ground", "cart"], stiffness = 1.0 }
+        load.push = { on = "cart", from = "smooth.y" }
+        load.drag = { on = "cart", from = "pd.u", factor = 0.5 }
+        signal.way = { amplitude = 0.3, frequency = 0.4 }
+        [block.pd]
+        inputs = ["k.e", "k.rate", "way"]
+        d = [[-18.0, 1.0, 2.0]]
+        outputs = ["u"]
+        limits = { u = [-3, 2] }
+        [block.smooth]
+        inputs = ["pd.u", "way"]
+        states = 1
+        a = [[-20.0]]
+        b = [[20.0, 0.5]]
+        c = [[1.0]]
+        outputs = ["y"]
+        start = [0.3]
+    "#;
+    let names = [
+        "body.cart.mass",
+        "stop.wall.gap",
+        "load.drag.factor",
+        "block.pd.d[0][0]",
+        "block.pd.d[0][2]",
+        "block.pd.limits.u[0]",
+        "block.pd.limits.u[1]",
+        "block.smooth.a[0][0]",
+        "block.smooth.b[0][0]",
+        "block.smooth.c[0][0]",
+        "block.smooth.start[0]",
+        "signal.way.frequency",
+        "body.cart.start.s",
+    ];
+    check_derivatives(text, &names, 5.3, &["cart.s", "cart.v", "pd.u", "smooth.y", "drag.f"], 1e-6, 1e-4);
+}
+
+/// Variations of the state against columns by it.
+#[test]
+fn second_method_variations_through_samples() {
+    let text = drive("steps = [[0.0105, 0.004]]\nharmonics = [{ amplitude = 0.002, frequency = 1.3 }]");
+    let text = text.replace("sample = \"= T\"", "sample = \"1 ms\"\ndelay = \"1.3 ms\"");
+    let mut m = moving(&text);
+    m.advance_to(0.0031).unwrap();
+    let state = m.states().to_vec();
+    let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+    let mut by_columns =
+        Differentiated::from_state(m.assembly().clone(), m.time(), &state, &columns).unwrap();
+    by_columns.advance_to(0.05).unwrap();
+    let mut variations = m.unit_variations();
+    while m.advance_with(0.05, &mut variations).unwrap() == Reached::Event {}
+    for (p, variation) in variations.iter().take(state.len()).enumerate() {
+        let column = by_columns.state_derivative(p).unwrap();
+        for (found, exact) in variation.iter().zip(&column) {
+            near(*found, *exact, 1e-8 * (1.0 + exact.abs()));
+        }
+    }
+}
+
+/// A start that was written down goes on as the motion did, outputs under way included.
+#[test]
+fn invariant_a_start_of_a_motion_goes_on() {
+    let text = drive("steps = [[0.0105, 0.004]]")
+        .replace("sample = \"= T\"", "sample = \"1 ms\"\ndelay = \"3.3 ms\"");
+    let mut m = moving(&text);
+    for time in [0.0127, 0.014] {
+        m.advance_to(time).unwrap();
+        let start = Start::of(&m);
+        let read = Start::parse(&start.to_toml(), "start.toml", &m.assembly().description).unwrap();
+        assert_eq!(read, start);
+        let (mut on, mut copy) = (read.motion(m.assembly().clone()).unwrap(), m.clone());
+        on.advance_to(0.05).unwrap();
+        copy.advance_to(0.05).unwrap();
+        near(on.coordinate(0), copy.coordinate(0), PLACES);
+        near(column(&on, "pp.u"), column(&copy, "pp.u"), 1e-6);
+    }
+}
+
+#[test]
+fn golden_refusals_of_blocks() {
+    let text = drive("constant = 0.1");
+    let refused = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        refusal(&text.replace(from, to))
+    };
+    let cases = [
+        (
+            "\"cart.s\", \"wanted\"",
+            "\"cart.a\", \"wanted\"",
+            "block.pp.inputs[0] = \"cart.a\": is an acceleration",
+        ),
+        (
+            "\"cart.s\", \"wanted\"",
+            "\"dry.f\", \"wanted\"",
+            "block.pp.inputs[0] = \"dry.f\": is a force, which contacts",
+        ),
+        ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "the nearest is `cart.s`"),
+        ("\"cart.s\", \"wanted\"", "\"cart.s\", \"wantd\"", "the nearest is `wanted`"),
+        ("sample = \"= T\"", "delay = \"1 ms\"", "block.pp.delay = \"1 ms\": stands without sample"),
+        ("sample = \"= T\"", "quantum = { wanted = 1e-3 }", "stands without sample"),
+        ("sample = \"= T\"", "sample = 0.0", "block.pp.sample = 0.0: allowed is a finite number > 0"),
+        (
+            "u = [-10, 10]",
+            "u = [10, -10]",
+            "block.pp.limits.u[1] = -10: allowed is a number above the lower limit, 10.0",
+        ),
+        (
+            "from = \"pp.u\"",
+            "from = \"pp.v\"",
+            "load.motor.from = \"pp.v\": no block has this output; the nearest is `pp.u`",
+        ),
+        ("from = \"pp.u\"", "from = \"pp.u\"\nconstant = 1.0", "stands beside from"),
+        ("a = [[0.0]]", "a = [[0.0, 1.0]]", "block.pp.a[0]"),
+        ("constant = 0.1", "constant = \"2 g\"", "gram or 9.80665 m/s2?"),
+        ("name = \"Drive\"", "name = \"Drive\"\nstart = \"rest\"", "block.pp reads cart.s"),
+        ("sample =", "smaple =", "the nearest is `sample`"),
+    ];
+    for (from, to, said) in cases {
+        let text = refused(from, to);
+        assert!(text.contains(said), "{said}\n{text}");
+    }
+    let named = refusal(&text.replace("[signal.wanted]", "[signal.cart]").replace("\"wanted\"", "\"cart\""));
+    assert!(named.contains("signal.cart: a body has this name: body.cart"), "{named}");
+    let looped = refused(
+        "[load.motor]",
+        "[block.p]\ninputs = [\"q.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[block.q]\ninputs = [\"p.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[load.motor]",
+    );
+    assert!(looped.contains("an algebraic loop through d: p.y reads q.y reads p.y"), "{looped}");
 }

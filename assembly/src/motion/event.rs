@@ -13,6 +13,11 @@ pub struct Event {
 }
 
 impl Event {
+    /// What happens to a sampled block.
+    pub fn sample(&self) -> Option<SampleAction> {
+        if let EventKind::Sample { action } = self.kind { Some(action) } else { None }
+    }
+
     /// Whether it is a row of a table of events: samples are none.
     pub fn is_listed(&self) -> bool {
         !matches!(self.kind, EventKind::Sample { .. })
