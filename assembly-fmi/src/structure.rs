@@ -5,6 +5,7 @@
 //! factors that depend on the mode. Bodies that links, rigid stops or friction may hold together
 //! make a group: a force on one of them accelerates all.
 
+mod blocks;
 mod groups;
 mod initial;
 mod knowns;
@@ -18,7 +19,7 @@ use groups::{Group, bodies_of, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
 use vibro_assembly::description::{
-    Arms, BodyKind, Description, Friction, Interpolation, Signal, Spring, Stop,
+    Arms, BodyKind, Description, Friction, Interpolation, Signal, Spring, Stop, StopLaw,
 };
 use vibro_assembly::elements::Action;
 use vibro_assembly::system::Part;
@@ -102,7 +103,7 @@ impl<'a> Structure<'a> {
     /// Adds the parameters of a section except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
-        all.filter(|(_, rest)| !rest.starts_with(".start.") && *rest != ".slider")
+        all.filter(|(_, rest)| !rest.starts_with(".start") && *rest != ".slider")
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
@@ -254,7 +255,8 @@ impl<'a> Structure<'a> {
                 join(&mut knowns, &self.signals(element), Discrete);
                 knowns
             }
-            Action::Flexing | Action::Tying | Action::Driving => self.signals(element),
+            Action::Driving => self.driving(element),
+            Action::Flexing | Action::Tying | Action::Giving | Action::Computing => self.signals(element),
         }
     }
 
@@ -390,6 +392,10 @@ impl<'a> Structure<'a> {
                 knowns
             }
             (Owner::Element(i), What::SliderRate) => self.slider_rate(self.elements[i]),
+            (Owner::Element(i), What::Value) => self.signals(self.elements[i]),
+            (Owner::Element(i), What::Output(_) | What::State(_) | What::StateRate(_)) => {
+                self.of_block(i, column.what)
+            }
             (Owner::Element(i), _) => self.of_element(self.elements[i], 2),
         }
     }
@@ -447,6 +453,7 @@ impl<'a> Structure<'a> {
                 Action::Rubbing => (3, 1),
                 Action::Linear if slides(&element.series().copied()) => (2, 0),
                 Action::Linear | Action::Flexing | Action::Tying | Action::Driving => (0, 0),
+                Action::Giving | Action::Computing => (0, 0),
             };
             vec![(*element, first); count]
         };
@@ -455,6 +462,15 @@ impl<'a> Structure<'a> {
             Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
             _ => Vec::new(),
         });
+        let blocks = self.elements.len() - self.machine.blocks.len();
+        let limits = self.machine.limits_of_outputs();
+        let before = self.machine.first_freewheel() - limits.len();
+        let first = stops_before(self.machine, before);
+        if let Some(((block, output), _)) = place.checked_sub(first).and_then(|own| limits.get(own)) {
+            join(knowns, &self.of_block(blocks + block, What::Output(*output)), Dependent);
+            return self.anything_set(knowns);
+        }
+        let place = if place >= first { place - limits.len() } else { place };
         // Those of sliders stand last.
         let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
         let rubs = |element: &&Element| element.action() == Action::Rubbing;
@@ -473,6 +489,12 @@ impl<'a> Structure<'a> {
         }
         self.anything_set(knowns);
     }
+}
+
+/// The number of indicators of stops and corners, of which there are `count`.
+fn stops_before(machine: &Description, count: usize) -> usize {
+    let compliant = |stop: &&Stop| matches!(stop.law, StopLaw::Compliant { .. });
+    count + machine.stops.iter().filter(compliant).count()
 }
 
 /// The inner place of an element, by its index.

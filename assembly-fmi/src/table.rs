@@ -8,6 +8,7 @@
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
 //! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
+//! | `SIGNAL`, `BLOCK.OUTPUT`, `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, each state of a block with `.rate` | output |
 //! | `SPRING.line` of springs by points | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
@@ -19,7 +20,6 @@
 
 use fmi_doors::{Base, Bases, Problem};
 use vibro_assembly::description::{Dimension, Series, SeriesLaw, Stop, StopLaw};
-use vibro_assembly::elements::NamedSignal;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
 
 /// The source of a variable's value, by the places of bodies and elements in the description.
@@ -173,10 +173,8 @@ impl VariableTable {
             table.push(name, meaning, unit, role, Quantity::Parameter(place));
         }
         let inputs = machine.signals().filter(|named| named.signal.input);
-        for (place, NamedSignal { name, dimension, motion, .. }) in inputs.enumerate() {
-            let what = motion.map_or(What::F, |order| [What::S, What::V, What::A][order.min(2)]);
-            let unit = what.unit(dimension);
-            let name = format!("{name}.input");
+        for (place, signal) in inputs.enumerate() {
+            let (name, unit) = (format!("{}.input", signal.name), signal.unit());
             table.push(name, "Added to the signal", unit, Role::Input, Quantity::Input(place));
             table.inputs.push(table.rows.len() as u32);
         }
@@ -223,7 +221,7 @@ impl VariableTable {
             }
         }
         let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
-        let mut wheels = machine.first_freewheel();
+        let (mut wheels, mut blocks) = (machine.first_freewheel(), 0);
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
             match element {
@@ -257,6 +255,13 @@ impl VariableTable {
                         self.push(format!("{name}.state"), "State of the slider", "1", Role::Discrete, state);
                     }
                     sliders += 1;
+                }
+                Element::Block(_) => {
+                    for own in machine.quantities_of_block(blocks, true) {
+                        let quantity = Quantity::Column(own.quantity);
+                        self.push(own.name, own.meaning, own.unit, Role::Output, quantity);
+                    }
+                    blocks += 1;
                 }
                 _ => {}
             }
@@ -321,6 +326,11 @@ impl VariableTable {
                 let name = format!("{}.indicator.points[{corner}]", spring.name);
                 push(name, "Negative where the corner is to be passed");
             }
+        }
+        for (place, is_upper) in machine.limits_of_outputs() {
+            let side = if is_upper { "upper" } else { "lower" };
+            let name = format!("{}.indicator.{side}", machine.name_of_output(place));
+            push(name, "Negative where the output comes to the limit or leaves it");
         }
         for wheel in &machine.freewheels {
             let name = format!("{}.indicator", wheel.name);
@@ -404,7 +414,8 @@ pub(crate) fn slides(series: &Option<Series>) -> bool {
 /// Whether a number is a start value: of a body, or the inner place of a spring in series.
 pub(crate) fn is_start(name: &str) -> bool {
     let is_slider = name.starts_with("spring.") && name.ends_with(".slider");
-    name.contains(".start.") || (is_slider && !name.contains(".arms."))
+    let is_block = name.starts_with("block.") && name.contains(".start[");
+    name.contains(".start.") || is_block || (is_slider && !name.contains(".arms."))
 }
 
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
@@ -414,7 +425,10 @@ fn is_tunable(machine: &Description, name: &str) -> bool {
     let is_swept = |name: &str| {
         name.contains(".sweep") && [".from", ".to", ".duration"].iter().any(|end| name.ends_with(end))
     };
-    let is_time = |name: &str| name.ends_with(".repeat") || is_swept(name);
+    let is_sampled = |name: &str| {
+        name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))
+    };
+    let is_time = |name: &str| name.ends_with(".repeat") || is_swept(name) || is_sampled(name);
     let is_origin = |name: &str| name.ends_with(".motion.s") || name.ends_with(".motion.v");
     let is_start = |name: &str| is_start(name) || is_origin(name);
     let is_free = |name: &str| !is_start(name) && !name.contains(".arms.") && !is_time(name);

@@ -19,6 +19,7 @@ fn plans() -> Vec<Plan> {
     plans.push(Plan::new(include_str!("common/freewheels.toml").into(), "freewheels.toml").unwrap());
     plans.push(Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap());
     plans.push(Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/blocks.toml").into(), "blocks.toml").unwrap());
     assert!(plans.len() > 20, "{}", plans.len());
     plans
 }

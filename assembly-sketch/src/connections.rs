@@ -76,6 +76,7 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
         Element::Friction(_) => Symbol::Friction,
         Element::Freewheel(_) => Symbol::Freewheel,
         Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,
+        Element::Source(_) | Element::Block(_) => Symbol::Link,
     };
     let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));
     machine.elements().filter_map(connection).collect()

@@ -7,7 +7,7 @@ use crate::mode::{Contact, Watch};
 use crate::quantity::{Quantity, What};
 use crate::rates;
 use crate::rest::equilibrium;
-use crate::system::{Part, System, in_series};
+use crate::system::{Part, System, in_series, starts_of_blocks};
 
 /// A checked machine with its matrices.
 #[derive(Clone, Debug)]
@@ -34,11 +34,13 @@ impl Assembly {
         let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
         let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
         let mut inner: Vec<f64> = in_series(&description).map(|(_, series)| series.slider).collect();
+        let blocks: Vec<f64> = starts_of_blocks(&description).collect();
         if description.starts_at_rest {
             let rest = equilibrium(&description, &system)?;
             system.bodies_of.iter().zip(rest.iter()).for_each(|(&body, &s)| starts[body] = (s, 0.0));
             inner = system.inner_at_rest(&rest);
         }
+        inner.extend(blocks);
         Ok(Self { description, system, starts, inner })
     }
 
@@ -58,6 +60,18 @@ impl Assembly {
     pub fn starting_from(mut self, starts: Vec<(f64, f64)>) -> Self {
         self.starts = starts;
         self
+    }
+
+    /// Whether the numbers of all blocks in a state are those of the machine's start.
+    pub(crate) fn is_fresh(&self, state: &[f64]) -> bool {
+        let first = self.system.branches.len();
+        let own = self.inner.get(first..).unwrap_or_default();
+        state.get(2 * self.system.coordinates + first..).is_some_and(|state| state == own)
+    }
+
+    /// The names of the numbers that blocks keep, in the order of the states of first order.
+    pub(crate) fn names_of_blocks(&self) -> Vec<String> {
+        self.description.names_of_blocks()
     }
 
     /// Dotted name of the element of a watched functional, such as `stop.NAME`.
@@ -85,7 +99,13 @@ impl Assembly {
             let element = system.element_of(Part::Branch(i));
             [What::Slider, What::SliderRate].map(|what| Quantity::of_element(element, what))
         });
-        of_bodies([What::S, What::V]).chain(of_bodies([What::V, What::A])).chain(sliders).collect()
+        let own = of_bodies([What::S, What::V]).chain(of_bodies([What::V, What::A])).chain(sliders);
+        let first = self.description.elements().count() - system.blocks.len();
+        let blocks = system.blocks.iter().enumerate().flat_map(|(i, block)| {
+            let both = move |k| [What::State(k), What::StateRate(k)];
+            (0..block.kept()).map(move |k| both(k).map(|what| Quantity::of_element(first + i, what)))
+        });
+        own.chain(blocks).collect()
     }
 
     /// Name of the state at a place of the augmented state: `body.NAME.s`, `body.NAME.v`,
@@ -96,6 +116,11 @@ impl Assembly {
         match place {
             _ if place < n => format!("body.{}.s", body(place)),
             _ if place < 2 * n => format!("body.{}.v", body(place - n)),
+            _ if place >= 2 * n + self.system.branches.len() => {
+                let block = self.system.blocks.iter().rposition(|own| own.first <= place).unwrap_or_default();
+                let what = What::State(place - self.system.blocks[block].first);
+                format!("block.{}", self.description.blocks[block].name_of(what))
+            }
             _ => {
                 let branch = self.system.branches.iter().position(|own| own.place == place);
                 let element = self.name_of_part(Part::Branch(branch.unwrap_or_default()));

@@ -1,5 +1,6 @@
 //! Checks of a whole description. The file's reader and the setting of parameters both end here.
 
+mod blocks;
 mod flexible;
 mod links;
 mod names;
@@ -70,6 +71,9 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     if !problems.is_empty() {
         return problems;
     }
+    if machine.starts_at_rest {
+        blocks::at_rest(machine, &mut problems);
+    }
     for slot in slots(&mut machine.clone()) {
         if !slot.kind.contains(*slot.value) {
             problems.push(refused(slot.name, *slot.value, slot.kind.allowed_instead_of(*slot.value)));
@@ -86,6 +90,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     loads(machine, &mut problems);
     series(machine, &mut problems);
     stepped::check(machine, &mut problems);
+    blocks::check(machine, &mut problems);
     if !problems.is_empty() {
         return problems;
     }

@@ -9,6 +9,7 @@
 //! [`Motion`](crate::Motion), which has the bits that it has alone.
 
 mod adjoint;
+mod blocks;
 mod bodies;
 mod branches;
 mod by;

@@ -5,11 +5,13 @@
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
 //! [`Description::bodies`].
 
+mod block;
 mod flexible;
 mod matrix;
 mod series;
 
 use crate::named::NamedParameters;
+pub use block::{Block, BlockInput, Feed, OutputPlace, Sampling, Source};
 pub(crate) use flexible::Inner;
 pub use flexible::Modal;
 pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
@@ -45,6 +47,12 @@ pub struct Description {
     pub links: Vec<Link>,
     /// Forces or torques on bodies.
     pub loads: Vec<Load>,
+    /// Signals that blocks read.
+    pub sources: Vec<Source>,
+    /// Linear blocks.
+    pub blocks: Vec<Block>,
+    /// The outputs of blocks that loads follow.
+    pub feeds: Vec<Feed>,
     /// Named parameters, and what follows from them.
     pub named: NamedParameters,
 }
@@ -319,7 +327,7 @@ pub struct Load {
     pub name: String,
     /// Index of the body.
     pub body: usize,
-    /// N or N m.
+    /// N or N m; 0 of a load that follows an output of a block ([`Feed`]).
     pub force: Signal,
 }
 

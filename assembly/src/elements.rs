@@ -5,9 +5,10 @@
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
 use crate::description::{
-    Arms, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
-    Matrix, Modal, Series, Signal, Spring, Stop, StopLaw,
+    Arms, Block, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
+    Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
 };
+use crate::quantity::What;
 use std::ops::Range;
 
 /// An element of a machine.
@@ -31,6 +32,10 @@ pub enum Element<'a> {
     Link(&'a Link),
     /// A force or torque on a body.
     Load(&'a Load),
+    /// A signal that blocks read.
+    Source(&'a Source),
+    /// A linear block.
+    Block(&'a Block),
 }
 
 /// How the force of an element follows from the state.
@@ -48,13 +53,17 @@ pub enum Action {
     Flexing,
     /// A constraint force at all times.
     Tying,
-    /// A signal of time.
+    /// A signal of time, or an output of a block.
     Driving,
+    /// None: a signal that blocks read.
+    Giving,
+    /// None: a block.
+    Computing,
 }
 
 /// Sections of a file that hold elements, in the order of every list of elements, each with its
 /// plural.
-pub const SECTIONS: [(&str, &str); 9] = [
+pub const SECTIONS: [(&str, &str); 11] = [
     ("spring", "springs"),
     ("damper", "dampers"),
     ("modal", "modal bodies"),
@@ -64,6 +73,8 @@ pub const SECTIONS: [(&str, &str); 9] = [
     ("freewheel", "freewheels"),
     ("link", "links"),
     ("load", "loads"),
+    ("signal", "signals"),
+    ("block", "blocks"),
 ];
 
 impl<'a> Element<'a> {
@@ -79,6 +90,8 @@ impl<'a> Element<'a> {
             Self::Freewheel(wheel) => &wheel.name,
             Self::Link(link) => &link.name,
             Self::Load(load) => &load.name,
+            Self::Source(source) => &source.name,
+            Self::Block(block) => &block.name,
         }
     }
 
@@ -94,6 +107,8 @@ impl<'a> Element<'a> {
             Self::Freewheel(_) => "freewheel",
             Self::Link(_) => "link",
             Self::Load(_) => "load",
+            Self::Source(_) => "signal",
+            Self::Block(_) => "block",
         }
     }
 
@@ -102,8 +117,8 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// The arms of its elongation; `None` for a load, which acts on one coordinate, and
-    /// for a body with many coordinates.
+    /// The arms of its elongation; `None` for a load, which acts on one coordinate, for a body with
+    /// many coordinates, for signals and blocks.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
@@ -113,6 +128,7 @@ impl<'a> Element<'a> {
             Self::Freewheel(wheel) => Some(&wheel.arms),
             Self::Link(link) => Some(&link.arms),
             Self::Load(_) | Self::Modal(_) | Self::Matrix(_) => None,
+            Self::Source(_) | Self::Block(_) => None,
         }
     }
 
@@ -136,6 +152,8 @@ impl<'a> Element<'a> {
             Self::Friction(_) => Action::Rubbing,
             Self::Link(_) => Action::Tying,
             Self::Load(_) => Action::Driving,
+            Self::Source(_) => Action::Giving,
+            Self::Block(_) => Action::Computing,
         }
     }
 
@@ -161,7 +179,9 @@ impl<'a> Element<'a> {
                 let largest = friction.static_force.as_ref().map(|level| (".static", level));
                 std::iter::once((".force", &friction.force)).chain(largest).collect()
             }
+            Self::Block(_) => Vec::new(),
             Self::Load(load) => vec![("", &load.force)],
+            Self::Source(source) => vec![("", &source.signal)],
             Self::Spring(Spring { stepped, .. }) | Self::Stop(Stop { stepped, .. }) => {
                 stepped.iter().map(|signal| (".stiffness", signal)).collect()
             }
@@ -185,11 +205,20 @@ pub struct NamedSignal<'a> {
     pub motion: Option<usize>,
 }
 
+impl NamedSignal<'_> {
+    /// SI unit of its values; `1` of a signal that blocks read.
+    pub fn unit(&self) -> &'static str {
+        let what = self.motion.map_or(What::F, |order| [What::S, What::V, What::A][order.min(2)]);
+        if self.name.starts_with("signal.") { "1" } else { what.unit(self.dimension) }
+    }
+}
+
 impl Description {
-    /// The place of the first freewheel among the stops of the law, behind stops and corners.
+    /// The place of the first freewheel among the stops of the law, behind stops, corners and limits.
     pub fn first_freewheel(&self) -> usize {
         let corners = |spring: &Spring| spring.points.len().saturating_sub(2);
-        self.stops.len() + self.springs.iter().map(corners).sum::<usize>()
+        let limits = self.limits_of_outputs().len();
+        self.stops.len() + self.springs.iter().map(corners).sum::<usize>() + limits
     }
 
     /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.
@@ -203,7 +232,9 @@ impl Description {
         let springs = springs.chain(self.modals.iter().map(Element::Modal));
         let springs = springs.chain(self.matrices.iter().map(Element::Matrix));
         let rigid = wheels.chain(links);
-        springs.chain(stops).chain(frictions).chain(rigid).chain(self.loads.iter().map(Element::Load))
+        let loads = self.loads.iter().map(Element::Load);
+        let computed = self.sources.iter().map(Element::Source).chain(self.blocks.iter().map(Element::Block));
+        springs.chain(stops).chain(frictions).chain(rigid).chain(loads).chain(computed)
     }
 
     /// Whether the stiffness of any element steps in time.

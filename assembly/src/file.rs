@@ -25,6 +25,7 @@
 //! );
 //! ```
 
+mod blocks;
 mod bodies;
 mod elements;
 mod flexible;
@@ -133,6 +134,8 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
         bodies::without_gravity(reading, &machine);
     }
     elements::read(reading, root, &names, &mut machine);
+    blocks::read(reading, root, &names, &mut machine);
+    elements::follow(reading, root, &mut machine);
     named::put(reading, &mut machine);
     machine
 }

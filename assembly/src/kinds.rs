@@ -18,6 +18,8 @@ pub struct NumberKind {
     pub not_zero: bool,
     /// Least size of a value other than zero, so that quotients are finite and sub-steps long enough.
     pub least: f64,
+    /// Whether a file may give it in a unit of any dimension, as the number that it is in SI.
+    pub any_unit: bool,
 }
 
 /// Least stiffness and damping in series, whose quotient is a rate.
@@ -32,7 +34,7 @@ const fn kind(
     rotation: &'static str,
     range: Range,
 ) -> NumberKind {
-    NumberKind { meaning, units: [translation, rotation], range, not_zero: false, least: 0.0 }
+    NumberKind { meaning, units: [translation, rotation], range, not_zero: false, least: 0.0, any_unit: false }
 }
 
 const fn at_least(least: f64, kind: NumberKind) -> NumberKind {
@@ -86,6 +88,23 @@ pub const PERIOD: NumberKind =
     at_least(LEAST_TIME, kind("Period of steps and record", "s", "s", Range::POSITIVE));
 pub const DRIVEN_RATE: NumberKind = kind("Rate", "m/s", "rad/s", Range::FINITE);
 pub const ACCELERATION: NumberKind = kind("Acceleration", "m/s2", "rad/s2", Range::FINITE);
+/// A value of a signal that blocks read.
+pub const SIGNAL: NumberKind =
+    NumberKind { any_unit: true, ..kind("Value of a signal", "1", "1", Range::FINITE) };
+pub const COEFFICIENT_OF_BLOCK: NumberKind = kind("Coefficient of a block", "1", "1", Range::FINITE);
+pub const BLOCK_START: NumberKind = kind("State of a block at time 0", "1", "1", Range::FINITE);
+pub const OUTPUT_LIMIT: NumberKind = kind("Limit of an output", "1", "1", Range::FINITE);
+pub const SAMPLE: NumberKind =
+    at_least(LEAST_TIME, kind("Time between samples", "s", "s", Range::POSITIVE));
+pub const DELAY: NumberKind = kind("Time until outputs act", "s", "s", Range::NOT_NEGATIVE);
+pub const FACTOR: NumberKind = kind("Force or torque per unit of the output", "N", "N.m", Range::FINITE);
+const QUANTUM: NumberKind = kind("Step to which an input is rounded", "1", "1", Range::POSITIVE);
+
+/// The kind of the step to which an input of a block is rounded, by the input's SI unit.
+pub const fn quantum(unit: &'static str) -> NumberKind {
+    NumberKind { units: [unit, unit], ..QUANTUM }
+}
+
 /// A value of a record that has a scale.
 pub const PLAIN: NumberKind = kind("Value of a record", "1", "1", Range::FINITE);
 
@@ -159,6 +178,7 @@ impl NumberKind {
     fn in_units(&self, allowed: String, dimension: Dimension) -> String {
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
+            "1" if self.any_unit => format!("{allowed}, with or without a unit"),
             "1" => allowed,
             _ => format!("{allowed}, in {}", units.join(", ")),
         }

@@ -1,6 +1,6 @@
 //! Quantities of bodies and elements: columns of a motion, outputs of an FMU, measures of studies.
 
-use crate::description::{Body, Description, Dimension};
+use crate::description::{Block, Body, Description, Dimension};
 use crate::elements::{Action, Element};
 
 /// Kind of a quantity of a body or an element.
@@ -22,6 +22,15 @@ pub enum What {
     Slider,
     /// The rate of this inner place: a derivative of FMUs, no column.
     SliderRate,
+    /// The value of a signal that blocks read.
+    Value,
+    /// An output of a block, by its place.
+    Output(usize),
+    /// A state of a block, by its place: those of the file, then of a sampled block the outputs that
+    /// act and those under way.
+    State(usize),
+    /// The rate of a state of a block.
+    StateRate(usize),
 }
 
 impl What {
@@ -31,7 +40,7 @@ impl What {
     /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
 
-    /// The last part of a quantity's name.
+    /// The last part of a quantity's name; empty of signals and blocks, of which the element decides.
     pub fn word(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -42,6 +51,7 @@ impl What {
             Self::F => "f",
             Self::Slider => "slider",
             Self::SliderRate => "slider.rate",
+            Self::Value | Self::Output(_) | Self::State(_) | Self::StateRate(_) => "",
         }
     }
 
@@ -52,6 +62,8 @@ impl What {
             Self::V | Self::Rate | Self::SliderRate => ["m/s", "rad/s"],
             Self::A => ["m/s2", "rad/s2"],
             Self::F => ["N", "N.m"],
+            Self::Value | Self::Output(_) | Self::State(_) => ["1"; 2],
+            Self::StateRate(_) => ["1/s"; 2],
         };
         units[usize::from(dimension == Dimension::Rotation)]
     }
@@ -107,7 +119,7 @@ impl Description {
         let bodies = (0..self.bodies.len()).filter(|&i| !self.bodies[i].is_inner());
         let bodies = bodies.flat_map(|i| What::OF_BODIES.map(|what| Quantity::of_body(i, what)));
         bodies.chain(self.elements().enumerate().flat_map(|(i, element)| {
-            element.quantities().iter().map(move |&what| Quantity::of_element(i, what))
+            element.quantities().into_iter().map(move |what| Quantity::of_element(i, what))
         }))
     }
 
@@ -125,26 +137,59 @@ impl Description {
         whats.map(|&what| self.named(Quantity::of_body(body, what), &[])).collect()
     }
 
+    /// The names of the numbers that blocks keep, in the order of the states of first order.
+    pub(crate) fn names_of_blocks(&self) -> Vec<String> {
+        let of = |own: &Block| {
+            let count = own.start.len() + own.kept();
+            (0..count).map(|k| own.name_of(What::State(k))).collect::<Vec<_>>()
+        };
+        self.blocks.iter().flat_map(of).collect()
+    }
+
+    /// The states of a block with their names: `pid.x[0]`, and of a sampled one `pid.u.held`, which is
+    /// the output that acts, and `pid.u.next[0]`, which are under way. With `rates` each is followed by its rate.
+    pub fn quantities_of_block(&self, block: usize, rates: bool) -> Vec<NamedQuantity> {
+        let elements: Vec<Element> = self.elements().collect();
+        let element = elements.len() - self.blocks.len() + block;
+        let count = self.blocks[block].start.len() + self.blocks[block].kept();
+        let of = |k: usize| {
+            let whats = [What::State(k), What::StateRate(k)].into_iter().take(1 + usize::from(rates));
+            whats.map(|what| self.named(Quantity::of_element(element, what), &elements)).collect::<Vec<_>>()
+        };
+        (0..count).flat_map(of).collect()
+    }
+
     fn named(&self, quantity: Quantity, elements: &[Element]) -> NamedQuantity {
         let (name, dimension, element) = match quantity.owner {
             Owner::Body(i) => (self.bodies[i].name.as_str(), self.bodies[i].dimension, None),
             Owner::Element(i) => (elements[i].name(), elements[i].dimension(self), Some(elements[i])),
         };
         let what = quantity.what;
-        let name = format!("{name}.{}", what.word());
+        let name = match element {
+            Some(Element::Source(_)) => name.to_owned(),
+            Some(Element::Block(block)) => block.name_of(what),
+            _ => format!("{name}.{}", what.word()),
+        };
         NamedQuantity { name, meaning: meaning(what, element), unit: what.unit(dimension), quantity }
     }
 }
 
 impl Element<'_> {
     /// Its quantities, each a column, an FMU variable and a measure of studies.
-    pub fn quantities(self) -> &'static [What] {
+    pub fn quantities(self) -> Vec<What> {
         match self.action() {
-            Action::Tying | Action::Flexing => &[],
-            Action::Driving => &[What::F],
-            _ if self.series().is_some() => &[What::E, What::Rate, What::F, What::Slider],
-            _ => &[What::E, What::Rate, What::F],
+            Action::Tying | Action::Flexing => Vec::new(),
+            Action::Driving => vec![What::F],
+            Action::Giving => vec![What::Value],
+            Action::Computing => self.outputs().map(What::Output).collect(),
+            _ if self.series().is_some() => vec![What::E, What::Rate, What::F, What::Slider],
+            _ => vec![What::E, What::Rate, What::F],
         }
+    }
+
+    /// The places of a block's outputs; none of other elements.
+    fn outputs(self) -> std::ops::Range<usize> {
+        if let Self::Block(block) = self { 0..block.outputs.len() } else { 0..0 }
     }
 }
 
@@ -160,5 +205,9 @@ pub fn meaning(what: What, element: Option<Element>) -> &'static str {
         What::F => "Force against the elongation",
         What::Slider => "Inner place between spring and partner",
         What::SliderRate => "Rate of the inner place",
+        What::Value => "Value of the signal",
+        What::Output(_) => "Output of the block",
+        What::State(_) => "State of the block",
+        What::StateRate(_) => "Rate of the state",
     }
 }

@@ -1,8 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Modal, SeriesLaw, Signal, Spring,
-    StopLaw,
+    Arms, Block, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Modal, SeriesLaw, Signal,
+    Spring, StopLaw,
 };
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
@@ -181,6 +181,35 @@ impl<'a> Slots<'a> {
         }
     }
 
+    fn block(&mut self, block: &'a mut Block, units: &[&'static str], inputs: &[String]) {
+        self.dimension = Dimension::Translation;
+        let of = format!("block.{}", block.name);
+        let matrices = [("a", &mut block.a), ("b", &mut block.b), ("c", &mut block.c), ("d", &mut block.d)];
+        for (key, rows) in matrices {
+            for (i, row) in rows.iter_mut().enumerate() {
+                for (j, value) in row.iter_mut().enumerate() {
+                    self.push(format!("{of}.{key}[{i}][{j}]"), kinds::COEFFICIENT_OF_BLOCK, value);
+                }
+            }
+        }
+        for (i, value) in block.start.iter_mut().enumerate() {
+            self.push(format!("{of}.start[{i}]"), kinds::BLOCK_START, value);
+        }
+        for (output, limits) in block.outputs.iter().zip(&mut block.limits) {
+            let limits = limits.iter_mut().flatten().enumerate();
+            for (i, value) in limits.filter(|(_, limit)| limit.is_finite()) {
+                self.push(format!("{of}.limits.{output}[{i}]"), kinds::OUTPUT_LIMIT, value);
+            }
+        }
+        let Some(sampling) = &mut block.sampling else { return };
+        self.push(format!("{of}.sample"), kinds::SAMPLE, &mut sampling.period);
+        self.push(format!("{of}.delay"), kinds::DELAY, &mut sampling.delay);
+        for ((quantum, input), unit) in sampling.quanta.iter_mut().zip(inputs).zip(units) {
+            let Some(value) = quantum else { continue };
+            self.push(format!("{of}.quantum.{input}"), kinds::quantum(unit), value);
+        }
+    }
+
     fn level(&mut self, of: &str, signal: &'a mut Signal) {
         if signal.is_constant() {
             self.push(of.to_owned(), kinds::LEVEL, &mut signal.constant);
@@ -203,6 +232,7 @@ pub(crate) fn of_sweep(of: &str, i: usize, count: usize) -> String {
 /// The slots of all parameters of a machine.
 pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
+    let inputs: Vec<_> = machine.blocks.iter().map(|block| machine.inputs_of(block)).collect();
     let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
     let own = machine.modals.iter().filter(|own| own.has_masses);
@@ -249,9 +279,20 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     for link in &mut machine.links {
         slots.element("link", &link.name, &mut link.arms, &bodies);
     }
-    for load in &mut machine.loads {
+    let mut feeds = machine.feeds.iter_mut().peekable();
+    for (i, load) in machine.loads.iter_mut().enumerate() {
         slots.dimension = bodies.get(load.body).map_or(Dimension::Translation, |b| b.1);
-        slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE);
+        match feeds.next_if(|feed| feed.load == i) {
+            Some(feed) => slots.push(format!("load.{}.factor", load.name), kinds::FACTOR, &mut feed.factor),
+            None => slots.signal(&format!("load.{}", load.name), &mut load.force, kinds::FORCE),
+        }
+    }
+    slots.dimension = Dimension::Translation;
+    for source in &mut machine.sources {
+        slots.signal(&format!("signal.{}", source.name), &mut source.signal, kinds::SIGNAL);
+    }
+    for (block, (names, units)) in machine.blocks.iter_mut().zip(&inputs) {
+        slots.block(block, units, names);
     }
     // The value of a parameter with an expression follows from others.
     let own = |named: &&mut Named| named.expression.is_none();

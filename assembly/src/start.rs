@@ -62,6 +62,8 @@ pub struct Start {
     pub bodies: BTreeMap<String, BodyStart>,
     /// Inner places of springs in series, m or rad, by the spring's name, where they are given.
     pub sliders: BTreeMap<String, f64>,
+    /// What blocks keep, by names such as `pid.x[0]`, where it is given.
+    pub blocks: BTreeMap<String, f64>,
 }
 
 /// Coordinate and rate of a body at the start, where they are given.
@@ -83,6 +85,8 @@ enum Place {
     Rate(usize),
     /// Of the spring with an index: its inner place.
     Slider(usize),
+    /// What a block keeps, by its place among all.
+    Kept(usize),
 }
 
 impl Place {
@@ -92,6 +96,7 @@ impl Place {
             Self::Coordinate(body) => (kinds::START, d.bodies[body].dimension),
             Self::Rate(body) => (kinds::START_RATE, d.bodies[body].dimension),
             Self::Slider(spring) => (kinds::SLIDER, d.springs[spring].arms.dimension),
+            Self::Kept(_) => (kinds::BLOCK_START, Dimension::Translation),
         }
     }
 }
@@ -107,7 +112,10 @@ impl Start {
         let bodies = assembly.system.bodies_of.iter().map(body).collect();
         let places = assembly.system.branches.iter().map(|own| motion.state()[own.place] + 0.0);
         let sliders = in_series(&assembly.description).map(|(spring, _)| spring.name.clone()).zip(places);
-        Self { time: motion.time(), bodies, sliders: sliders.collect() }
+        let system = &assembly.system;
+        let kept = motion.state().as_slice()[2 * system.coordinates + system.branches.len()..].iter();
+        let blocks = assembly.names_of_blocks().into_iter().zip(kept.map(|x| x + 0.0)).collect();
+        Self { time: motion.time(), bodies, sliders: sliders.collect(), blocks }
     }
 
     /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
@@ -123,6 +131,12 @@ impl Start {
         }
         for (name, slider) in &self.sliders {
             let _ = writeln!(text, "\n[spring.{name}]\nslider = {slider:?}");
+        }
+        if !self.blocks.is_empty() {
+            text.push_str("\n[block]\n");
+        }
+        for (name, x) in &self.blocks {
+            let _ = writeln!(text, "{name:?} = {x:?}");
         }
         text
     }
@@ -165,6 +179,10 @@ impl Start {
             Place::Coordinate(i) => self.bodies.entry(name(i)).or_default().s = Some(value),
             Place::Rate(i) => self.bodies.entry(name(i)).or_default().v = Some(value),
             Place::Slider(i) => _ = self.sliders.insert(d.springs[i].name.clone(), value),
+            Place::Kept(k) => {
+                let name = d.names_of_blocks().swap_remove(k);
+                self.blocks.insert(name, value);
+            }
         }
     }
 
@@ -175,7 +193,11 @@ impl Start {
         };
         let bodies = self.bodies.iter().flat_map(of).flatten();
         let sliders = self.sliders.iter().map(|(name, x)| (format!("{name}.slider"), *x));
-        std::iter::once(("time".into(), self.time)).chain(bodies).chain(sliders).collect()
+        std::iter::once(("time".into(), self.time))
+            .chain(bodies)
+            .chain(sliders)
+            .chain(self.blocks.clone())
+            .collect()
     }
 
     /// Whether it is the machine's own start, at time 0.
@@ -189,7 +211,8 @@ impl Start {
         let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
         let sliders = in_series(&assembly.description).map(|(spring, _)| format!("{}.slider", spring.name));
         let rates = bodies().map(|name| format!("{name}.v"));
-        bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders).collect()
+        let own = bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders);
+        own.chain(assembly.names_of_blocks()).collect()
     }
 
     /// Coordinates and rates of a machine's coordinates and inner places of its springs in series, as [`Motion::from_state`] takes them.
@@ -209,6 +232,10 @@ impl Start {
                     let own = &d.springs[spring].name;
                     let place = in_series(d).position(|(spring, _)| spring.name == *own);
                     place.iter().for_each(|k| state[2 * of.len() + k] = value);
+                    continue;
+                }
+                Ok(Place::Kept(k)) => {
+                    state[2 * of.len() + assembly.system.branches.len() + k] = value;
                     continue;
                 }
                 Ok(Place::Time) => continue,
@@ -295,6 +322,9 @@ impl TryFrom<String> for Start {
                 Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
                 Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
                 Some((Some((spring, "slider")), x)) => _ = start.sliders.insert(spring.into(), x),
+                Some((Some((of, what)), x)) if what.contains(['[', 'h', 'n']) => {
+                    start.blocks.insert(format!("{of}.{what}"), x);
+                }
                 Some((None, time)) => start.time = time,
                 _ => return Err(format!("`{part}` is no number of a start")),
             }
@@ -325,6 +355,10 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
             return Ok(Place::Slider(i));
         }
     }
+    let kept = name.trim().strip_prefix("block.").unwrap_or(name.trim());
+    if let Some(k) = d.names_of_blocks().iter().position(|own| own == kept) {
+        return Ok(Place::Kept(k));
+    }
     let free = |body: &&Body| matches!(body.kind, BodyKind::Free(_));
     let refused = |text: String| Err(Refusal::one(Problem::new(name.trim(), None, text)));
     let of_body = |plain: &str| {
@@ -349,7 +383,11 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
             let names =
                 d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
             let sliders = in_series(d).map(|(spring, _)| format!("{}.slider", spring.name));
-            let names: Vec<String> = std::iter::once("time".into()).chain(names).chain(sliders).collect();
+            let names: Vec<String> = std::iter::once("time".into())
+                .chain(names)
+                .chain(sliders)
+                .chain(d.names_of_blocks())
+                .collect();
             let near = advice(plain, names.iter().map(String::as_str));
             refused(format!("no number of a start has this name; {near}"))
         }

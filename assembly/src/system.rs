@@ -2,6 +2,7 @@
 //! force as a row on the augmented state z = (q, v, states of first order, 1, signals)
 //! (docs/assembly-law.md (A1) to (A4)).
 
+mod blocks;
 mod first_order;
 mod freewheels;
 mod further;
@@ -14,6 +15,11 @@ mod rows;
 mod split;
 mod stiff;
 
+pub(crate) use blocks::starts as starts_of_blocks;
+pub use blocks::{
+    BlockRows, Combination, CombinationTangent, OutputLimit, SampleAction, SampleKind, SampledVariation,
+    Sampler, SamplerTangent,
+};
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};
 pub use gyroscopic::Gyroscopic;
@@ -66,7 +72,9 @@ pub struct System {
     pub stops: Vec<StopRows>,
     /// The number of stops without these corners.
     pub(crate) first_corner: usize,
-    /// The number of stops and corners without the freewheels.
+    /// The number of stops and corners without the limits of outputs.
+    pub(crate) first_limit: usize,
+    /// The number of stops, corners and limits without the freewheels.
     pub(crate) first_freewheel: usize,
     /// What the stored energies of all lines are at e = 0, which the springs' own are not to have.
     pub(crate) stored_at_zero: f64,
@@ -78,8 +86,16 @@ pub struct System {
     pub gyroscopic: Vec<Gyroscopic>,
     /// States of first order.
     pub first_order: Vec<FirstOrder>,
-    /// By load: its force.
+    /// Signals that blocks read.
+    pub sources: Vec<StateRow>,
+    /// Linear blocks.
+    pub blocks: Vec<BlockRows>,
+    /// The outputs of sampled blocks, each after those that it depends on at the same instant.
+    pub(crate) output_order: Vec<(usize, usize)>,
+    /// By load: its force, of one that follows an output with limits where it is within them.
     pub loads: Vec<StateRow>,
+    /// By load: the limits of the output that it follows, with factors.
+    pub(crate) load_limits: Vec<Vec<(usize, f64)>>,
     /// By load: its body.
     pub load_bodies: Vec<usize>,
     /// Modes without held contacts, of machines that keep no tables.
@@ -123,6 +139,7 @@ impl System {
             .map(|f| (builder.add(&f.force), f.static_force.as_ref().map(|s| builder.add(s))))
             .collect();
         let counters: Vec<usize> = stepped::all(d).map(|own| builder.add(&stepped::counter(own))).collect();
+        let sources: Vec<usize> = d.sources.iter().map(|own| builder.add(&own.signal)).collect();
         let (signals, rows) = builder.finish();
         let bodies = bodies(d, &reduction, &signals, &motions, &rows);
         let inertias: Vec<f64> = d
@@ -163,13 +180,18 @@ impl System {
             springs: Vec::new(),
             stops: Vec::new(),
             first_corner: d.stops.len(),
+            first_limit: d.stops.len(),
             first_freewheel: 0,
             stored_at_zero: 0.0,
             frictions: Vec::new(),
             branches: Vec::new(),
             gyroscopic: Gyroscopic::of(d),
             first_order: Vec::new(),
+            sources: sources.iter().map(|&i| rows[i].clone()).collect(),
+            blocks: Vec::new(),
+            output_order: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
+            load_limits: vec![Vec::new(); d.loads.len()],
             load_bodies: d.loads.iter().map(|l| l.body).collect(),
             split: OnceLock::new(),
             losses: OnceLock::new(),
@@ -178,7 +200,11 @@ impl System {
             inertias,
             weights,
         };
-        system.add_elements(d, &levels, (&rows, rows.len() - counters.len()));
+        let (counters, sources) =
+            (&rows[rows.len() - counters.len() - sources.len()..], system.sources.clone());
+        system.add_elements(d, &levels, (&rows, counters));
+        system.add_blocks(d, &sources);
+        system.add_freewheels(d);
         system.add_forces();
         Ok(system)
     }
@@ -232,19 +258,19 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility, reach }
     }
 
-    /// Adds the parts of all elements. Behind the `first` rows of signals stand those of counters of
+    /// Adds the parts of all elements but freewheels, with the rows of signals and those of counters of
     /// levels.
     fn add_elements(
         &mut self,
         d: &Description,
         levels: &[(usize, Option<usize>)],
-        (rows, first): (&[StateRow], usize),
+        (rows, counters): (&[StateRow], &[StateRow]),
     ) {
         let mut loads = 0;
         let up_to_stops = d.springs.len() + d.dampers.len() + d.stops.len();
         for element in d.elements() {
             if self.parts.len() == up_to_stops {
-                self.add_levels(d, &rows[first..]);
+                self.add_levels(d, counters);
             }
             let parts = match element {
                 Element::Spring(Spring { arms, stiffness, damping, series: Some(series), .. }) => {
@@ -282,15 +308,16 @@ impl System {
                     loads += 1;
                     vec![Part::Load(loads - 1)]
                 }
-                Element::Freewheel(_) | Element::Link(_) => Vec::new(),
+                Element::Freewheel(_) | Element::Link(_) | Element::Source(_) | Element::Block(_) => {
+                    Vec::new()
+                }
             };
             self.parts.push(parts);
         }
         if self.parts.len() == up_to_stops {
-            self.add_levels(d, &rows[first..]);
+            self.add_levels(d, counters);
         }
         self.add_corners(d);
-        self.add_freewheels(d);
     }
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
@@ -319,6 +346,8 @@ impl System {
             is_followed: false,
             level: None,
             is_freewheel: false,
+            limit: None,
+            further: Vec::new(),
         });
         vec![Part::Stop(self.stops.len() - 1)]
     }

@@ -2,6 +2,7 @@
 //! once: `cargo test -p vibro-assembly --test motions closed_forms` runs the tests of one file.
 
 mod accounts;
+mod blocks;
 mod closed_forms;
 mod common;
 mod course;

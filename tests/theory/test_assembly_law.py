@@ -890,3 +890,50 @@ def test_law_51_energy_of_a_step() -> None:
         before, after, x = mpf(r.randint(0, 99)), mpf(r.randint(0, 99)), number(r)
         stored = [k * x**2 / 2 for k in (before, after)]
         assert mp.almosteq(stored[1] - stored[0], (after - before) * x**2 / 2)
+
+
+def saturated(x: mpf, low: mpf, high: mpf) -> mpf:
+    return min(max(x, low), high)
+
+
+def test_law_54_a_limit_as_two_corners() -> None:
+    r = random.Random(54)
+    for _ in range(50):
+        x, low = number(r) * 3, -abs(number(r))
+        high = low + abs(number(r)) + 1
+        assert mp.almosteq(saturated(x, low, high), x - max(0, x - high) + max(0, low - x))
+
+
+def test_law_55_differences_grow_at_most_by_the_rate_of_the_blocks() -> None:
+    """Coulomb friction and a saturated feedback: two motions by small steps that are implicit in friction."""
+    r = random.Random(55)
+    for _ in range(5):
+        k, g, level, dt = abs(number(r)), number(r), abs(number(r)), mpf("0.002")
+        bound = 1 + 2 * (k + abs(g))
+        pairs = [[number(r), number(r), number(r)] for _ in range(2)]
+        begin = mp.sqrt(sum((a - b) ** 2 for a, b in zip(*pairs)))
+        for step in range(500):
+            for z in pairs:
+                free = z[1] + dt * (-k * z[0] + g * saturated(z[2], mpf(-1), mpf(1)))
+                slipped = max(abs(free) - dt * level, mpf(0)) * mp.sign(free)
+                z[0], z[1], z[2] = z[0] + dt * z[1], slipped, z[2] + dt * (z[0] - z[2])
+            now = mp.sqrt(sum((a - b) ** 2 for a, b in zip(*pairs)))
+            assert now <= begin * mp.exp(bound * dt * (step + 1)) * (1 + mpf("1e-3"))
+
+
+def test_law_56_variations_over_a_sample() -> None:
+    r = random.Random(56)
+    for _ in range(20):
+        a, b, c, d = (number(r) for _ in range(4))
+        x, u, low, high = number(r), number(r), mpf(-1), mpf(1)
+        state, moved = (x, u), (number(r), number(r))
+
+        def sample(z: tuple[mpf, mpf]) -> list[mpf]:
+            return [saturated(c * z[0] + d * z[1], low, high), a * z[0] + b * z[1]]
+
+        h = mpf("1e-12")
+        after, before = (sample((state[0] + e * moved[0], state[1] + e * moved[1])) for e in (h, -h))
+        inside = low < c * x + d * u < high
+        exact = [(c * moved[0] + d * moved[1]) * inside, a * moved[0] + b * moved[1]]
+        for found, wanted in zip([(p - q) / (2 * h) for p, q in zip(after, before)], exact):
+            assert abs(found - wanted) < mpf("1e-9")

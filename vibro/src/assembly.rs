@@ -324,7 +324,8 @@ impl MotionRecord {
     /// [`Error::Output`].
     pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(["time", "kind", "element", "value", "stops"])?;
-        for event in self.events.iter().filter(|event| knots || event.kind != EventKind::Knot) {
+        let listed = self.events.iter().filter(|event| event.is_listed());
+        for event in listed.filter(|event| knots || event.kind != EventKind::Knot) {
             let [kind, element, value, stops] = event_in_words(&self.assembly, &event.kind);
             csv.push([exact(event.time), kind, element, value, stops])?;
         }

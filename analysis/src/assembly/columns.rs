@@ -19,7 +19,8 @@ pub fn values(m: &Motion) -> Vec<f64> {
 /// Event by the names of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
-    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`, `knot`.
+    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`, `knot`,
+    /// `limit`; `sample` is no row of a table.
     pub kind: &'static str,
     /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
     pub element: String,
@@ -52,5 +53,12 @@ pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
         }
         EventKind::Hold { slider: i, force } => event("stick", assembly.name_of_branch(i), Some(force), None),
         EventKind::Knot => event("knot", String::new(), None, None),
+        EventKind::Limit { block, output, value, .. } => {
+            let name = format!("block.{}", assembly.description.name_of_output((block, output)));
+            event("limit", name, Some(value), None)
+        }
+        EventKind::Sample { action } => {
+            event("sample", format!("block.{}", assembly.description.blocks[action.block].name), None, None)
+        }
     }
 }

@@ -20,7 +20,7 @@ pub struct QuantityName {
     /// The body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series; `f` of a
-    /// load.
+    /// load; `Value` of a signal that blocks read, and of an output of a block, whose whole name is `of`.
     pub what: What,
 }
 
@@ -33,18 +33,38 @@ impl FromStr for QuantityName {
                 "`{text}`: expected BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f, SPRING.slider or LOAD.f, e.g. box.s"
             ),
         };
+        if let Some(name) = text.trim().strip_prefix("signal.") {
+            return Ok(Self { of: name.into(), what: What::Value });
+        }
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
+        // An output of a block has a word of its own.
+        if let Some(name) = text.trim().strip_prefix("block.") {
+            return Ok(Self { of: name.into(), what: What::Value });
+        }
         // The section may be named, as in parameters; a node's name has a point, too.
         let is_section = |word: &str| word == "body" || SECTIONS.iter().any(|own| own.0 == word);
         let of = of.split_once('.').filter(|(word, _)| is_section(word)).map_or(of, |(_, name)| name);
-        let what = What::ALL.into_iter().find(|w| w.word() == what).ok_or_else(form)?;
-        Ok(Self { of: of.into(), what })
+        match What::ALL.into_iter().find(|w| w.word() == what) {
+            Some(what) => Ok(Self { of: of.into(), what }),
+            None if is_name(of) && is_name(what) => {
+                Ok(Self { of: text.trim().into(), what: What::Value })
+            }
+            None => Err(form()),
+        }
     }
+}
+
+/// Whether a text has the letters of a name.
+fn is_name(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 impl fmt::Display for QuantityName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.{}", self.of, self.what.word())
+        match self.what {
+            What::Value => f.write_str(&self.of),
+            what => write!(f, "{}.{}", self.of, what.word()),
+        }
     }
 }
 
@@ -102,6 +122,14 @@ impl Flow {
                 let mut unit = vec![0.0; system.signals.size];
                 unit[place] = 1.0;
                 return if quantity.what == What::Slider { unit } else { self.rate_of(&unit) };
+            }
+            What::Value | What::Output(_) => {
+                add(system.block_row(i, quantity.what, &self.mode.stops).as_slice());
+            }
+            What::State(_) | What::StateRate(_) => {
+                let mut unit = vec![0.0; system.signals.size];
+                unit[system.block_place(i, quantity.what)] = 1.0;
+                return if matches!(quantity.what, What::State(_)) { unit } else { self.rate_of(&unit) };
             }
             What::E => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
             _ => elongation().into_iter().for_each(|own| add(own.rate.as_slice())),

@@ -28,6 +28,9 @@ const ROUNDING_PART: f64 = 1e-4;
 const BESIDE: f64 = 1e-6;
 /// Number of returns among which each may exceed the one before by chance.
 const FEW: usize = 16;
+/// Kinds below it are those of lengths, angles and their rates; each number of a block is a kind of
+/// its own.
+const COMMON: usize = 4;
 /// Samples between two returns by which sizes are found.
 const SAMPLES: u32 = 8;
 
@@ -83,6 +86,16 @@ impl Functionals {
                 } else if damps {
                     push(&e.rate, 2 + rotates, None);
                 }
+            }
+        }
+        // What blocks keep must return, each by its own size.
+        for block in &system.blocks {
+            for place in block.first..block.first + block.kept() {
+                let mut unit = StateRow::zeros(system.signals.size);
+                unit[place] = 1.0;
+                all.push(unit);
+                kinds.push(COMMON + all.len());
+                stiff.push(None);
             }
         }
         let phases = frequencies(d).filter(|f| !section.holds(*f)).collect();
@@ -252,7 +265,8 @@ impl ReturnRecord {
     /// least so large that rounding is a small part.
     pub fn scales(&self) -> Vec<f64> {
         let sizes = self.sizes();
-        let kinds = self.functionals.kinds.iter().map(|kind| sizes[*kind]);
+        let own = |kind: &usize| if *kind < COMMON { sizes[*kind] } else { self.size_of(*kind) };
+        let kinds = self.functionals.kinds.iter().map(own);
         let kinds = kinds.chain(std::iter::repeat(1.0)).zip(&self.terms);
         kinds.map(|(size, terms)| size.max(ROUNDINGS * f64::EPSILON * terms / ROUNDING_PART)).collect()
     }

@@ -54,7 +54,13 @@ pub(super) fn frequencies(d: &Description) -> impl Iterator<Item = f64> {
     let harmonics = d.signals().flat_map(|s| s.signal.harmonics.iter());
     let repeats = d.signals().filter_map(|s| s.signal.repeat);
     let sweeps = d.signals().flat_map(|s| s.signal.sweeps.iter()).map(|sweep| sweep.to);
-    harmonics.map(|h| h.frequency).chain(repeats.map(|period| 1.0 / period)).chain(sweeps)
+    let periods = repeats.chain(samples(d));
+    harmonics.map(|h| h.frequency).chain(periods.map(|period| 1.0 / period)).chain(sweeps)
+}
+
+/// The times between samples of blocks, s.
+fn samples(d: &Description) -> impl Iterator<Item = f64> {
+    d.blocks.iter().filter_map(|block| Some(block.sampling.as_ref()?.period))
 }
 
 /// Whether no signal changes with time; prescribed bodies may move uniformly.
@@ -62,10 +68,11 @@ pub fn is_steady(d: &Description) -> bool {
     let is_constant =
         |s: &Signal| s.harmonics.is_empty() && s.sweeps.is_empty() && s.steps.is_empty() && s.table.is_none();
     let is_uniform = |s: &NamedSignal| s.motion != Some(2) || s.signal.constant == 0.0;
-    d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
+    samples(d).next().is_none() && d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
 }
 
-/// Least time that is a whole number of periods of each harmonic and of each repeated signal, s;
+/// Least time that is a whole number of periods of each harmonic, of each repeated signal, and of
+/// samples, s;
 /// `None` without them, if it exceeds 1000 of the longest of these periods, and with a sweep.
 pub fn common_period(d: &Description) -> Option<f64> {
     if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
@@ -79,7 +86,8 @@ pub(super) fn last_period(d: &Description) -> Option<f64> {
     let all = |k: &u32| all.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
     let count = f64::from((1..=MOST_PERIODS).find(all)?);
     // A repeated signal's period without the rounding of its frequency.
-    let repeat = d.signals().filter_map(|s| s.signal.repeat).find(|period| 1.0 / period == slowest);
+    let repeats = d.signals().filter_map(|s| s.signal.repeat).chain(samples(d));
+    let repeat = repeats.into_iter().find(|period| 1.0 / period == slowest);
     Some(repeat.map_or(count / slowest, |period| count * period))
 }
 

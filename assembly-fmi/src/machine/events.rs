@@ -14,6 +14,7 @@ pub(super) fn tell(machine: &Assembly, event: &Event, log: &mut dyn Log) {
 fn in_words(machine: &Assembly, event: &Event) -> String {
     let stop = |i: usize| machine.name_of_stop(i);
     let friction = |i: usize| machine.name_of_friction(i);
+    let output = |block: usize, output: usize| machine.description.name_of_output((block, output));
     let text = match event.kind {
         EventKind::Impact { stop: i, speed, impulse, .. } => {
             format!("{} is hit, closing with {speed} (SI), impulse {impulse} (SI)", stop(i))
@@ -45,6 +46,17 @@ fn in_words(machine: &Assembly, event: &Event) -> String {
         }
         EventKind::Hold { slider: i, .. } => format!("{} sticks", machine.name_of_branch(i)),
         EventKind::Knot => "a signal's knot".into(),
+        EventKind::Limit { block, output: own, side, .. } if side != 0.0 => {
+            format!(
+                "{} comes to its {} limit",
+                output(block, own),
+                if side > 0.0 { "upper" } else { "lower" }
+            )
+        }
+        EventKind::Limit { block, output: own, .. } => format!("{} leaves its limit", output(block, own)),
+        EventKind::Sample { action } => {
+            format!("block.{} is sampled", machine.description.blocks[action.block].name)
+        }
     };
     format!("{text} at t = {} s", event.time)
 }

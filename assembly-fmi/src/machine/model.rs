@@ -148,13 +148,13 @@ impl Model for Machine {
         self.derivatives_along(unknowns, knowns, seed, write)
     }
 
-    /// The next knot of a signal; impacts and the like are not known before.
+    /// The next knot of a signal or sample of a block; impacts and the like are not known before.
     fn next_event_time(&mut self) -> Option<f64> {
         let Moving { motion, course, .. } = self.moving.as_ref()?;
         if let Some(course) = course {
             return motion.next_knot_on(course);
         }
-        motion.assembly().system().signals.next_knot(motion.time())
+        motion.next_time_event()
     }
 
     fn number_of_event_indicators(&self) -> usize {

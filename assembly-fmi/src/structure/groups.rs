@@ -124,12 +124,13 @@ impl<'a> Structure<'a> {
         for &element in &self.elements {
             let knowns = match element.action() {
                 Action::Linear | Action::Switching => self.force(element),
-                Action::Rubbing | Action::Driving => self.signals(element),
+                Action::Driving => self.driving(element),
+                Action::Rubbing => self.signals(element),
                 Action::Flexing => {
                     forces.extend(self.forces_within(element));
                     continue;
                 }
-                Action::Hitting | Action::Tying => continue,
+                Action::Hitting | Action::Tying | Action::Giving | Action::Computing => continue,
             };
             forces.extend(self.groups_of(element).into_iter().map(|group| (group, knowns.clone())));
         }

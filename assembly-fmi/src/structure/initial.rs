@@ -22,6 +22,9 @@ impl Structure<'_> {
             let quantity = self.plan.table.rows[known as usize - 1].quantity;
             match (quantity.as_body(), quantity) {
                 (Some((body, order)), _) => self.start(body, order, &mut knowns),
+                (None, Quantity::Column(Column { what: What::State(_), .. })) => {
+                    self.start_of_block(&mut knowns);
+                }
                 (None, Quantity::Column(Column { owner: Owner::Element(i), .. })) => {
                     self.start_of_slider(i, &mut knowns);
                 }

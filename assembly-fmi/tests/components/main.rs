@@ -26,6 +26,7 @@ fn plans() -> Vec<Arc<Plan>> {
         include_str!("../common/freewheels.toml"),
         include_str!("../common/signals.toml"),
         include_str!("../common/stepped.toml"),
+        include_str!("../common/blocks.toml"),
         include_str!("../../../assembly/tests/data/laws.toml"),
     ];
     examples.chain(texts.map(|text| Plan::new(text.into(), FILE).unwrap())).map(Arc::new).collect()

@@ -2,6 +2,7 @@
 
 use super::MOST;
 use crate::description::{Body, BodyKind, Description};
+use crate::elements::Element;
 use crate::refusal::Problem;
 use std::collections::{HashMap, HashSet};
 
@@ -28,6 +29,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     unique(machine.bodies.iter().filter(|b| !made(b)).map(|b| ("body", b.name.as_str())), &mut problems);
     made_names(machine.bodies.iter().filter(made), &mut problems);
     unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
+    apart(machine, &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
         problems.push(Problem::new(
             "body.ground",
@@ -85,6 +87,25 @@ fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &m
                 format!("another element has this name: {other}.{name}")
             };
             problems.push(Problem::new(dotted, None, text));
+        }
+    }
+}
+
+/// Problems of signals and blocks whose names are those of bodies: inputs name all of them.
+fn apart(machine: &Description, problems: &mut Vec<Problem>) {
+    let computed = machine.elements().filter(|e| matches!(e, Element::Source(_) | Element::Block(_)));
+    for element in computed.filter(|e| machine.bodies.iter().any(|body| body.name == e.name())) {
+        let text = format!("a body has this name: body.{}", element.name());
+        problems.push(Problem::new(element.dotted(), None, text));
+    }
+    for name in machine.elements().map(Element::name).filter(|name| *name == "time" || *name == "energy") {
+        let is_computed = machine.sources.iter().any(|own| own.name == name);
+        if is_computed {
+            problems.push(Problem::new(
+                format!("signal.{name}"),
+                None,
+                "has another meaning; allowed is another name",
+            ));
         }
     }
 }

@@ -37,14 +37,11 @@ impl Tangent {
     }
 
     /// The derivatives of the rows of states of first order that move in a mode, with their places.
-    pub(super) fn first_order<'a>(
-        &'a self,
-        system: &'a System,
-        mode: &'a Mode,
-    ) -> impl Iterator<Item = (usize, &'a StateRow)> + 'a {
-        let moves = move |i: &usize| is_moving(system, mode, *i);
+    pub(super) fn first_order(&self, system: &System, mode: &Mode) -> Vec<(usize, StateRow)> {
+        let moves = |i: &usize| is_moving(system, mode, *i);
         let all = (0..system.branches.len()).filter(moves);
-        all.map(|i| (system.branches[i].place, &self.branches[i].rate))
+        let branches = all.map(|i| (system.branches[i].place, self.branches[i].rate.clone()));
+        branches.chain(self.rates_of_blocks(system, mode)).collect()
     }
 }
 

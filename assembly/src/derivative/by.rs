@@ -43,9 +43,13 @@ impl fmt::Display for By {
     }
 }
 
-/// Whether motions have derivatives by a parameter: not by the period of a signal.
+/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the times of
+/// samples.
 pub fn has_derivative(d: &Description, name: &str) -> bool {
-    let is_period = |name: &str| name.ends_with(".repeat");
+    let is_sampled = |name: &str| {
+        name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))
+    };
+    let is_period = |name: &str| name.ends_with(".repeat") || is_sampled(name);
     !is_period(name) && !d.named.numbers_of(name).iter().any(|name| is_period(name))
 }
 
@@ -59,8 +63,7 @@ impl By {
                 match has_derivative(&assembly.description, &name) {
                     true => Ok(()),
                     false => {
-                        let text =
-                            "a motion has no derivative by a period; allowed are the machine's other numbers";
+                        let text = "a motion has no derivative by a period or by the time of samples; allowed are the machine's other numbers";
                         Err(Refusal::one(Problem::new(name, None, text)).into())
                     }
                 }

@@ -78,6 +78,11 @@ impl Crossing<'_> {
         !self.impulses.is_empty() || all.into_iter().any(differ)
     }
 
+    /// Whether blocks are sampled.
+    pub(super) fn is_sample(&self) -> bool {
+        self.events.iter().any(|event| matches!(event.kind, EventKind::Sample { .. }))
+    }
+
     /// Stops that were open and are hit, except the stop whose functional is due.
     fn hit(&self) -> impl Iterator<Item = usize> {
         let due = match &self.due {
@@ -264,6 +269,10 @@ impl Crossing<'_> {
                 let touch = |()| lost(machine.assembly.name_of(watch), Cause::Touch);
                 machine.later(column, &self.before, (row, &by)).map_err(touch)?
             }
+            None if self.is_sample() => match machine.moves_steps(&column, self.before.time) {
+                true => return Err(lost("a step at a sample".into(), Cause::Together)),
+                false => 0.0,
+            },
             None => tangent.signals.later(self.before.time).map_or(0.0, |knot| knot.later),
         };
         let (own, apart) = self.others(column, event)?;

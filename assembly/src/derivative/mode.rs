@@ -276,7 +276,10 @@ impl VariedMode {
         let rows = change.row_iter().enumerate();
         let rows = rows.map(|(k, row)| (n + k, Sparse::of(row.transpose().as_slice())));
         let signals = tangent.signals.rates().map(|(i, term)| (i, Sparse::from_terms(std::iter::once(term))));
-        let inner = tangent.first_order(system, &self.mode).map(|(i, row)| (i, Sparse::of(row.as_slice())));
+        let inner = tangent
+            .first_order(system, &self.mode)
+            .into_iter()
+            .map(|(i, row)| (i, Sparse::of(row.as_slice())));
         let a = rows.chain(inner).filter(|(_, row)| !row.terms().is_empty()).chain(signals).collect();
         InMode { a, lambda }
     }

@@ -1,5 +1,6 @@
 //! Derivatives at the start of a motion (docs/assembly-law.md (A32)).
 
+use super::blocks::actions;
 use super::by::By;
 use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
@@ -52,6 +53,15 @@ impl Start<'_> {
         let tight = Impulse::all_tight(system, &impacts, at.sizes);
         let found = Impulse::carry_one(system, tangent, (&impacts, &tight), (&delta, &scale));
         let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
+        let sampled = actions(self.events);
+        if !sampled.is_empty() {
+            // What impacts leave, with what blocks keep before the samples.
+            let mut z = at.z.clone();
+            let first = 2 * system.coordinates + system.branches.len();
+            z.rows_range_mut(first..system.states())
+                .copy_from(&self.begun.rows_range(first..system.states()));
+            machine.sample(p, &sampled, &z, &mut delta);
+        }
         let mut scale = scale.sup(&delta.abs());
         // What an impact takes of a rate may leave the rounding of what it takes.
         let kicks: f64 = impacts.iter().map(|impulse| impulse.kick_size(system, tangent)).sum();
@@ -127,7 +137,8 @@ impl Start<'_> {
         let (machine, time) = (self.machine, self.at.time);
         let moves = machine.tangents[p].signals.later(time).is_some();
         let passes = machine.columns[p] == By::Time && machine.system.signals.knots_at(time) > 0;
-        if moves || passes { Err(self.limit(format!("the step at {time} s"))) } else { Ok(()) }
+        let samples = machine.columns[p] == By::Time && !actions(self.events).is_empty();
+        if moves || passes || samples { Err(self.limit(format!("the step at {time} s"))) } else { Ok(()) }
     }
 
     fn is_hit(&self, i: usize) -> bool {

@@ -1,5 +1,6 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
+use super::blocks::BlockTangents;
 use super::bodies::bodies;
 use super::rows::{
     BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
@@ -38,6 +39,7 @@ pub(super) struct Tangent {
     pub starts: Vec<(f64, f64)>,
     /// By state of first order: its start value.
     pub inner: Vec<f64>,
+    pub blocks: BlockTangents,
 }
 
 /// The description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
@@ -76,7 +78,8 @@ fn signals<'a>(d: &'a Description, counters: &'a [Signal]) -> Vec<Course<'a>> {
     let motions = d.bodies.iter().filter_map(|body| body.kind.course());
     let loads = d.loads.iter().map(|load| Course::from(&load.force));
     let levels = d.frictions.iter().flat_map(|f| std::iter::once(&f.force).chain(&f.static_force));
-    motions.chain(loads).chain(levels.chain(counters).map(Course::from)).collect()
+    let sources = d.sources.iter().map(|own| &own.signal);
+    motions.chain(loads).chain(levels.chain(counters).chain(sources).map(Course::from)).collect()
 }
 
 impl Tangent {
@@ -105,14 +108,17 @@ impl Tangent {
             loads: Vec::new(),
             starts: system.bodies_of.iter().map(start).collect(),
             inner: Vec::new(),
+            blocks: BlockTangents::default(),
             signals,
         };
         tangent.put_inertia(system, d, &along);
         tangent.varies_mass = tangent.mass.amax() > 0.0;
-        tangent.put_loads(system, d);
+        tangent.take_loads(d);
         tangent.put_springs(system, d, &along);
         tangent.put_gyroscopic(system);
         tangent.put_branches(system, d, &along);
+        tangent.put_blocks(system, d, &along);
+        tangent.put_loads(system);
         tangent.put_stops(system, d, &along);
         tangent.put_frictions(system, d, &along);
         tangent
@@ -142,9 +148,12 @@ impl Tangent {
         }
     }
 
-    fn put_loads(&mut self, system: &System, d: &Description) {
+    fn take_loads(&mut self, d: &Description) {
         let first = d.bodies.iter().filter(|b| b.kind.is_prescribed()).count();
         self.loads = self.signals.rows[first..first + d.loads.len()].to_vec();
+    }
+
+    fn put_loads(&mut self, system: &System) {
         for ((&body, row), by) in system.load_bodies.iter().zip(&system.loads).zip(&self.loads) {
             self.forces.ger(1.0, &self.bodies[body].weights, row, 1.0);
             self.forces.ger(1.0, &system.bodies[body].weights, by, 1.0);
@@ -237,6 +246,7 @@ impl Tangent {
                 self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution: 0.0 });
             }
         }
+        self.put_limits();
         for (wheel, by) in d.freewheels.iter().zip(&along.freewheels) {
             let elongation = self.elongation(system, &wheel.arms, &by.arms);
             let (excess, none) = (elongation.rate.clone(), StateRow::zeros(system.signals.size));
@@ -276,7 +286,7 @@ impl Tangent {
 
     fn put_frictions(&mut self, system: &System, d: &Description, along: &Description) {
         let given: usize = d.frictions.iter().map(|f| 1 + usize::from(f.static_force.is_some())).sum();
-        let first = self.signals.rows.len() - given - stepped::all(d).count();
+        let first = self.signals.rows.len() - given - stepped::all(d).count() - d.sources.len();
         let mut place = first;
         for (i, (friction, by)) in d.frictions.iter().zip(&along.frictions).enumerate() {
             let level = self.signals.rows[place].clone();

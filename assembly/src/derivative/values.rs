@@ -47,6 +47,17 @@ impl Point<'_> {
                 .system
                 .slider_of(i)
                 .map_or(0.0, |place| self.mode.rates_by(self.p, self.z, self.delta)[place]),
+            What::Value | What::Output(_) => {
+                let stops = &self.mode.mode.stops;
+                let output = if let What::Output(j) = quantity.what { Some(j) } else { None };
+                let by = self.tangent.block_row(self.system, i, output, stops);
+                self.of(&self.system.block_row(i, quantity.what, stops), &by)
+            }
+            What::State(_) => self.delta[self.system.block_place(i, quantity.what)],
+            What::StateRate(_) => {
+                let place = self.system.block_place(i, quantity.what);
+                self.mode.rates_by(self.p, self.z, self.delta)[place]
+            }
             what => parts.first().map_or(0.0, |&part| self.elongation(part, what)),
         }
     }
@@ -92,7 +103,9 @@ impl Point<'_> {
         match part {
             Part::Spring(i) => self.of(&system.springs[i].force, &tangent.springs[i].1),
             Part::Branch(i) => self.of(&system.branches[i].force, &tangent.branches[i].force),
-            Part::Load(i) => self.of(&system.loads[i], &tangent.loads[i]),
+            Part::Load(i) => {
+                self.of(&system.load_row(i, &mode.stops), &tangent.load_row(system, i, &mode.stops))
+            }
             Part::Stop(i) => match mode.stops[i] {
                 StopState::Closed => self.held(Contact::Stop(i)),
                 state => both(system.stop_force(i, state), tangent.stop_force(i, state)),

@@ -1,5 +1,6 @@
 //! Reading of springs, dampers, stops, frictions, freewheels, links and loads.
 
+use super::blocks;
 use super::bodies::Names;
 use super::follows;
 use super::points;
@@ -179,12 +180,40 @@ fn friction(
 }
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {
-    reading.known(table, &[&["on"], &signals::KEYS[..]].concat());
+    reading.known(table, &[&["on", "from", "factor"], &signals::KEYS[..]].concat());
     let on = reading.required(table, "on", "allowed is the name of a body")?;
     let (body, dimension) = body(reading, &on, names)?;
+    if table.has("from") {
+        return Some(Load { name, body, force: Signal::default() });
+    }
+    if let Some(factor) = reading.optional(table, "factor") {
+        reading.refuse(&factor, "stands without from; allowed is it beside from = \"BLOCK.OUTPUT\"");
+        return None;
+    }
     let values = Values { kind: kinds::FORCE, alone: kinds::FORCE, dimension: dimension? };
-    let force: Signal = signals::flat(reading, table, values, &[])?;
+    let force: Signal = signals::flat(reading, table, values, &["from"])?;
     Some(Load { name, body, force })
+}
+
+/// Reads what loads follow, when the blocks are known.
+pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Description) {
+    for (name, table) in reading.section(root, "load") {
+        let Some(from) = reading.optional(&table, "from") else { continue };
+        for key in signals::KEYS {
+            if let Some(entry) = reading.optional(&table, key) {
+                reading
+                    .refuse(&entry, "stands beside from; allowed is a signal or from, an output of a block");
+            }
+        }
+        let Some(load) = machine.loads.iter().position(|load| load.name == name) else { continue };
+        let dimension =
+            machine.bodies.get(machine.loads[load].body).map_or(Dimension::Translation, |b| b.dimension);
+        let factor = reading.number_or(&table, "factor", kinds::FACTOR, dimension, 1.0);
+        let feed = factor.and_then(|factor| blocks::follow(reading, &from, (load, factor), machine));
+        machine.feeds.extend(feed);
+    }
+    // Those of loads that are refused are missing.
+    machine.feeds.sort_by_key(|feed| feed.load);
 }
 
 /// The body named by an entry.

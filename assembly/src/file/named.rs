@@ -66,7 +66,7 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
         Some((text, None)) if names.iter().any(|name| name == text) => {
             Err(format!("is a parameter's name; allowed is \"= {text}\""))
         }
-        Some((text, None)) => quantity(text).map(|(value, unit)| (value, unit, None)),
+        Some((text, None)) => quantity(text, VALUE).map(|(value, unit)| (value, unit, None)),
     };
     match found {
         Ok((value, unit, expression)) => Some(Named { name, unit, value, expression }),
@@ -78,8 +78,8 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
 }
 
 /// The value of a text in SI, with the SI unit of its unit's dimension.
-fn quantity(text: &str) -> Result<(f64, &'static str), String> {
-    let refused = || VALUE.to_owned();
+pub(super) fn quantity(text: &str, allowed: &str) -> Result<(f64, &'static str), String> {
+    let refused = || allowed.to_owned();
     let (_, symbol) = split(text).ok_or_else(refused)?;
     if symbol == "g" {
         return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());

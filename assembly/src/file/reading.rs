@@ -312,6 +312,10 @@ impl<'a> Reading<'a> {
         if let Some(expression) = self.expression(entry) {
             return self.following(entry, expression?, kind);
         }
+        if let (true, Some(text)) = (kind.any_unit, entry.value.as_str()) {
+            let found = super::named::quantity(text.trim(), &kind.allowed(dimension));
+            return found.map_err(|text| self.refuse(entry, text)).ok().map(|own| own.0);
+        }
         let found = number(entry.value, kind, dimension);
         if found.is_none() {
             let too_small = number(entry.value, kind.of_any_size(), dimension).is_some();

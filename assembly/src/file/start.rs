@@ -49,12 +49,13 @@ fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
 }
 
 fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
-    reading.known(root, &["time", "body", "spring"]);
+    reading.known(root, &["time", "body", "spring", "block"]);
     let mut start = Start::default();
     if let Some(time) = reading.required_number(root, "time", kinds::TIME, Dimension::Translation) {
         start.time = time;
     }
     sliders(reading, root, d, &mut start);
+    blocks(reading, root, d, &mut start);
     let Some(whole) = reading.optional(root, "body") else { return start };
     const TABLES: &str = "allowed are tables with names, such as [body.NAME]";
     let Some(whole) = reading.table(&whole, TABLES) else { return start };
@@ -100,5 +101,22 @@ fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut
         reading.known(&table, &["slider"]);
         let slider = reading.required_number(&table, "slider", kinds::SLIDER, spring.arms.dimension);
         start.sliders.extend(slider.map(|slider| (spring.name.clone(), slider)));
+    }
+}
+
+/// Reads what blocks keep, by its names: `"pid.x[0]" = 0.1`.
+fn blocks(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
+    let Some(whole) = reading.optional(root, "block") else { return };
+    let allowed = "allowed is a table such as [block] with \"pid.x[0]\" = 0.0";
+    let Some(table) = reading.table(&whole, allowed) else { return };
+    let names = d.names_of_blocks();
+    for entry in reading.all(&table) {
+        if !names.contains(&entry.key) {
+            let all = names.iter().map(String::as_str);
+            reading.refuse_name(&entry, &entry.key, "no block keeps a number of this name", all);
+            continue;
+        }
+        let value = reading.number(&entry, kinds::BLOCK_START, Dimension::Translation);
+        start.blocks.extend(value.map(|value| (entry.key.clone(), value)));
     }
 }

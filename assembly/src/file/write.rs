@@ -1,8 +1,8 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Body, BodyKind, DampingLimit, Description, Dimension, ForcePoint, Free, Friction, Given, Level,
-    MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
+    Arms, Block, Body, BodyKind, DampingLimit, Description, Dimension, Feed, ForcePoint, Free, Friction,
+    Given, Level, MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -51,8 +51,19 @@ pub(super) fn machine(machine: &Description) -> String {
             Element::Freewheel(_) | Element::Link(_) => {}
             Element::Load(load) => {
                 line!(text, "on = {:?}", machine.bodies[load.body].name);
-                own.parts(&of, &load.force).iter().for_each(|part| line!(text, "{part}"));
+                let is_own = |feed: &&Feed| machine.loads[feed.load].name == load.name;
+                match machine.feeds.iter().find(is_own) {
+                    Some(from) => {
+                        line!(text, "from = {:?}", machine.name_of_output((from.block, from.output)));
+                        own.line(&mut text, &of, "factor", from.factor);
+                    }
+                    None => own.parts(&of, &load.force).iter().for_each(|part| line!(text, "{part}")),
+                }
             }
+            Element::Source(source) => {
+                own.parts(&of, &source.signal).iter().for_each(|part| line!(text, "{part}"));
+            }
+            Element::Block(block) => own.block(&mut text, &of, block),
         }
     }
     text
@@ -173,6 +184,36 @@ impl Writing<'_> {
                     parts.push(format!("v = {}", number("v", motion.v)));
                 }
                 line!(text, "motion = {{ {} }}", parts.join(", "));
+            }
+        }
+    }
+
+    fn block(&self, text: &mut String, of: &str, block: &Block) {
+        let (inputs, _) = self.machine.inputs_of(block);
+        line!(text, "inputs = {inputs:?}");
+        line!(text, "states = {}", block.start.len());
+        let list = |name: &str, all: &[f64]| {
+            let numbers = all.iter().enumerate().map(|(i, x)| self.number(&format!("{of}.{name}[{i}]"), *x));
+            format!("[{}]", numbers.collect::<Vec<_>>().join(", "))
+        };
+        line!(text, "start = {}", list("start", &block.start));
+        for (key, rows) in [("a", &block.a), ("b", &block.b), ("c", &block.c), ("d", &block.d)] {
+            let rows = rows.iter().enumerate().map(|(i, row)| list(&format!("{key}[{i}]"), row));
+            line!(text, "{key} = [{}]", rows.collect::<Vec<_>>().join(", "));
+        }
+        line!(text, "outputs = {:?}", block.outputs);
+        for (output, limits) in block.outputs.iter().zip(&block.limits) {
+            if let Some(limits) = limits {
+                line!(text, "limits.{output} = {}", list(&format!("limits.{output}"), limits));
+            }
+        }
+        let Some(sampling) = &block.sampling else { return };
+        self.line(text, of, "sample", sampling.period);
+        self.line(text, of, "delay", sampling.delay);
+        for (input, quantum) in inputs.iter().zip(&sampling.quanta) {
+            if let Some(quantum) = quantum {
+                let number = self.number(&format!("{of}.quantum.{input}"), *quantum);
+                line!(text, "quantum.{input:?} = {number}");
             }
         }
     }

@@ -245,6 +245,14 @@ impl<'a> Selection<'a> {
         for i in 0..self.stops.len() {
             let stop = &self.system.stops[i];
             match self.stops[i] {
+                // How an output's rate follows from z depends on the mode.
+                Stop::AtEdge if stop.limit.is_some() => {
+                    let sign = if order > 0 { self.sign(&stop.excess, order) } else { 0.0 };
+                    if sign != 0.0 {
+                        let passed = if sign > 0.0 { StopState::Pressed } else { StopState::Below };
+                        self.stops[i] = Stop::Is(passed);
+                    }
+                }
                 Stop::AtEdge => {
                     let sign = self.sign(&stop.elongation.rate, order);
                     if sign != 0.0 {
@@ -374,6 +382,14 @@ impl<'a> Selection<'a> {
             if let Some(row) = self.system.rate_of_first_order(i, &states) {
                 next[j] = row.dot(z);
                 size[j] = sizes.of(row);
+            }
+        }
+        if self.system.first_limit < self.system.first_freewheel {
+            let stops = self.states().0;
+            self.system.add_limits(&stops, z, &mut next);
+            for (stop, _) in self.system.passed_limits(&stops) {
+                let beyond = sizes.of(&stop.excess);
+                stop.further.iter().for_each(|&(place, by)| size[place] += by.abs() * beyond);
             }
         }
         for j in signals.one..signals.size {

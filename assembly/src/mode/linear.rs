@@ -58,7 +58,8 @@ impl System {
         let terms = self.split_terms(mode);
         let free = match &terms {
             Some((split, elastic, others)) => split.with(elastic.iter().chain(others)),
-            None => self.matrix(&self.free_acceleration(&mode.stops, &mode.frictions), &mode.sliders),
+            None => self
+                .matrix(&self.free_acceleration(&mode.stops, &mode.frictions), (&mode.sliders, &mode.stops)),
         };
         let elastic = self.elastic(mode, &held, terms);
         if mode.basis.is_empty() {
@@ -96,13 +97,17 @@ impl System {
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
 
-    /// The matrix A with these rows of accelerations, in states of the branches.
-    fn matrix(&self, acceleration: &DMatrix<f64>, sliders: &[SliderState]) -> SparseMatrix {
+    /// The matrix A with these rows of accelerations, in states of the branches and of the stops.
+    fn matrix(
+        &self,
+        acceleration: &DMatrix<f64>,
+        (sliders, stops): (&[SliderState], &[StopState]),
+    ) -> SparseMatrix {
         let (n, size) = (self.coordinates, self.signals.size);
         let mut a = SparseMatrix::default();
         (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
         (0..n).for_each(|k| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))));
-        self.push_first_order(&mut a, sliders);
+        self.push_first_order(&mut a, sliders, stops);
         self.signals.rates().iter().for_each(|row| a.push_row(row.terms().iter().copied()));
         a
     }
@@ -114,7 +119,8 @@ impl System {
         let acts = |i: &usize| {
             matches!(mode.stops[*i], StopState::Pressed | StopState::Capped | StopState::Rebounding)
         };
-        let pressed: Vec<usize> = (0..mode.stops.len()).filter(acts).collect();
+        let is_elastic = |i: &usize| acts(i) && !self.is_limit(*i);
+        let pressed: Vec<usize> = (0..mode.stops.len()).filter(is_elastic).collect();
         let stops = pressed.iter().map(|&i| &self.stops[i].elongation);
         let elongations: Vec<&Elongation> = springs.chain(stops).collect();
         if elongations.is_empty() {
@@ -135,7 +141,10 @@ impl System {
                 let springs = self.stiff_springs.iter().map(|&i| self.springs[i].force.clone());
                 let stops = pressed.iter().filter_map(|&i| self.stop_force(i, mode.stops[i]));
                 let forces = springs.chain(stops).map(|force| Arc::new(Functional::of(force)));
-                (self.matrix(&rest, &mode.sliders), forces.zip(elongations.into_iter().map(moved)).collect())
+                (
+                    self.matrix(&rest, (&mode.sliders, &mode.stops)),
+                    forces.zip(elongations.into_iter().map(moved)).collect(),
+                )
             }
         };
         let are_stiff = || !self.stiff_springs.is_empty() || !self.stiff_ties(&pressed).is_empty();
@@ -237,7 +246,7 @@ impl System {
     /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
     /// the forces of stiff springs.
     pub(crate) fn base(&self) -> SparseMatrix {
-        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])), &[])
+        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])), (&[], &[]))
     }
 
     /// Whether a row is a negative constant, such as that of a constant friction level.

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::law::Sizes;
 use crate::mode::StopState;
 use crate::signals::Input;
-use crate::system::System;
+use crate::system::{BlockRows, System};
 use nalgebra::DVector;
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
@@ -38,7 +38,8 @@ impl Motion {
         old.include_flight();
         let stood = old.before_jump();
         let (system, bodies) = (&assembly.system, &old.assembly.system.bodies_of);
-        if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() {
+        let other = system.states() != old.assembly.system.states();
+        if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() || other {
             let (value, allowed) =
                 (system.coordinates as f64, format!("the {} of this motion", bodies.len()));
             return Err(Error::OutOfRange {
@@ -58,7 +59,17 @@ impl Motion {
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
         sizes.include(z.as_slice());
         let departing = Vec::new();
+        let is_own = |(a, b): (&BlockRows, &BlockRows)| {
+            let times = |own: &BlockRows| own.sampler.as_ref().map(|own| [own.period, own.delay]);
+            times(a) == times(b)
+        };
+        let pairs = system.blocks.iter().zip(&old.assembly.system.blocks);
+        let clocks = match pairs.into_iter().all(is_own) {
+            true => old.hybrid.clocks.clone(),
+            false => system.clocks(time.value(), false),
+        };
         let hybrid = Hybrid {
+            clocks,
             z,
             since: time.value(),
             sizes,

@@ -410,6 +410,7 @@ impl Motion {
         for (w, &order) in watched.iter().zip(departing.iter()) {
             if let Watch::Presses(i) = w.watch
                 && order == ORDERS
+                && !system.is_limit(i)
             {
                 let row = &system.stops[i].elongation.rate;
                 let rate = row.at(z.as_slice());

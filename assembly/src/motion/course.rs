@@ -18,7 +18,7 @@ use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{BranchRows, StateRow, StopRows, System};
+use crate::system::{BlockRows, BranchRows, StateRow, StopRows, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -143,7 +143,11 @@ impl Assembly {
             own.elongation.e.abs().dot(&z).max(self.inner[own.place - 2 * n].abs()).max(along.sum())
         });
         let inner: Vec<f64> = inner.map(|x| if x > 0.0 { x } else { usual }).collect();
-        lengths.into_iter().chain(rates).chain(inner).map(positive).collect()
+        let kept: usize = system.blocks.iter().map(BlockRows::kept).sum();
+        let kept =
+            self.inner[self.inner.len() - kept..].iter().map(|x| if *x == 0.0 { 1.0 } else { x.abs() });
+        let kept: Vec<f64> = kept.collect();
+        lengths.into_iter().chain(rates).chain(inner).chain(kept).map(positive).collect()
     }
 }
 
@@ -237,7 +241,7 @@ impl Motion {
 
     /// Whether an event is pending: a watched functional has passed zero, or a signal has a knot.
     pub fn is_event_due_on(&self, course: &Course) -> bool {
-        self.is_at_knot(course) || !self.passed().is_empty()
+        self.is_at_knot(course) || self.is_at_sample() || !self.passed().is_empty()
     }
 
     /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its functional
@@ -270,13 +274,19 @@ impl Motion {
         passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
     }
 
-    /// The next knot of a signal, s.
+    /// The next knot of a signal or sample of a block, s.
     pub fn next_knot_on(&self, course: &Course) -> Option<f64> {
-        self.assembly.system.signals.next_knot(course.event)
+        let knot = self.assembly.system.signals.next_knot(course.event);
+        [knot, self.next_sample()].into_iter().flatten().reduce(f64::min)
     }
 
     fn is_at_knot(&self, course: &Course) -> bool {
-        self.next_knot_on(course).is_some_and(|knot| knot <= self.time())
+        let knot = self.assembly.system.signals.next_knot(course.event);
+        knot.is_some_and(|knot| knot <= self.time())
+    }
+
+    fn is_at_sample(&self) -> bool {
+        self.next_sample().is_some_and(|sample| sample <= self.time())
     }
 
     /// Accepts the present point and advances the energy accounts to it. Returns whether an event
@@ -284,7 +294,9 @@ impl Motion {
     pub fn accept(&mut self, course: &mut Course) -> bool {
         self.hybrid.energy = self.energy_on(course);
         (course.time, course.z) = (self.time(), self.hybrid.z.clone());
-        self.is_at_knot(course) || self.indicators().iter().any(|indicator| *indicator <= 0.0)
+        self.is_at_knot(course)
+            || self.is_at_sample()
+            || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
     /// Applies the law at an event: a signal's knot acts; if watched functionals have passed zero,
@@ -333,6 +345,12 @@ impl Motion {
             let stood = self.before_jump();
             self.refill_on(course);
             self.apply_knot(stood, observer)?;
+            changed = true;
+        }
+        if self.is_at_sample() {
+            course.event = self.time();
+            self.refill_on(course);
+            self.apply_samples(observer)?;
             changed = true;
         }
         for _ in 0..CHAIN * (self.assembly.system.indicators() + 1) {

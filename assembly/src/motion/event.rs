@@ -1,6 +1,7 @@
 //! Events of a motion.
 
 use crate::mode::Contact;
+use crate::system::SampleAction;
 
 /// An event, with its time.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +13,16 @@ pub struct Event {
 }
 
 impl Event {
+    /// What happens to a sampled block.
+    pub fn sample(&self) -> Option<SampleAction> {
+        if let EventKind::Sample { action } = self.kind { Some(action) } else { None }
+    }
+
+    /// Whether it is a row of a table of events: samples are none.
+    pub fn is_listed(&self) -> bool {
+        !matches!(self.kind, EventKind::Sample { .. })
+    }
+
     /// The stop, friction or slider that has the event; `None` for a knot.
     pub fn contact(&self) -> Option<Contact> {
         match self.kind {
@@ -26,7 +37,8 @@ impl Event {
             | EventKind::Slip { friction, .. }
             | EventKind::Level { friction, .. } => Some(Contact::Friction(friction)),
             EventKind::Yield { slider, .. } | EventKind::Hold { slider, .. } => Some(Contact::Slider(slider)),
-            EventKind::Knot => None,
+            EventKind::Limit { stop, .. } => stop.map(Contact::Stop),
+            EventKind::Knot | EventKind::Sample { .. } => None,
         }
     }
 }
@@ -120,4 +132,22 @@ pub enum EventKind {
     },
     /// A knot of a signal.
     Knot,
+    /// An output of a block comes to a limit, or leaves it.
+    Limit {
+        /// Index of the block.
+        block: usize,
+        /// Index among its outputs.
+        output: usize,
+        /// 1 at the upper limit, -1 at the lower one, 0 between.
+        side: f64,
+        /// The output.
+        value: f64,
+        /// Of a continuous block the limit's place among the stops.
+        stop: Option<usize>,
+    },
+    /// A sampled block reads its inputs, or its outputs act: no row of a table of events.
+    Sample {
+        /// What happens.
+        action: SampleAction,
+    },
 }

@@ -12,6 +12,7 @@ mod low_bounce;
 mod passage;
 mod projection;
 mod report;
+mod samples;
 pub(crate) mod saved;
 mod step;
 mod tables;
@@ -59,6 +60,8 @@ enum Due {
     Knot,
     /// Coordinates of signals are set anew, which is no event.
     Renewal,
+    /// Blocks are sampled, or their outputs act.
+    Sample,
 }
 
 /// The impacts of a stop since the start.
@@ -90,6 +93,8 @@ pub struct Hybrid {
     departing: Vec<usize>,
     sizes: Sizes,
     inputs: Vec<(f64, Input)>,
+    /// By block.
+    clocks: Vec<samples::Clock>,
     /// By stop.
     impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
@@ -185,7 +190,8 @@ impl Motion {
     /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the states
     /// of first order. The law
     /// finds which stops are closed and which friction sticks; signals have their values at
-    /// `time`, s.
+    /// `time`, s. Samples of blocks at this time are done, unless the numbers of all blocks are those of
+    /// the machine's start: then they are still to come.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite and for a state of another length;
@@ -213,10 +219,14 @@ impl Motion {
             let name = format!("start of {}", assembly.name_of_state(i));
             return out(name, state[i], "a finite number".into());
         }
-        let mut motion = Self::placed(assembly, time, state)?;
+        let mut motion = {
+            let fresh = assembly.is_fresh(state);
+            Self::placed(assembly, time, state, fresh)?
+        };
         let ways = motion.include_standing();
         motion.check_stops(&ways)?;
         motion.settle(&[], &Parted::default(), &mut Some(observer))?;
+        motion.apply_samples(&mut Some(observer))?;
         Ok(motion)
     }
 
@@ -263,13 +273,15 @@ impl Motion {
         start: &[f64],
         observer: &mut Observer,
     ) -> Result<Self, Error> {
-        let mut motion = Self::placed(assembly, time, start)?;
+        let mut motion = Self::placed(assembly, time, start, true)?;
         motion.settle(&[], &Parted::default(), observer)?;
+        motion.apply_samples(observer)?;
         Ok(motion)
     }
 
-    /// A state at a time, before the law at the start.
-    fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64]) -> Result<Self, Error> {
+    /// A state at a time, before the law at the start; samples at this time are done or, with `fresh`, still
+    /// to come.
+    fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64], fresh: bool) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
                 name: "start time".into(),
@@ -302,6 +314,7 @@ impl Motion {
             departing: Vec::new(),
             sizes,
             inputs,
+            clocks: system.clocks(time.value(), fresh),
             impacts,
             energy,
             chain: 0,
@@ -375,7 +388,7 @@ impl Motion {
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
-            Some(Due::Knot | Due::Renewal) | None => None,
+            Some(Due::Knot | Due::Renewal | Due::Sample) | None => None,
         }
     }
 

@@ -4,6 +4,7 @@ use super::event::{Event, EventKind};
 use super::{Motion, Observer};
 use crate::law::impact::Impacts;
 use crate::mode::{ElementState, FrictionState, Mode, SliderState, StopState};
+use crate::system::OutputLimit;
 
 impl Motion {
     /// Reports impacts and adds them to the records and the energy accounts.
@@ -73,6 +74,17 @@ impl Motion {
         };
         let kind = match (was, now) {
             (a, b) if a == b || self.assembly.system.stops[i].is_gapless() => return,
+            _ if self.assembly.system.stops[i].limit.is_some() => {
+                let Some(OutputLimit { block, output, is_upper }) = self.assembly.system.stops[i].limit
+                else {
+                    return;
+                };
+                let out = if is_upper { 1.0 } else { -1.0 };
+                let side = if now == StopState::Pressed { out } else { 0.0 };
+                let system = &self.assembly.system;
+                let value = system.blocks[block].outputs[output].at(&system.stops, &self.hybrid.z);
+                EventKind::Limit { block, output, side, value, stop: Some(i) }
+            }
             _ if self.assembly.system.is_corner(i) => {
                 // Equal slopes are no corner.
                 if self.assembly.system.stops[i].stiffness() == 0.0 {

@@ -57,7 +57,7 @@ impl Hybrid {
         });
         let due = match &self.due {
             Some(Due::Passage(watch)) => known(watch),
-            Some(Due::Knot | Due::Renewal) | None => true,
+            Some(Due::Knot | Due::Renewal | Due::Sample) | None => true,
         };
         let energy = &self.energy;
         [self.z.len(), self.sizes.0.len()] == [size; 2]
@@ -65,6 +65,7 @@ impl Hybrid {
             && [self.mode.frictions.len(), energy.frictions.len()] == [frictions; 2]
             && [energy.branches.len(), self.mode.sliders.len()] == [system.branches.len(); 2]
             && self.mode.sliders.iter().enumerate().all(slides)
+            && system.fits_clocks(&self.clocks)
             && self.inputs.len() == system.signals.no_inputs().len()
             && [energy.loads.len(), energy.dashpots.len()] == [system.loads.len(), system.springs.len()]
             && self.time.value().is_finite()

@@ -122,6 +122,7 @@ impl Motion {
                 self.refill();
                 Ok(())
             }
+            Some(Due::Sample) => self.apply_samples(observer),
             None => Ok(()),
         }
     }
@@ -136,8 +137,10 @@ impl Motion {
         let (mut work, mut from) = (WORK.0 as f64, began);
         for sub_steps in 0..self.most_work {
             self.check_interruption(sub_steps)?;
+            let sample = if self.hybrid.clocks.is_empty() { None } else { self.next_sample() };
+            let sample = sample.filter(|sample| *sample <= end).map(DoubleDouble::new);
             let remaining = target.minus(self.hybrid.time).value();
-            if remaining <= 0.0 {
+            if remaining <= 0.0 && sample.is_none() {
                 self.hybrid.time = target;
                 self.check_sizes()?;
                 return Ok(Reached::End);
@@ -149,7 +152,17 @@ impl Motion {
             let renewal = renewal.filter(|own| own.value() <= end && own.minus(goal).value() < 0.0);
             let goal = renewal.unwrap_or(goal);
             let at_knot = at_knot && renewal.is_none();
-            if self.hybrid.carried == RENEW && self.long_step(goal) {
+            let is_first = |own: &DoubleDouble| {
+                let left = own.minus(goal).value();
+                left < 0.0 || (left == 0.0 && !at_knot && renewal.is_none())
+            };
+            let sample = sample.filter(is_first);
+            let (goal, at_knot) = sample.map_or((goal, at_knot), |sample| (sample, false));
+            let renewal = renewal.filter(|_| sample.is_none());
+            if goal.minus(self.hybrid.time).value() <= 0.0 {
+                // A sample of the instant of another one, or of a knot.
+                self.hybrid.due = None;
+            } else if self.hybrid.carried == RENEW && self.long_step(goal) {
                 self.hybrid.due = None;
             } else {
                 self.hybrid.due = self.vectors.dispatch(Substep {
@@ -161,9 +174,12 @@ impl Motion {
             if self.hybrid.carried == RENEW || self.hybrid.due.is_some() {
                 self.check_sizes()?;
             }
+            if sample.is_some() && self.hybrid.due.is_none() && goal.minus(self.hybrid.time).value() <= 0.0 {
+                self.hybrid.due = Some(Due::Sample);
+            }
             let is_event = self.hybrid.due.is_some();
             let is_renewal = renewal.is_some() && !is_event && goal.minus(self.hybrid.time).value() <= 0.0;
-            let is_knot = is_renewal || self.hybrid.due == Some(Due::Knot);
+            let is_knot = is_renewal || matches!(self.hybrid.due, Some(Due::Knot | Due::Sample));
             if is_renewal {
                 self.hybrid.due = Some(Due::Renewal);
                 match pause {

@@ -120,6 +120,16 @@ impl Motion {
                 let place = self.assembly.system.slider_of(i);
                 place.map_or(0.0, |place| self.table().a.row_times(place, z.as_slice()))
             }
+            What::Value | What::Output(_) => {
+                self.assembly.system.block_row(i, quantity.what, &self.hybrid.mode.stops).dot(z)
+            }
+            What::State(_) | What::StateRate(_) => {
+                let place = self.assembly.system.block_place(i, quantity.what);
+                match quantity.what {
+                    What::StateRate(_) => self.table().a.row_times(place, z.as_slice()),
+                    _ => z[place],
+                }
+            }
             What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
             _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
         }
@@ -127,7 +137,10 @@ impl Motion {
 
     /// A load's force.
     pub fn load(&self, i: usize) -> f64 {
-        self.assembly.system.loads[i].dot(&self.hybrid.z)
+        let (system, z, stops) = (&self.assembly.system, &self.hybrid.z, &self.hybrid.mode.stops);
+        let limits = system.load_limits[i].iter().filter(|own| stops[own.0] == StopState::Pressed);
+        let beyond: f64 = limits.map(|own| own.1 * system.stops[own.0].excess.at(z.as_slice())).sum();
+        system.loads[i].dot(z) + beyond
     }
 
     fn contact_force(&self, contact: Contact) -> f64 {

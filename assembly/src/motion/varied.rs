@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::flow::FlowTable;
 use crate::kernel::Sparse;
 use crate::mode::Mode;
-use crate::system::System;
+use crate::system::{SampleAction, SampledVariation, System};
 use nalgebra::DVector;
 use std::sync::Arc;
 
@@ -68,7 +68,12 @@ impl Crossing<'_> {
             let terms: f64 = row.iter().zip(incoming).map(|(a, b)| (a * b).abs()).sum();
             (row, dot(row, incoming), TOUCH * terms)
         });
+        let sampled: Vec<SampleAction> = self.events.iter().filter_map(Event::sample).collect();
         for variation in variations {
+            if !sampled.is_empty() {
+                let varied = SampledVariation { delta: &mut *variation, blocks: &[], excess: &|_| None };
+                system.sample(&sampled, &mut before.clone(), &mut [varied]);
+            }
             let later = match passage {
                 Some((row, speed, touch)) if speed.abs() > touch => -dot(row, variation) / speed,
                 _ => 0.0,

@@ -2,10 +2,10 @@
 //! each has a row that gives its rate, x' = row · z. Inner places of springs in series are such
 //! states (docs/assembly-law.md, section 15).
 
-use super::{Elongation, Functional, Part, StateRow, System};
+use super::{Elongation, Functional, Part, StateRow, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
 use crate::kernel::SparseMatrix;
-use crate::mode::SliderState;
+use crate::mode::{SliderState, StopState};
 use std::ops::Range;
 
 /// A state of first order.
@@ -48,7 +48,7 @@ pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = (&Spring, Serie
 
 /// The number of states of first order of a machine.
 pub(super) fn count(d: &Description) -> usize {
-    in_series(d).count()
+    in_series(d).count() + super::blocks::count(d)
 }
 
 impl System {
@@ -96,10 +96,25 @@ impl System {
     }
 
     /// Adds the rows of the states of first order to A.
-    pub(crate) fn push_first_order(&self, a: &mut SparseMatrix, sliders: &[SliderState]) {
+    pub(crate) fn push_first_order(
+        &self,
+        a: &mut SparseMatrix,
+        sliders: &[SliderState],
+        stops: &[StopState],
+    ) {
+        let limits: Vec<&StopRows> = self.passed_limits(stops).map(|own| own.0).collect();
         for k in 0..self.first_order.len() {
-            let terms = self.rate_of_first_order(k, sliders).map_or(&[][..], Functional::terms);
-            a.push_row(terms.iter().copied());
+            let rate = self.rate_of_first_order(k, sliders);
+            let place = 2 * self.coordinates + k;
+            let taken = limits.iter().flat_map(|stop| stop.further.iter().map(move |own| (stop, own)));
+            let taken: Vec<_> = taken.filter(|(_, own)| own.0 == place).collect();
+            if let (Some(rate), false) = (rate, taken.is_empty()) {
+                let mut row = (**rate).clone();
+                taken.iter().for_each(|(stop, own)| row.axpy(-own.1, &stop.excess, 1.0));
+                a.push_row(row.iter().copied().enumerate());
+                continue;
+            }
+            a.push_row(rate.map_or(&[][..], Functional::terms).iter().copied());
         }
     }
 

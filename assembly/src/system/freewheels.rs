@@ -28,6 +28,8 @@ impl System {
                 is_followed: false,
                 is_freewheel: true,
                 level: None,
+                limit: None,
+                further: Vec::new(),
             });
             self.parts[i].push(Part::Stop(self.stops.len() - 1));
         }

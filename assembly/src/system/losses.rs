@@ -74,6 +74,10 @@ impl Losses {
         };
         for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
             put(When::Always, Account::Load(i), 1.0, row, &system.bodies[body].v);
+            for &(stop, factor) in &system.load_limits[i] {
+                let (when, excess) = (When::Stop(stop, StopState::Pressed), &system.stops[stop].excess);
+                put(when, Account::Load(i), factor, excess, &system.bodies[body].v);
+            }
         }
         for (i, spring) in system.springs.iter().enumerate() {
             let rate = &spring.elongation.rate;

@@ -55,7 +55,7 @@ impl System {
                 self.friction_force(i, mode.frictions[i], &mode.stops).or_else(|| held(Contact::Friction(i)))
             }
             Part::Branch(i) => Some((*self.branches[i].force).clone()),
-            Part::Load(i) => Some(self.loads[i].clone()),
+            Part::Load(i) => Some(self.load_row(i, &mode.stops)),
         };
         row.unwrap_or_else(|| StateRow::zeros(self.signals.size))
     }

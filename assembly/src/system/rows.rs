@@ -1,6 +1,6 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
-use super::StopLevel;
+use super::{OutputLimit, StopLevel};
 use crate::description::{DampingLimit, StopLaw};
 use crate::kernel::Sparse;
 use crate::mode::states::StopState;
@@ -123,6 +123,10 @@ pub struct StopRows {
     pub level: Option<StopLevel>,
     /// Whether it is a freewheel, which keeps no place.
     pub is_freewheel: bool,
+    /// The limit of a continuous block's output that it is.
+    pub limit: Option<OutputLimit>,
+    /// What a unit of its force takes from the rates of states of first order, with their places.
+    pub further: Vec<(usize, f64)>,
 }
 
 impl StopRows {

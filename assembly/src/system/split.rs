@@ -41,6 +41,8 @@ pub struct Split {
     sliders: Vec<Term>,
     /// By branch what is watched where its slider is held, slips upwards and downwards.
     watched_sliders: Vec<[Vec<Known>; 3]>,
+    /// By stop, of limits of outputs, what is added to A where they are passed.
+    limits: Vec<Option<Term>>,
     norm: Norm,
 }
 
@@ -101,6 +103,14 @@ impl Split {
         };
         let stiff = system.stiff_springs.iter().map(|&i| &system.springs[i]);
         let stiff: Vec<Term> = stiff.map(|s| term(s.force.clone(), &s.elongation)).collect();
+        let of_limit = |i: usize| {
+            let (force, e) = (&system.stops[i].force, &system.stops[i].elongation);
+            let places = e.mobility.iter().enumerate().map(|(k, x)| (n + k, *x));
+            let places = places.chain(system.stops[i].further.iter().copied());
+            Term { force: Arc::new(force.clone()), by: Arc::new(Sparse::from_terms(places)) }
+        };
+        let limits = (0..system.stops.len()).map(|i| system.is_limit(i).then(|| of_limit(i)));
+        let limits: Vec<Option<Term>> = limits.collect();
         let of_stop = |i: usize| {
             let other = if system.stops[i].turns() { StopState::Rebounding } else { StopState::Capped };
             [StopState::Pressed, other].map(|state| {
@@ -164,13 +174,15 @@ impl Split {
             watched_frictions,
             sliders,
             watched_sliders,
+            limits,
             norm,
         }
     }
 
     /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
     pub fn elastic(&self, mode: &Mode) -> Vec<Term> {
-        let stops = self.stops.iter().zip(&mode.stops).filter_map(|(own, state)| match state {
+        let stops = self.stops.iter().zip(&mode.stops).zip(&self.limits).filter(|own| own.1.is_none());
+        let stops = stops.filter_map(|((own, state), _)| match state {
             StopState::Pressed => Some(&own[0]),
             StopState::Capped | StopState::Rebounding => Some(&own[1]),
             _ => None,
@@ -178,7 +190,8 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them, and the rates of sliders that slip.
+    /// The forces of frictions whose state determines them, the rates of sliders that slip, and limits
+    /// of outputs that are passed.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
@@ -187,7 +200,9 @@ impl Split {
         };
         let sliders = self.sliders.iter().zip(&mode.sliders);
         let slipping = sliders.filter(|(_, state)| **state != SliderState::Held);
-        frictions.filter_map(acting).chain(slipping.map(|(own, _)| own.clone())).collect()
+        let limits = self.limits.iter().zip(&mode.stops).filter(|own| *own.1 == StopState::Pressed);
+        let limits = limits.filter_map(|own| own.0.clone());
+        frictions.filter_map(acting).chain(slipping.map(|(own, _)| own.clone())).chain(limits).collect()
     }
 
     /// Which levels a friction has in a mode.

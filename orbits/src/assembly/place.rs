@@ -5,7 +5,7 @@ use vibro_analysis::assembly::flight::{Flow, Flows};
 use vibro_analysis::assembly::{Machine, common_period, is_steady, require_free, runs_on};
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Assembly;
-use vibro_assembly::description::Description;
+use vibro_assembly::description::{Block, Description};
 use vibro_assembly::mode::Mode;
 
 /// A machine whose numbers are fixed, with the linear systems of the modes met so far.
@@ -16,6 +16,19 @@ pub struct Place {
     /// The common period of all signals, s; `None` for an autonomous machine.
     pub period: Option<f64>,
     flows: Mutex<Flows>,
+}
+
+/// Why a machine's blocks have no orbits yet: samples and limits are letters of no word.
+fn blocks_in_words(d: &Description) -> Option<String> {
+    let why = |block: &Block| match (&block.sampling, block.limits.iter().any(Option::is_some)) {
+        (Some(_), _) => Some(format!("block.{} is sampled", block.name)),
+        (None, true) => Some(format!("block.{} has limits", block.name)),
+        (None, false) => None,
+    };
+    let why = d.blocks.iter().find_map(why)?;
+    Some(format!(
+        "{why}: its orbits are followed by motions alone (run, bifurcation, lyapunov); allowed are continuous blocks without limits"
+    ))
 }
 
 impl Place {
@@ -35,7 +48,7 @@ impl Place {
                  slowest: the machine has no periodic orbit; allowed are frequencies in ratios of integers"
                     .into()
             }
-            None => String::new(),
+            None => blocks_in_words(d).unwrap_or_default(),
         };
         if !problem.is_empty() {
             return Err(Error::Described { problem });

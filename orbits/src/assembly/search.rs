@@ -209,7 +209,7 @@ impl<'a> Seeker<'a> {
             let sliders = sliders.filter_map(|(k, name)| Some((name.clone(), number(2 * of.len() + k)?)));
             let sliders = sliders.collect();
             let time = self.place.period.map_or(0.0, |period| period * uniform());
-            if let Ok((motion, _)) = machine.motion(&Start { time, bodies, sliders }) {
+            if let Ok((motion, _)) = machine.motion(&Start { time, bodies, sliders, ..Start::default() }) {
                 return Some(motion);
             }
         }

@@ -97,7 +97,9 @@ impl DerivativeRecord {
     /// [`Error::Output`].
     pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(std::iter::once("row").chain(self.parameters.iter().map(String::as_str)))?;
-        let listed = self.events.iter().filter(|event| knots || event.0 != EventKind::Knot);
+        let is_sample = |kind: &EventKind| matches!(kind, EventKind::Sample { .. });
+        let listed = self.events.iter().filter(|event| !is_sample(&event.0));
+        let listed = listed.filter(|event| knots || event.0 != EventKind::Knot);
         for (row, (_, by)) in listed.enumerate() {
             csv.push(std::iter::once((row + 1).to_string()).chain(by.iter().copied().map(cell)))?;
         }

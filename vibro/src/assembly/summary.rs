@@ -148,6 +148,8 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
                 return format!("  {name}: {} coordinates", m.assembly().system().parts[i].len());
             }
             (Action::Driving, _) => return format!("  {name}: {} {force}", value(What::F)),
+            (Action::Giving, _) => return format!("  {name}: {}", value(What::Value)),
+            (Action::Computing, _) => return block(element, &name, value),
             (_, Some(&Part::Stop(i))) if matches!(element, Element::Freewheel(_)) => {
                 if m.mode().stops[i] == StopState::Closed { "engaged".into() } else { "runs free".into() }
             }
@@ -169,6 +171,26 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
         format!("  {name}: {state}; e = {} {length}, f = {} {force}", value(What::E), value(What::F))
     };
     d.elements().enumerate().map(line).collect()
+}
+
+/// What a block is, and its outputs.
+fn block(element: Element, name: &str, value: impl Fn(What) -> String) -> String {
+    let Element::Block(own) = element else { return format!("  {name}") };
+    let outputs = own.outputs.iter().enumerate();
+    let outputs: Vec<String> =
+        outputs.map(|(j, output)| format!("{output} = {}", value(What::Output(j)))).collect();
+    let when = match &own.sampling {
+        None => "continuous".to_owned(),
+        Some(own) if own.delay == 0.0 => format!("sampled every {} s", short(own.period)),
+        Some(own) => {
+            format!("sampled every {} s, acting {} s later", short(own.period), short(own.delay))
+        }
+    };
+    let states = match own.start.len() {
+        1 => "1 state".to_owned(),
+        count => format!("{count} states"),
+    };
+    format!("  {name}: {when}, {states}; {}", outputs.join(", "))
 }
 
 fn of_stop(state: StopState) -> &'static str {

@@ -1,5 +1,6 @@
 //! Derivatives carried over an event, once it is known by how much it comes later.
 
+use super::super::blocks::actions;
 use super::super::columns::Columns;
 use super::super::impulse::Impulse;
 use super::super::jump::share;
@@ -68,6 +69,10 @@ impl Crossing<'_> {
     /// of all that follows.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
+        if self.is_sample() {
+            machine.sample(p, &actions(self.events), self.before.z, delta);
+            return Ok(0.0);
+        }
         let knots: Vec<_> = tangent.signals.all_later(time).collect();
         let count = machine.system.signals.knots_at(time);
         // Knots that are all delayed alike delay what happens as one knot does.

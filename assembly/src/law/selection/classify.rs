@@ -21,6 +21,9 @@ impl Selection<'_> {
             return Stop::Is(StopState::Pressed);
         }
         let excess = self.sign(&stop.excess, 0);
+        if stop.limit.is_some() && (verdict.edges[i] || excess == 0.0) {
+            return Stop::AtEdge;
+        }
         let rate = self.sign(&stop.elongation.rate, 0);
         if stop.is_freewheel {
             return if verdict.stops[i] || rate >= 0.0 { Stop::Touching } else { Stop::Is(StopState::Open) };

@@ -1,0 +1,134 @@
+//! Checks of signals and blocks: what they name, sizes, limits, loops.
+
+use super::refused;
+use crate::description::{Block, BlockInput, Description};
+use crate::elements::Element;
+use crate::quantity::What;
+use crate::refusal::Problem;
+
+/// Most samples that an output may be under way.
+const MOST_UNDER_WAY: usize = 100;
+/// Most numbers that all blocks keep: states, outputs that act, outputs under way.
+const MOST_STATES: usize = 500;
+
+/// Problems of signals and blocks.
+pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
+    let before = problems.len();
+    machine.blocks.iter().for_each(|block| check_block(machine, block, problems));
+    for (i, feed) in machine.feeds.iter().enumerate() {
+        let is_there = machine.blocks.get(feed.block).is_some_and(|block| feed.output < block.outputs.len());
+        // Feeds are in the order of their loads, one each.
+        let is_next = i == 0 || machine.feeds[i - 1].load < feed.load;
+        if !is_there || !is_next || feed.load >= machine.loads.len() {
+            let text = "there is no such load or output, counted from 0, or they are not in order";
+            problems.push(Problem::new(format!("feeds[{i}]"), None, text));
+        }
+    }
+    if problems.len() > before {
+        return;
+    }
+    let kept: usize = machine.blocks.iter().map(|block| block.start.len() + block.kept()).sum();
+    if kept > MOST_STATES {
+        let text = format!(
+            "blocks keep {kept} numbers: states, outputs, and outputs under way; allowed are up to {MOST_STATES}"
+        );
+        problems.push(Problem::new("block", None, text));
+    }
+    match machine.output_order() {
+        Err(way) => {
+            let names: Vec<String> =
+                way.iter().chain(&way[..1]).map(|own| machine.name_of_output(*own)).collect();
+            let text = format!(
+                "an algebraic loop through d: {}; allowed are loops with a state, or with a sampled block and a delay, between",
+                names.join(" reads ")
+            );
+            problems.push(Problem::new(format!("block.{}.d", machine.blocks[way[0].0].name), None, text));
+        }
+        Ok(order) => order.into_iter().for_each(|place| check_limited(machine, place, problems)),
+    }
+}
+
+/// Refuses a limited output of a continuous block that depends on another one at the same instant.
+fn check_limited(machine: &Description, place: (usize, usize), problems: &mut Vec<Problem>) {
+    let block = &machine.blocks[place.0];
+    if block.sampling.is_some() || block.limits[place.1].is_none() {
+        return;
+    }
+    if let Some(other) = machine.limit_behind(place) {
+        let text = format!(
+            "depends by d on {}, which has limits, too; of continuous blocks allowed is one of them, a state between, or a sampled block",
+            machine.name_of_output(other)
+        );
+        let name = format!("block.{}.limits.{}", block.name, block.outputs[place.1]);
+        problems.push(Problem::new(name, None, text));
+    }
+}
+
+fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>) {
+    let of = format!("block.{}", block.name);
+    let (states, inputs, outputs) = (block.start.len(), block.inputs.len(), block.outputs.len());
+    let shapes = [
+        ("a", &block.a, states, states),
+        ("b", &block.b, states, inputs),
+        ("c", &block.c, outputs, states),
+        ("d", &block.d, outputs, inputs),
+    ];
+    for (key, rows, count, columns) in shapes {
+        if rows.len() != count || rows.iter().any(|row| row.len() != columns) {
+            let text = format!("allowed are {count} rows of {columns} numbers");
+            problems.push(Problem::new(format!("{of}.{key}"), None, text));
+        }
+    }
+    let quanta = block.sampling.as_ref().map_or(inputs, |own| own.quanta.len());
+    if block.limits.len() != outputs || quanta != inputs || outputs == 0 {
+        problems.push(Problem::new(
+            &of,
+            None,
+            "allowed are outputs with limits each, and quanta for each input",
+        ));
+    }
+    for (i, input) in block.inputs.iter().enumerate() {
+        let has_elongation = |element: Element| element.quantities().contains(&What::E);
+        let is_there = match *input {
+            BlockInput::Place(body) | BlockInput::Rate(body) => body < machine.bodies.len(),
+            BlockInput::Elongation(i) | BlockInput::ElongationRate(i) => {
+                machine.elements().nth(i).is_some_and(has_elongation)
+            }
+            BlockInput::Source(i) => i < machine.sources.len(),
+            BlockInput::Output(i, j) => machine.blocks.get(i).is_some_and(|own| j < own.outputs.len()),
+        };
+        if !is_there {
+            let text = "there is no such body, element, signal or output, counted from 0";
+            problems.push(Problem::new(format!("{of}.inputs[{i}]"), None, text));
+        }
+    }
+    for (output, limits) in block.outputs.iter().zip(&block.limits) {
+        let Some([low, high]) = *limits else { continue };
+        // Written so that NaN is refused as well.
+        if !(low < high) {
+            let text = format!("allowed is a number above the lower limit, {low:?}");
+            problems.push(refused(format!("{of}.limits.{output}[1]"), high, text));
+        }
+    }
+    if let Some(own) = block.sampling.as_ref().filter(|own| own.delay > own.period * MOST_UNDER_WAY as f64) {
+        let text =
+            format!("allowed are up to {MOST_UNDER_WAY} samples, {:?} s", own.period * MOST_UNDER_WAY as f64);
+        problems.push(refused(format!("{of}.delay"), own.delay, text));
+    }
+}
+
+/// Problems of a start at rest beside a block that reads a body.
+pub(super) fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
+    for block in &machine.blocks {
+        let reads = |input: &BlockInput| !matches!(input, BlockInput::Source(_) | BlockInput::Output(..));
+        if let Some(place) = block.inputs.iter().position(reads) {
+            let (names, _) = machine.inputs_of(block);
+            let text = format!(
+                "the machine starts at rest, and block.{} reads {}: what it feeds back has no equilibrium that loads lead to; \
+                 allowed is a start of the bodies and of the block instead",
+                block.name, names[place]
+            );
+            problems.push(Problem::new("start", Some("\"rest\"".into()), text));
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Named signals and linear blocks: filters, motors, controllers, continuous or sampled.
+
+use super::{Description, Signal};
+use crate::elements::Element;
+use crate::quantity::What;
+use std::collections::HashSet;
+
+/// A signal with a name, which blocks read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// Its name, unique among all but parameters.
+    pub name: String,
+    /// Plain numbers.
+    pub signal: Signal,
+}
+
+/// A linear block: x' = a x + b u and y = c x + d u or, sampled, x⁺ = a x + b u.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Block {
+    /// Its name, unique among all but parameters.
+    pub name: String,
+    /// u.
+    pub inputs: Vec<BlockInput>,
+    /// x at time 0.
+    pub start: Vec<f64>,
+    /// By state a row with a column for each state.
+    pub a: Vec<Vec<f64>>,
+    /// By state a row with a column for each input.
+    pub b: Vec<Vec<f64>>,
+    /// By output a row with a column for each state.
+    pub c: Vec<Vec<f64>>,
+    /// By output a row with a column for each input.
+    pub d: Vec<Vec<f64>>,
+    /// The names of y.
+    pub outputs: Vec<String>,
+    /// By output the limits that it keeps to, lower and upper, of which one may be infinite; `None`
+    /// without.
+    pub limits: Vec<Option<[f64; 2]>>,
+    /// Of a sampled block.
+    pub sampling: Option<Sampling>,
+}
+
+/// When a sampled block reads its inputs, and when its outputs act.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampling {
+    /// Time between samples, s; the first one is at time 0.
+    pub period: f64,
+    /// Time from a sample until its outputs act, s.
+    pub delay: f64,
+    /// By input what it is rounded to a multiple of; `None` where it is not.
+    pub quanta: Vec<Option<f64>>,
+}
+
+/// What a block reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockInput {
+    /// Coordinate of a body or a node, by its index.
+    Place(usize),
+    /// Its rate.
+    Rate(usize),
+    /// Elongation of an element, by its index in [`Description::elements`].
+    Elongation(usize),
+    /// The elongation's rate.
+    ElongationRate(usize),
+    /// A signal, by its index in [`Description::sources`].
+    Source(usize),
+    /// An output of a block, by the indices of block and output.
+    Output(usize, usize),
+}
+
+/// An output of a block that a load follows, instead of a force of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feed {
+    /// Index of the load.
+    pub load: usize,
+    /// Index of the block.
+    pub block: usize,
+    /// Index among its outputs.
+    pub output: usize,
+    /// Force per unit of the output, N or N m.
+    pub factor: f64,
+}
+
+/// An output of a block: indices of the block and among its outputs.
+pub type OutputPlace = (usize, usize);
+
+impl Sampling {
+    /// The most outputs of earlier samples that are under way at a time.
+    pub fn under_way(&self) -> usize {
+        let count = self.delay / self.period;
+        // A delay of whole samples ends where the next one begins.
+        let near = count.round();
+        if (count - near).abs() <= 4.0 * f64::EPSILON * near { near as usize } else { count.ceil() as usize }
+    }
+}
+
+impl Block {
+    /// Whether what an output reads at an instant acts at that instant.
+    fn is_direct(&self) -> bool {
+        self.sampling.as_ref().is_none_or(|own| own.delay == 0.0)
+    }
+
+    /// The outputs of blocks that an output depends on at an instant.
+    fn read_by(&self, output: usize) -> impl Iterator<Item = OutputPlace> + '_ {
+        let pairs = self.inputs.iter().zip(&self.d[output]);
+        pairs.filter_map(|(input, &d)| match *input {
+            BlockInput::Output(block, output) if d != 0.0 => Some((block, output)),
+            _ => None,
+        })
+    }
+
+    /// The name of one of its quantities.
+    pub(crate) fn name_of(&self, what: What) -> String {
+        let (own, states, outputs) = (&self.name, self.start.len(), self.outputs.len());
+        match what {
+            What::Output(j) => format!("{own}.{}", self.outputs[j]),
+            What::State(k) if k < states => format!("{own}.x[{k}]"),
+            What::State(k) if k < states + outputs => format!("{own}.{}.held", self.outputs[k - states]),
+            What::State(k) => {
+                let (turn, j) = ((k - states) / outputs - 1, (k - states) % outputs);
+                format!("{own}.{}.next[{turn}]", self.outputs[j])
+            }
+            What::StateRate(k) => format!("{}.rate", self.name_of(What::State(k))),
+            _ => own.clone(),
+        }
+    }
+
+    /// The lower and the upper limit of an output, infinite without.
+    pub(crate) fn limits_of(&self, output: usize) -> [f64; 2] {
+        self.limits[output].unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// Numbers that a sampled block keeps between samples beside its states: outputs that act, and
+    /// those under way.
+    pub(crate) fn kept(&self) -> usize {
+        self.sampling.as_ref().map_or(0, |own| self.outputs.len() * (1 + own.under_way()))
+    }
+}
+
+impl Description {
+    /// All outputs of blocks, each after those that it depends on at the same instant.
+    ///
+    /// # Errors
+    /// The outputs of a loop.
+    pub(crate) fn output_order(&self) -> Result<Vec<OutputPlace>, Vec<OutputPlace>> {
+        let (mut order, mut done, mut way) = (Vec::new(), HashSet::new(), Vec::new());
+        for (block, own) in self.blocks.iter().enumerate() {
+            for output in 0..own.outputs.len() {
+                self.visit((block, output), &mut way, &mut done, &mut order)?;
+            }
+        }
+        Ok(order)
+    }
+
+    fn visit(
+        &self,
+        place: OutputPlace,
+        way: &mut Vec<OutputPlace>,
+        done: &mut HashSet<OutputPlace>,
+        order: &mut Vec<OutputPlace>,
+    ) -> Result<(), Vec<OutputPlace>> {
+        if done.contains(&place) {
+            return Ok(());
+        }
+        if let Some(first) = way.iter().position(|own| *own == place) {
+            return Err(way[first..].to_vec());
+        }
+        way.push(place);
+        let from: Vec<OutputPlace> = self.blocks[place.0].read_by(place.1).collect();
+        // A delayed output keeps what it has whatever is read now.
+        for own in from.into_iter().filter(|own| self.blocks[own.0].is_direct()) {
+            self.visit(own, way, done, order)?;
+        }
+        way.pop();
+        done.insert(place);
+        order.push(place);
+        Ok(())
+    }
+
+    /// A limited output of a continuous block that another limited one depends on at the same instant.
+    pub(crate) fn limit_behind(&self, place: OutputPlace) -> Option<OutputPlace> {
+        let mut next: Vec<OutputPlace> = self.blocks[place.0].read_by(place.1).collect();
+        while let Some(own) = next.pop() {
+            let block = &self.blocks[own.0];
+            match (block.sampling.is_some(), block.limits[own.1].is_some()) {
+                (true, _) => {}
+                (false, true) => return Some(own),
+                (false, false) => next.extend(block.read_by(own.1)),
+            }
+        }
+        None
+    }
+
+    /// The finite limits of continuous blocks' outputs, in the order of their stops in the law: block,
+    /// output, and whether it is the upper one.
+    pub fn limits_of_outputs(&self) -> Vec<(OutputPlace, bool)> {
+        let order = self.output_order().unwrap_or_default();
+        let continuous = order.into_iter().filter(|own| self.blocks[own.0].sampling.is_none());
+        let limits = continuous.flat_map(|own| {
+            let both = self.blocks[own.0].limits_of(own.1).into_iter().zip([false, true]);
+            both.filter(|limit| limit.0.is_finite()).map(move |limit| (own, limit.1))
+        });
+        limits.collect()
+    }
+
+    /// The name of an output, such as `pid.u`.
+    pub fn name_of_output(&self, (block, output): OutputPlace) -> String {
+        format!("{}.{}", self.blocks[block].name, self.blocks[block].outputs[output])
+    }
+}
+
+impl Description {
+    /// The names of a block's inputs, as its file writes them, and their SI units.
+    pub(crate) fn inputs_of(&self, block: &Block) -> (Vec<String>, Vec<&'static str>) {
+        if block.inputs.is_empty() {
+            return (Vec::new(), Vec::new());
+        }
+        let elements: Vec<Element> = self.elements().collect();
+        let name = |input: &BlockInput| {
+            let of_body = |i: usize, what: What| {
+                let body = self.bodies.get(i);
+                body.map_or((String::new(), "1"), |own| {
+                    (format!("{}.{}", own.name, what.word()), what.unit(own.dimension))
+                })
+            };
+            let of_element = |i: usize, what: What| {
+                let element = elements.get(i);
+                let named = |own: &Element| {
+                    (format!("{}.{}", own.name(), what.word()), what.unit(own.dimension(self)))
+                };
+                element.map_or((String::new(), "1"), named)
+            };
+            match *input {
+                BlockInput::Place(i) => of_body(i, What::S),
+                BlockInput::Rate(i) => of_body(i, What::V),
+                BlockInput::Elongation(i) => of_element(i, What::E),
+                BlockInput::ElongationRate(i) => of_element(i, What::Rate),
+                BlockInput::Source(i) => {
+                    (self.sources.get(i).map_or_else(String::new, |own| own.name.clone()), "1")
+                }
+                BlockInput::Output(i, j) => {
+                    let own = self.blocks.get(i).filter(|own| j < own.outputs.len());
+                    (own.map_or_else(String::new, |_| self.name_of_output((i, j))), "1")
+                }
+            }
+        };
+        block.inputs.iter().map(name).unzip()
+    }
+}

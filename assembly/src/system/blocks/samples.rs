@@ -1,0 +1,207 @@
+//! What samples make of the augmented state, and of its variations.
+
+use super::super::{StateRow, System};
+use super::{Combination, Sampler};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+/// What happens to a block at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleAction {
+    /// Index of the block.
+    pub block: usize,
+    /// What a sample does with the outputs.
+    pub kind: SampleKind,
+}
+
+/// The two things that happen to a sampled block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SampleKind {
+    /// Outputs under way act from now on.
+    Acts,
+    /// It reads its inputs; its outputs act at once or, with a turn, after so many others.
+    Reads(Option<usize>),
+}
+
+/// The derivative of a [`Combination`] by a parameter.
+#[derive(Clone, Debug)]
+pub struct CombinationTangent {
+    /// Of the row.
+    pub row: StateRow,
+    /// Of the factors of limits.
+    pub beyond: Vec<f64>,
+}
+
+/// The derivative of what a sampled block does by a parameter.
+#[derive(Clone, Debug)]
+pub struct SamplerTangent {
+    /// By state and state.
+    pub a: DMatrix<f64>,
+    /// By state and input.
+    pub b: DMatrix<f64>,
+    /// By output and state.
+    pub c: DMatrix<f64>,
+    /// By output and input.
+    pub d: DMatrix<f64>,
+    /// By output.
+    pub limits: Vec<[f64; 2]>,
+    /// u.
+    pub inputs: Vec<CombinationTangent>,
+}
+
+/// A variation of the state at an instant at which blocks are sampled.
+pub struct SampledVariation<'a> {
+    /// δ.
+    pub delta: &'a mut [f64],
+    /// By block the derivative of what it does; empty where nothing but the state varies.
+    pub blocks: &'a [Option<SamplerTangent>],
+    /// By stop the derivative of its excess; empty as `blocks`.
+    pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
+}
+
+/// The number that an input is read as: the nearest multiple, halves away from zero.
+fn rounded(value: f64, quantum: f64) -> f64 {
+    if quantum == 0.0 { value } else { quantum * (value / quantum).round() }
+}
+
+fn dot(row: &StateRow, z: &[f64]) -> f64 {
+    row.iter().zip(z).map(|(a, b)| a * b).sum()
+}
+
+impl System {
+    /// Applies what happens to blocks at an instant: first outputs under way act, then blocks put out
+    /// what they read, in the order of their d, then their states follow. Variations are carried over it.
+    pub(crate) fn sample(
+        &self,
+        actions: &[SampleAction],
+        z: &mut DVector<f64>,
+        variations: &mut [SampledVariation],
+    ) {
+        for action in actions.iter().filter(|own| own.kind == SampleKind::Acts) {
+            self.act(action.block, z.as_mut_slice());
+            variations.iter_mut().for_each(|own| self.act(action.block, own.delta));
+        }
+        let turn = |block: usize| {
+            actions.iter().find_map(|own| match own.kind {
+                SampleKind::Reads(turn) if own.block == block => Some(turn),
+                _ => None,
+            })
+        };
+        for &(block, output) in &self.output_order {
+            let (Some(turn), Some(sampler)) = (turn(block), &self.blocks[block].sampler) else { continue };
+            let place = self.blocks[block].place_of_output(turn, output);
+            let free = self.sum(block, (&sampler.c, &sampler.d, output), sampler, z);
+            let [low, high] = sampler.limits[output];
+            let varied: Vec<f64> = variations
+                .iter()
+                .map(|own| {
+                    let tangent = own.blocks.get(block).and_then(Option::as_ref);
+                    match tangent {
+                        _ if free <= low || free >= high => {
+                            let side = usize::from(free >= high);
+                            tangent.map_or(0.0, |by| by.limits[output][side])
+                        }
+                        _ => {
+                            let by = tangent.map(|by| (&by.c, &by.d, &by.inputs));
+                            self.sum_by(block, (&sampler.c, &sampler.d, output), (sampler, by), (z, own))
+                        }
+                    }
+                })
+                .collect();
+            z[place] = free.clamp(low, high);
+            variations.iter_mut().zip(varied).for_each(|(own, value)| own.delta[place] = value);
+        }
+        for action in actions.iter().filter(|own| own.kind != SampleKind::Acts) {
+            self.follow_inputs(action.block, z, variations);
+        }
+    }
+
+    /// x⁺ = a x + b u.
+    fn follow_inputs(&self, block: usize, z: &mut DVector<f64>, variations: &mut [SampledVariation]) {
+        let own = &self.blocks[block];
+        let Some(sampler) = &own.sampler else { return };
+        let of = |k: usize| (&sampler.a, &sampler.b, k);
+        let next: Vec<f64> = (0..own.states).map(|k| self.sum(block, of(k), sampler, z)).collect();
+        for varied in variations {
+            let tangent = varied.blocks.get(block).and_then(Option::as_ref);
+            let by = tangent.map(|by| (&by.a, &by.b, &by.inputs));
+            let all: Vec<f64> =
+                (0..own.states).map(|k| self.sum_by(block, of(k), (sampler, by), (z, varied))).collect();
+            varied.delta[own.first..own.first + own.states].copy_from_slice(&all);
+        }
+        z.as_mut_slice()[own.first..own.first + own.states].copy_from_slice(&next);
+    }
+
+    /// Lets the first outputs under way of a block act.
+    fn act(&self, block: usize, z: &mut [f64]) {
+        let own = &self.blocks[block];
+        let (first, count) = (own.place_of_output(None, 0), own.outputs.len());
+        let end = own.first + own.kept();
+        z.copy_within(first + count..end, first);
+        z[end - count..end].fill(0.0);
+    }
+
+    /// Row i of the matrices of states and inputs, times what they are.
+    fn sum(
+        &self,
+        block: usize,
+        (of_states, of_inputs, i): (&DMatrix<f64>, &DMatrix<f64>, usize),
+        sampler: &Sampler,
+        z: &DVector<f64>,
+    ) -> f64 {
+        let own = &self.blocks[block];
+        let states: f64 = (0..own.states).map(|k| of_states[(i, k)] * z[own.first + k]).sum();
+        let inputs = own.inputs.iter().enumerate().filter(|(j, _)| of_inputs[(i, *j)] != 0.0);
+        let inputs =
+            inputs.map(|(j, input)| of_inputs[(i, j)] * rounded(input.at(&self.stops, z), sampler.quanta[j]));
+        states + inputs.sum::<f64>()
+    }
+
+    /// The derivative of [`sum`](Self::sum), where a rounded input varies as what it is read from.
+    fn sum_by(
+        &self,
+        block: usize,
+        (of_states, of_inputs, i): (&DMatrix<f64>, &DMatrix<f64>, usize),
+        (sampler, by): (&Sampler, Option<(&DMatrix<f64>, &DMatrix<f64>, &Vec<CombinationTangent>)>),
+        (z, varied): (&DVector<f64>, &SampledVariation),
+    ) -> f64 {
+        let own = &self.blocks[block];
+        let mut sum: f64 = (0..own.states).map(|k| of_states[(i, k)] * varied.delta[own.first + k]).sum();
+        for (j, input) in own.inputs.iter().enumerate() {
+            let factor = of_inputs[(i, j)];
+            if factor != 0.0 {
+                sum += factor * self.combination_by(input, by.map(|by| &by.2[j]), z, varied);
+            }
+        }
+        if let Some((states_by, inputs_by, _)) = by {
+            sum += (0..own.states).map(|k| states_by[(i, k)] * z[own.first + k]).sum::<f64>();
+            let inputs = own.inputs.iter().enumerate();
+            let read = |(j, input): (usize, &Combination)| match inputs_by[(i, j)] {
+                0.0 => 0.0,
+                factor => factor * rounded(input.at(&self.stops, z), sampler.quanta[j]),
+            };
+            sum += inputs.map(read).sum::<f64>();
+        }
+        sum
+    }
+
+    fn combination_by(
+        &self,
+        own: &Combination,
+        by: Option<&CombinationTangent>,
+        z: &DVector<f64>,
+        varied: &SampledVariation,
+    ) -> f64 {
+        let mut sum = dot(&own.row, varied.delta) + by.map_or(0.0, |by| by.row.dot(z));
+        for (k, &(stop, factor)) in own.beyond.iter().enumerate() {
+            let excess = &self.stops[stop].excess;
+            let beyond = excess.at(z.as_slice());
+            if beyond > 0.0 {
+                let moved = (varied.excess)(stop).map_or(0.0, |row| row.dot(z));
+                sum += factor * (dot(excess, varied.delta) + moved);
+                sum += by.map_or(0.0, |by| by.beyond[k] * beyond);
+            }
+        }
+        sum
+    }
+}
