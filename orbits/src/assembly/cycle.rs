@@ -30,8 +30,8 @@ pub struct Leg {
     pub span: f64,
     /// Augmented states at its begin, after the event's law, and at its end.
     pub states: [Vec<f64>; 2],
-    /// Knots of signals within it: time, s, and augmented states before and after.
-    pub(super) knots: Vec<(f64, [Vec<f64>; 2])>,
+    /// Knots of signals within it.
+    pub(super) knots: Vec<KnotWithin>,
     /// Its linear system.
     pub flow: Arc<Flow>,
     /// exp(A span).
@@ -75,6 +75,9 @@ fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
     own.map(|(place, _)| place).nth(letter.place).ok_or(Obstacle::Order)
 }
 
+/// A knot of signals within a flight: time, s, and augmented states before and after it.
+pub(super) type KnotWithin = (f64, [Vec<f64>; 2]);
+
 /// A part of a flight between knots of signals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPart<'a> {
@@ -110,8 +113,8 @@ fn flown(
     flow: &Flow,
     (z, propagator): (&[f64], &DMatrix<f64>),
     [mut time, until]: [f64; 2],
-) -> (Vec<f64>, Vec<(f64, [Vec<f64>; 2])>) {
-    let mut knots: Vec<(f64, [Vec<f64>; 2])> = Vec::new();
+) -> (Vec<f64>, Vec<KnotWithin>) {
+    let mut knots: Vec<KnotWithin> = Vec::new();
     while let Some(knot) = system.signals.next_knot(time).filter(|knot| *knot < until) {
         let begin = knots.last().map_or(z, |(_, states)| &states[1]);
         let before = flow.stretches(begin, knot - time, &mut |_, _| ());

@@ -20,6 +20,8 @@ const COSINE: f64 = 0.95;
 /// Growth of the step after few Newton steps, and its reduction after many.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
+/// Part of the longest step below which steps that cost no less than longer ones grow.
+const SHORT: f64 = 1e-2;
 /// Points after which a branch can have closed.
 const SHORTEST_LOOP: usize = 10;
 /// Share of the parameter in the tangent below which the equations are bordered as they are.
@@ -142,7 +144,10 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
         if let Some(end) = end {
             return Ok(Path { points, end });
         }
-        if next.steps <= 3 {
+        // Where Newton's method takes as many steps however short the way is, its length costs nothing:
+        // next to a touch rounding takes them, and the curve would crawl.
+        let crawls = step < SHORT * options.longest_step && next.steps <= last.steps;
+        if next.steps <= 3 || crawls {
             step *= GROWTH;
         } else if next.steps >= 5 {
             step /= REDUCTION;
