@@ -18,7 +18,7 @@ const FEW: usize = 8;
 const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
 /// Noise of a column, and part of the interval between contacts, up to which a fit is done.
-const DONE: f64 = 2.0;
+const DONE: f64 = 2.5;
 const MET: f64 = 0.01;
 /// Residual of a column, in parts of its standard deviation, that is rounding.
 const EXACT: f64 = 1e-12;
@@ -227,6 +227,11 @@ impl<'a> Model<'a> {
                 let off = self.contacts_off(&beside, k);
                 off.len() == times.len() && self.spread(off.into_iter()) <= MET * interval(times)
             }))
+    }
+
+    /// Whether the machine has stops.
+    pub fn has_stops(&self) -> bool {
+        !self.unknowns.machine.description.stops.is_empty()
     }
 
     /// Whether one motion keeps near the record from values on: there is but one way to it.
