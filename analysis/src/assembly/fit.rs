@@ -210,8 +210,8 @@ fn best_from(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
     let (mut best, mut same): (Option<Solved>, u32) = (None, 0);
-    // Where the motion keeps near the record from the start on, there is one valley.
-    let is_regular = model.is_near(start, WAYS[0]);
+    // Without stops a motion that keeps near the record from the start on has one valley.
+    let is_regular = !model.has_stops() && model.is_near(start, WAYS[0]);
     let is_small = start.len() <= sobol::DIMENSIONS;
     let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| bounds.beside(start, k, BESIDE.1));
     let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);

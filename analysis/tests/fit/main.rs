@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
+mod emps;
 mod losses;
 mod regular;
 mod segments;

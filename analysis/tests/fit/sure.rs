@@ -73,6 +73,7 @@ fn closed_form_of_two_factors_only_the_product_is_determined() {
 }
 
 #[test]
+#[ignore = "takes minutes: open"]
 fn second_method_errors_of_correlated_residuals_are_the_spread_of_repeated_fits() {
     // A sensor whose noise lasts some ten samples.
     const LASTS: f64 = 0.9;

@@ -18,8 +18,10 @@ const FEW: usize = 8;
 const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
 /// Noise of a column, and part of the interval between contacts, up to which a fit is done.
-const DONE: f64 = 2.0;
+const DONE: f64 = 2.5;
 const MET: f64 = 0.01;
+/// Correlation of a residual with the next one above which residuals are more than noise.
+const FOLLOWS: f64 = 0.5;
 /// Residual of a column, in parts of its standard deviation, that is rounding.
 const EXACT: f64 = 1e-12;
 
@@ -217,16 +219,27 @@ impl<'a> Model<'a> {
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
     }
 
-    /// Whether the residuals at a point are little more than the noise, and each contact has its own.
+    /// Whether the residuals at a point are little more than the noise and do not follow each other, and
+    /// each contact has its own.
     pub fn is_noise(&self, point: &Point, reach: &Reach) -> Result<bool> {
         let beside = self.beside(point, reach)?;
         let mut columns = self.noise.iter().enumerate();
         let mut lists = self.measured.contacts.iter().enumerate();
-        Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= DONE * noise)
+        let is_white = |k: usize| {
+            let own: Vec<f64> = beside.residuals(k).collect();
+            let product: f64 = own.windows(2).map(|pair| pair[0] * pair[1]).sum();
+            product <= FOLLOWS * own.iter().map(|r| r * r).sum::<f64>()
+        };
+        Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= DONE * noise && is_white(k))
             && lists.all(|(k, (_, times))| {
                 let off = self.contacts_off(&beside, k);
                 off.len() == times.len() && self.spread(off.into_iter()) <= MET * interval(times)
             }))
+    }
+
+    /// Whether the machine has stops.
+    pub fn has_stops(&self) -> bool {
+        !self.unknowns.machine.description.stops.is_empty()
     }
 
     /// Whether one motion keeps near the record from values on: there is but one way to it.

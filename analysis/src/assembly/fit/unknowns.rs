@@ -24,7 +24,7 @@ enum Unknown {
 
 /// The free numbers in their order.
 pub(super) struct Unknowns<'a> {
-    machine: &'a Machine,
+    pub machine: &'a Machine,
     start: &'a Start,
     all: Vec<Unknown>,
     /// The names of those of the machine and of the start, as columns of derivatives.
