@@ -8,11 +8,7 @@ const LEAST: f64 = 60.0;
 impl Layout {
     /// The layout with each body moved along the row by `shift`, and the plates of stops as far
     /// apart as `opening` says, both by name and in units of the drawing.
-    pub(crate) fn moved(
-        &self,
-        shift: &dyn Fn(&str) -> f64,
-        opening: &dyn Fn(&str) -> Option<f64>,
-    ) -> Self {
+    pub(crate) fn moved(&self, shift: &dyn Fn(&str) -> f64, opening: &dyn Fn(&str) -> Option<f64>) -> Self {
         let mut moved = self.clone();
         let shifts: Vec<f64> = self.bodies.iter().map(|body| shift(&body.name)).collect();
         let by = |with: With| with.map(|column| column.map_or(0.0, |column| shifts[column]));

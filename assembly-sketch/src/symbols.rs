@@ -223,7 +223,11 @@ impl Hand<'_> {
         let (middle, stretch) = (0.5 * (from + to), self.stretch);
         self.stretch = 0.5 * stretch;
         self.coil(from, middle, y, 3);
-        if slides { self.bars(middle, to, y, 40.0) } else { self.dashpot(middle, to, y) }
+        if slides {
+            self.bars(middle, to, y, 40.0)
+        } else {
+            self.dashpot(middle, to, y)
+        }
         self.stretch = stretch;
     }
 

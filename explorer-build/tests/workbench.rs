@@ -59,9 +59,8 @@ fn compared(told: &serde_json::Value) -> usize {
     let assembly = Arc::new(Assembly::new(machine.clone()).unwrap());
     let mut events = Vec::new();
     let mut motion = Motion::new_observed(assembly.clone(), &mut |e| events.push(e.clone())).unwrap();
-    let starts = (0..machine.bodies.len()).map(|i| {
-        (motion.coordinate(i) * (1.0 + SHIFT) + SHIFT * 1e-3, motion.rate(i) * (1.0 - SHIFT))
-    });
+    let starts = (0..machine.bodies.len())
+        .map(|i| (motion.coordinate(i) * (1.0 + SHIFT) + SHIFT * 1e-3, motion.rate(i) * (1.0 - SHIFT)));
     let beside = Assembly::new(machine).unwrap().starting_from(starts.collect());
     let mut other = Motion::new(Arc::new(beside)).unwrap();
     let stop = told["stop"].as_f64().unwrap();

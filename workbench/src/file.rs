@@ -166,15 +166,16 @@ pub fn edited(
     machine.quantity(name, value).map_err(|error| refused(&[(None, error.to_string())]))?;
     let typed = quantity_in(machine.si_unit(name), value.trim()).and_then(|q| q.unit);
     // The unit stays as the text spells it.
-    let spelt = text[span.clone()].trim_matches(['"', '\'']).trim_start_matches(|c: char| {
-        c.is_ascii_digit() || "+-._eE ".contains(c)
-    });
+    let spelt = text[span.clone()]
+        .trim_matches(['"', '\''])
+        .trim_start_matches(|c: char| c.is_ascii_digit() || "+-._eE ".contains(c));
     let written = match (typed, machine.written_unit(name)) {
         (Some(_), _) => format!("{:?}", value.trim()),
         (None, Some(_)) => format!("\"{} {spelt}\"", value.trim()),
         // TOML has no numbers such as `.5` or `5.`.
-        (None, None) => value.trim().parse::<f64>().map_or_else(|_| format!("{value:?}"), |x| format!("{x:?}")),
+        (None, None) => {
+            value.trim().parse::<f64>().map_or_else(|_| format!("{value:?}"), |x| format!("{x:?}"))
+        }
     };
     Ok(format!("{}{written}{}", &text[..span.start], &text[span.end..]))
 }
-

@@ -119,10 +119,9 @@ impl Bench {
                     mode.stops[i],
                     StopState::Closed | StopState::Pressed | StopState::Capped | StopState::Rebounding
                 ),
-                Part::Friction(i) => !matches!(
-                    mode.frictions[i],
-                    FrictionState::Up | FrictionState::Down | FrictionState::Off
-                ),
+                Part::Friction(i) => {
+                    !matches!(mode.frictions[i], FrictionState::Up | FrictionState::Down | FrictionState::Off)
+                }
                 _ => false,
             })
         };

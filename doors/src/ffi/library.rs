@@ -46,8 +46,8 @@ fn of_address(address: usize) -> Option<PathBuf> {
     let mut info =
         libc::Dl_info { dli_fname: null.cast(), dli_fbase: null, dli_sname: null.cast(), dli_saddr: null };
     // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
-    let found =
-        unsafe { libc::dladdr(address as *const core::ffi::c_void, &mut info) } != 0 && !info.dli_fname.is_null();
+    let found = unsafe { libc::dladdr(address as *const core::ffi::c_void, &mut info) } != 0
+        && !info.dli_fname.is_null();
     // SAFETY: if a library was found, `dli_fname` is a C string that lives as long as the library
     // is loaded.
     found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
