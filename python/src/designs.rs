@@ -144,7 +144,9 @@ impl GivenStarts<'_> {
         Ok(match self {
             Self::States(states) => Starts::States(rows_of_states(states)?),
             Self::Rule(scaled, si) => {
-                let one = |(scaled, si): (&f64, &Option<f64>)| si.map_or(Coordinate::Scaled(*scaled), Coordinate::Si);
+                let one = |(scaled, si): (&f64, &Option<f64>)| {
+                    si.map_or(Coordinate::Scaled(*scaled), Coordinate::Si)
+                };
                 let mut start = [Coordinate::Scaled(0.0); 6];
                 start.iter_mut().zip(scaled.iter().zip(si)).for_each(|(to, from)| *to = one(from));
                 Starts::Rule(StartRule::State(start))

@@ -166,7 +166,8 @@ pub fn simulate_many<'py>(
     });
     let ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
     ended.map_err(|error| {
-        let row = |end: &End| end.as_ref().map_or(Vec::new(), |end| end.x.iter().chain(&end.v).copied().collect());
+        let row =
+            |end: &End| end.as_ref().map_or(Vec::new(), |end| end.x.iter().chain(&end.v).copied().collect());
         with_partial(py, error, (0..count).map(|index| ends.get(index).map(row)).collect())
     })?;
     let rows: Vec<State> = ends.iter().map(|end| *end.as_ref().unwrap_or(&State::default())).collect();

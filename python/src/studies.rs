@@ -356,9 +356,9 @@ pub fn measure_many(
     let named = named.map_err(Failure::from)?;
     let (systems, starts) = (systems.owned()?, starts.owned()?);
     each_of(py, systems.len(), progress, move |control, index| {
-        let measured = systems.motion(&starts, index).and_then(|(p, start)| {
-            one(control, &p, &start, &named, (discard, periods))
-        });
+        let measured = systems
+            .motion(&starts, index)
+            .and_then(|(p, start)| one(control, &p, &start, &named, (discard, periods)));
         row(measured, in_rows)
     })
 }

@@ -53,7 +53,8 @@ impl Example {
     pub fn find(name: &str) -> Result<&'static Self> {
         EXAMPLES.iter().find(|example| example.name == name).ok_or_else(|| {
             let names: Vec<&str> = EXAMPLES.iter().map(|example| example.name).collect();
-            let problem = format!("no machine of the gallery has this name; allowed are {}", names.join(", "));
+            let problem =
+                format!("no machine of the gallery has this name; allowed are {}", names.join(", "));
             Error::Refused { what: format!("new {name}"), problem }
         })
     }

@@ -32,7 +32,10 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
     let (code, told) = refused(&["new", "valve-train", &out.join("other.toml").display().to_string()]);
     assert!(code == 2 && told.contains("cam_lift.csv") && !out.join("other.toml").exists(), "{told}");
     let (code, told) = refused(&["new", "dampr"]);
-    assert!(code == 2 && told.contains("new dampr") && told.contains("allowed are damper, gears, brake"), "{told}");
+    assert!(
+        code == 2 && told.contains("new dampr") && told.contains("allowed are damper, gears, brake"),
+        "{told}"
+    );
 }
 
 #[test]
@@ -54,7 +57,10 @@ fn fmu_packs_around_the_library_that_is_named_and_says_how_to_get_one() {
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
     vibro.args(["fmu", &damper]).env("VIBRO_IMPACT_ARCHIVES", out.join("nowhere"));
     let told = String::from_utf8(vibro.output().unwrap().stderr).unwrap();
-    assert!(told.is_empty() || told.contains("cargo run --bin fmu-build") && told.contains("--kit"), "{told}");
+    assert!(
+        told.is_empty() || told.contains("cargo run --bin fmu-build") && told.contains("--kit"),
+        "{told}"
+    );
     let (code, told) = refused(&["fmu", &damper, "--kit", &damper]);
     assert!(code == 2 && told.contains("--kit"), "{told}");
 }

@@ -18,12 +18,10 @@ from ._progress import Bar
 from ._start import Start
 from ._show import Line, lines
 from ._result import Result
+from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-    from ._assembly import Assembly
-    from ._machine import Machine
 
 _LOSSES = ("linear", "soft_l1", "huber")
 
@@ -86,9 +84,9 @@ class AssemblyFit(Result):
 class MachineFit(AssemblyFit):
     """A :class:`Machine` fitted to a record."""
 
-    machine: Machine  # type: ignore[assignment]
+    machine: AnyMachine
     "The machine with the fitted numbers."
-    twin: Assembly
+    twin: AnyMachine
     "The same as a machine of your own, whose names columns and starts have."
 
 
@@ -131,14 +129,14 @@ load.secondary = {{ on = "secondary", constant = "= load_secondary" }}
 """
 
 
-def _twin(machine: Machine) -> Assembly:
+def _twin(machine: ParameterValues) -> AssemblyDescription:
     """The machine of the 3-DOF core as a machine of bodies and elements, by whose names it is set."""
-    from ._assembly import Assembly
+    text = _TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES))
+    found: AssemblyDescription = machine._described_by(text)
+    return found
 
-    return Assembly(_TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES)))
 
-
-def _fit_machine(machine: Machine, record: Mapping[str, Any], free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
+def _fit_machine(machine: ParameterValues, record: Mapping[str, Any], free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
     """The fit of the twin, by the machine's own names."""
     from ._arguments import state
 
@@ -219,9 +217,7 @@ def fit(
     RuntimeError
         Where no motion of the machine covers the record.
     """
-    from ._machine import Machine
-
-    if isinstance(machine, Machine):
+    if isinstance(machine, ParameterValues):
         arguments = {"within": within, "events": events, "sigma": sigma, "loss": loss, "segments": segments, "starts": starts}
         return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
     if not isinstance(machine, AssemblyDescription):

@@ -104,7 +104,7 @@ class AnyMachine:
         executor: Any = None,
         checkpoint: Union[None, str, os.PathLike[str]] = None,
         progress: bool = False,
-        **more: ArrayLike,
+        **more: Any,
     ) -> Any:
         """Measures over all combinations of parameters."""
         raise NotImplementedError
@@ -118,7 +118,7 @@ class AnyMachine:
         exponents: Union[bool, int] = False,
         start: Any = None,
         progress: bool = False,
-        **more: ArrayLike,
+        **more: Any,
     ) -> Any:
         """A bifurcation diagram over a parameter in both directions."""
         raise NotImplementedError

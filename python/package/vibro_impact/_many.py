@@ -45,7 +45,10 @@ class Ends(Result):
     @property
     def states(self) -> Floats:
         """The states as starts of further motions, shape (n, 6)."""
-        found: Floats = np.ma.concatenate([self.s, self.v], axis=-1) if isinstance(self.s, np.ma.MaskedArray) else np.concatenate([self.s, self.v], axis=-1)
+        found: Floats = np.zeros((*self.s.shape[:-1], 6))
+        if isinstance(self.s, np.ma.MaskedArray):
+            found = np.ma.MaskedArray(found, np.repeat(np.ma.getmaskarray(self.s)[..., :1], 6, axis=-1))
+        found[..., :3], found[..., 3:] = self.s, self.v
         return found
 
     def __getitem__(self, name: str) -> Floats:
@@ -185,13 +188,12 @@ def simulate_many(
 @overload
 def simulate_many(
     machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
-    parameters: Optional[Mapping[str, ArrayLike]] = None,
+    parameters: None = None,
     *,
     starts: Union[StartLike, Sequence[StartLike]] = None,
     times: ArrayLike,
     derivatives: Iterable[str] = (),
     progress: bool = False,
-    **more: ArrayLike,
 ) -> list[AssemblyRun]: ...
 
 
@@ -200,10 +202,10 @@ def simulate_many(
     parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
     starts: Any = None,
-    periods: Optional[int] = None,
-    until: Optional[float] = None,
-    times: Optional[ArrayLike] = None,
-    derivatives: Iterable[str] = (),
+    periods: Any = None,
+    until: Any = None,
+    times: Any = None,
+    derivatives: Any = (),
     errors: str = "raise",
     executor: Any = None,
     checkpoint: _Path = None,

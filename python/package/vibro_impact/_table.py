@@ -73,14 +73,15 @@ class Table(Result):
         return found
 
     def to_xarray(self) -> xarray.Dataset:
-        """A data set of the table's shape, of a sweep with its parameters as coordinates; xarray must be installed."""
-        xarray = needed("xarray", "to_xarray")
+        """A data set of the table's shape, of a sweep with its parameters as coordinates; xarray, which has no masks but NaN, must be installed."""
+        module = needed("xarray", "to_xarray")
         dims = self.axes or tuple(f"dim_{k}" for k in range(len(self.shape)))
         across = [tuple(slice(None) if i == k else 0 for i in range(len(dims))) for k in range(len(dims))]
         coords = {name: (dims[k], self.parameters[name][across[k]], {"units": self.units[name]}) for k, name in enumerate(self.axes or ())}
         shown = {name: column for name, column in self.columns.items() if name not in coords}
-        found = {name: (dims, _filled(column), {"units": self.units.get(name, "1")}) for name, column in shown.items()}
-        return xarray.Dataset(found, coords=coords)
+        parts = {name: (dims, _filled(column), {"units": self.units.get(name, "1")}) for name, column in shown.items()}
+        found: xarray.Dataset = module.Dataset(parts, coords=coords)
+        return found
 
     def to_parquet(self, path: Union[str, os.PathLike[str]]) -> Path:
         """Writes the rows as a Parquet file, with the units as metadata, and returns its path; pyarrow must be installed."""

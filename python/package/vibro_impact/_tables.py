@@ -31,13 +31,15 @@ def needed(module: str, what: str) -> Any:
 
 def frame(columns: Mapping[str, Any], t: Floats) -> pandas.DataFrame:
     """A table over times."""
-    pandas = needed("pandas", "to_pandas")
-    return pandas.DataFrame(dict(columns), index=pandas.Index(t, name="time"))
+    module = needed("pandas", "to_pandas")
+    found: pandas.DataFrame = module.DataFrame(dict(columns), index=module.Index(t, name="time"))
+    return found
 
 
 def dataset(machine: AnyMachine, columns: list[str], values: Floats, t: Floats) -> xarray.Dataset:
     """Columns of a motion over times."""
-    xarray = needed("xarray", "to_xarray")
-    found = {name: ("time", values[:, k]) for k, name in enumerate(columns)}
-    time = xarray.Variable("time", t, {"units": "s"})
-    return xarray.Dataset(found, coords={"time": time}, attrs={"machine": machine.name})
+    module = needed("xarray", "to_xarray")
+    parts = {name: ("time", values[:, k]) for k, name in enumerate(columns)}
+    time = module.Variable("time", t, {"units": "s"})
+    found: xarray.Dataset = module.Dataset(parts, coords={"time": time}, attrs={"machine": machine.name})
+    return found

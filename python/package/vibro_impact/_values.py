@@ -138,6 +138,10 @@ class ParameterValues(AnyMachine):
         order = [*si, *groups]
         return list(si.items()), list(groups.items()), [order.index(name) for name in own], table
 
+    def _described_by(self, text: str) -> Any:
+        """The :class:`Assembly` of a text."""
+        raise NotImplementedError
+
     def _changes_period(self, name: str) -> bool:
         """Whether a parameter changes the drive's period."""
         return find(name) in ("drive_frequency", "sigma1", "epsilon", "box_k", "box_m")

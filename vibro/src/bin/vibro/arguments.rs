@@ -131,7 +131,9 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "set" if ["check", "draw", "section", "fmu"].contains(&name.as_str()) => Some(arg.clone().help(SET_OF_FILE)),
+        "set" if ["check", "draw", "section", "fmu"].contains(&name.as_str()) => {
+            Some(arg.clone().help(SET_OF_FILE))
+        }
         "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
         "set" => Some(arg.clone()),
         _ => None,

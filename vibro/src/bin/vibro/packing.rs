@@ -27,7 +27,10 @@ pub fn begin(arguments: &New) -> Result<()> {
     let written = example.write(&path)?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     let file = path.display();
-    output::say(&format!("written: {}\nnext: vibro draw {file}, vibro run {file} --until 1s", names.join(", ")))
+    output::say(&format!(
+        "written: {}\nnext: vibro draw {file}, vibro run {file} --until 1s",
+        names.join(", ")
+    ))
 }
 
 /// Packs a machine as an FMU, NAME.fmu in the folder of results.
@@ -36,7 +39,8 @@ pub fn begin(arguments: &New) -> Result<()> {
 /// [`Error::Refused`] where no library is at hand, and for a machine that cannot be packed;
 /// [`Error::File`].
 pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<()> {
-    let refused = |what: String| move |error: vibro_pack::Error| Error::Refused { what, problem: error.to_string() };
+    let refused =
+        |what: String| move |error: vibro_pack::Error| Error::Refused { what, problem: error.to_string() };
     let path = kit(arguments.kit.as_deref())?;
     let kit = Kit::read(&path).map_err(refused(format!("--kit {}", path.display())))?;
     let version = if arguments.fmi == "2" { Version::Fmi2 } else { Version::Fmi3 };
