@@ -50,6 +50,7 @@ pub(crate) const DECLARED: &[Declared] = &[
     declared("J", [1, 2, -2, 0], &[("mJ", 1e3)], "Energy", "Energy"),
     declared("Hz", [0, 0, -1, 0], &[("kHz", 1e-3)], "Frequency", "Frequency"),
     declared("1/m", [0, -1, 0, 0], &[], "InverseLength", "InverseLength"),
+    declared("1/s", [0, 0, -1, 0], &[], "Rate", "Frequency"),
     declared("1", [0, 0, 0, 0], &[], "Number", "DimensionlessRatio"),
     declared(NO_UNIT, [0, 0, 0, 0], &[], "Sensitivity", ""),
 ];

@@ -299,10 +299,11 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
             let Quantity::Parameter(place) = row.quantity else { continue };
             let parameter = &plan.table.parameters[place];
             let follows = plan.assembly.description.named.numbers_of(&row.name);
-            let times = [".repeat", ".from", ".to", ".duration", ".motion.s", ".motion.v"];
+            let times =
+                [".repeat", ".sample", ".delay", ".from", ".to", ".duration", ".motion.s", ".motion.v"];
             let is_time = times.iter().any(|end| row.name.ends_with(end));
             let fixed = is_time
-                || [".start.", ".arms.", ".slider"]
+                || [".start.", ".start[", ".arms.", ".slider", ".sample"]
                     .iter()
                     .any(|part| row.name.contains(part) || follows.iter().any(|name| name.contains(part)));
             let tunable = !fixed && !follows.iter().any(|name| name.ends_with(".frequency"));

@@ -35,6 +35,13 @@ fn gyroscopic(system: &System) -> Vec<DVector<f64>> {
     rows.filter(|row| row.amax() > 0.0).collect()
 }
 
+/// The rows of coordinates, or of velocities from `first` on, that blocks read.
+fn read(system: &System, first: usize) -> Vec<DVector<f64>> {
+    let inputs = system.blocks.iter().flat_map(|block| &block.inputs);
+    let rows = inputs.map(|input| input.row.rows(first, system.coordinates).into_owned());
+    rows.filter(|row| row.amax() > 0.0).collect()
+}
+
 impl Neutral {
     /// The directions of a machine.
     pub fn of(system: &System) -> Self {
@@ -44,9 +51,11 @@ impl Neutral {
         };
         let mut rows = springs(&|s| s.stiffness != 0.0);
         rows.extend(system.stops[..system.first_freewheel].iter().map(|s| s.elongation.w.clone()));
+        rows.extend(read(system, 0));
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
         rows.extend(gyroscopic(system));
+        rows.extend(read(system, system.coordinates));
         rows.extend(system.stops[system.freewheels()].iter().map(|s| s.elongation.w.clone()));
         rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
         rows.extend(system.branches.iter().map(|b| b.elongation.w.clone()));

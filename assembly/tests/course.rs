@@ -12,6 +12,9 @@ use vibro_assembly::{Assembly, Error, Motion, file};
 /// Upper bound of the events of these motions.
 const MOST_EVENTS: usize = 1000;
 
+/// A servo with sampled and continuous blocks; without its quantum, whose steps magnify an error.
+const SERVO: &str = include_str!("../../assembly-fmi/tests/common/blocks.toml");
+
 /// Solver of fixed step: the fourth-order Runge-Kutta method, with roots of indicators by
 /// bisection.
 struct Solver {
@@ -102,10 +105,12 @@ fn second_method_a_solver_by_derivatives_and_indicators_finds_the_exact_motion()
         ("cradle", 1.0, 1e-4, 1),
         ("laws", 0.7, 1e-4, 6),
         ("stepped", 0.8, 2e-5, 20),
+        ("blocks", 0.3, 2e-5, 100),
     ];
     for (name, end, step, events) in machines {
         let assembly = match name {
             "laws" => Arc::new(Assembly::new(laws()).unwrap()),
+            "blocks" => assembled(&SERVO.replace("quantum = { cart = { s = 1e-6 } }\n", "")),
             "stepped" => Arc::new(Assembly::new(stepped()).unwrap()),
             _ => example(name),
         };

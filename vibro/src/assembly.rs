@@ -188,7 +188,10 @@ pub fn record_with(
 ) -> Result<MotionRecord> {
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
-    let motion = start.motion_observed(assembly.clone(), &mut |event| events.push(event.clone()))?;
+    let motion = start.motion_observed(assembly.clone(), &mut |event| {
+        // Samples are rows of no table.
+        events.extend(event.is_listed().then(|| event.clone()));
+    })?;
     let motion = motion.with_interruption(asked.clone());
     let (kinetic, stored) = motion.kinetic_and_stored();
     let energy = kinetic + stored - motion.energy().balance();
@@ -255,7 +258,7 @@ impl MotionRecord {
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());
         let events = &mut self.events;
-        let mut tell = |event: &Event| events.push(event.clone());
+        let mut tell = |event: &Event| events.extend(event.is_listed().then(|| event.clone()));
         match self.followed.advance(&mut self.motion, time, &mut tell, met) {
             Ok(()) => None,
             Err(vibro_assembly::Error::Interrupted { .. }) => Some(Ended::Stopped),

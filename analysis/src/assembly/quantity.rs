@@ -46,9 +46,7 @@ impl FromStr for QuantityName {
         let of = of.split_once('.').filter(|(word, _)| is_section(word)).map_or(of, |(_, name)| name);
         match What::ALL.into_iter().find(|w| w.word() == what) {
             Some(what) => Ok(Self { of: of.into(), what }),
-            None if is_name(of) && is_name(what) => {
-                Ok(Self { of: text.trim().into(), what: What::Value })
-            }
+            None if is_name(of) && is_name(what) => Ok(Self { of: text.trim().into(), what: What::Value }),
             None => Err(form()),
         }
     }

@@ -104,8 +104,7 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
     }
     for (output, limits) in block.outputs.iter().zip(&block.limits) {
         let Some([low, high]) = *limits else { continue };
-        // Written so that NaN is refused as well.
-        if !(low < high) {
+        if low.is_nan() || high.is_nan() || low >= high {
             let text = format!("allowed is a number above the lower limit, {low:?}");
             problems.push(refused(format!("{of}.limits.{output}[1]"), high, text));
         }

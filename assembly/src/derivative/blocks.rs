@@ -10,6 +10,9 @@ use crate::motion::{Event, EventKind};
 use crate::system::{CombinationTangent, SampleAction, SampledVariation, SamplerTangent, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
+/// Place of a state, derivative of the row of its rate, and the factors of limits in it.
+type RateTangent = (usize, StateRow, Vec<(usize, f64)>);
+
 /// What a parameter changes in the rows of blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockTangents {
@@ -18,7 +21,7 @@ pub(super) struct BlockTangents {
     pub samplers: Vec<Option<SamplerTangent>>,
     /// By state of first order of a continuous block: its place, the row of its rate, and the factors of
     /// the limits of what it reads.
-    rates: Vec<(usize, StateRow, Vec<(usize, f64)>)>,
+    rates: Vec<RateTangent>,
     /// By load: the factors of the limits of the output that it follows.
     pub loads: Vec<Vec<f64>>,
     /// By limit: the derivative of its excess, and of the direction of its force.
@@ -201,7 +204,7 @@ impl Tangent {
 
     /// The derivatives of the rows of blocks' states in a mode, with their places.
     pub(super) fn rates_of_blocks(&self, system: &System, mode: &Mode) -> Vec<(usize, StateRow)> {
-        let of = |(place, row, factors): &(usize, StateRow, Vec<(usize, f64)>)| {
+        let of = |(place, row, factors): &RateTangent| {
             let mut row = row.clone();
             let is_passed = |stop: &usize| mode.stops[*stop] == StopState::Pressed;
             for &(stop, factor) in factors.iter().filter(|own| is_passed(&own.0)) {

@@ -59,6 +59,9 @@ pub struct SampledVariation<'a> {
     pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
 }
 
+/// The derivatives of the matrices of states and of inputs, and of the inputs.
+type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>);
+
 /// The number that an input is read as: the nearest multiple, halves away from zero.
 fn rounded(value: f64, quantum: f64) -> f64 {
     if quantum == 0.0 { value } else { quantum * (value / quantum).round() }
@@ -162,7 +165,7 @@ impl System {
         &self,
         block: usize,
         (of_states, of_inputs, i): (&DMatrix<f64>, &DMatrix<f64>, usize),
-        (sampler, by): (&Sampler, Option<(&DMatrix<f64>, &DMatrix<f64>, &Vec<CombinationTangent>)>),
+        (sampler, by): (&Sampler, Option<RowsTangent>),
         (z, varied): (&DVector<f64>, &SampledVariation),
     ) -> f64 {
         let own = &self.blocks[block];
