@@ -199,6 +199,7 @@ fn invariant_what_is_refused_of_repeat() {
     let refused = Differentiated::new(assembly, &["load.l.repeat"]).map(drop).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "load.l.repeat: a motion has no derivative by a period; allowed are the machine's other numbers"
+        "load.l.repeat: a motion has no derivative by a period or by the time of samples; allowed are the \
+         machine's other numbers"
     );
 }
