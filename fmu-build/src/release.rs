@@ -126,15 +126,14 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The archives of the example machines, and the command line for each platform; returns the
+    /// The example machines with their kit, and the command line for each platform; returns the
     /// kit that makes archives of other machines.
     fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
-        let archives = machines::examples(&kit)?;
-        archive::write(&archives, &self.folder.join(machines::EXAMPLES))?;
-        let what = format!("{} FMUs of the example machines of docs/assemblies.md", archives.len());
-        self.add(machines::EXAMPLES, &what, "packed only; one library, as the tests run it".into())?;
+        archive::write(&machines::examples(&kit)?, &self.folder.join(machines::EXAMPLES))?;
+        let what = "example machines as text files, and the library of which `vibro fmu` makes FMUs";
+        self.add(machines::EXAMPLES, what, "as the tests pack and run it".into())?;
         let (binaries, left_out) = platforms::all_of(Product::CommandLine, self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("the command line: {part}")));
         let own = binaries.folders().find(|(tuple, _)| *tuple == PLATFORM_TUPLE);

@@ -1,57 +1,43 @@
-//! Parts of a release for machines that text files describe: archives of the examples, and the
-//! prebuilt command line `vibro`.
+//! Parts of a release for machines that text files describe: the examples with the library of
+//! which FMUs are made, and the prebuilt command line `vibro`.
 
 use crate::archive::{self, Content};
 use crate::compile::{PLATFORM_TUPLE, PROGRAM, workspace};
 use crate::error::{Error, Result};
-use crate::kit::Kit;
+use crate::kit::{KIT_FILE, Kit};
+use crate::licences;
 use crate::platforms::Binaries;
-use crate::version::Version;
-use crate::{assembly, licences};
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use vibro_assembly_fmi::Plan;
 
-/// Name of the file with the archives of the examples.
+/// Name of the file with the examples.
 pub const EXAMPLES: &str = "assembly-examples.zip";
 
-/// Platforms of the example archives. Each archive holds one library per platform; all platforms
-/// would make hundreds of megabytes.
-const PLATFORMS: [&str; 3] = ["x86_64-linux", "x86_64-windows", "aarch64-darwin"];
+/// What the file with the examples says first.
+const READ_ME: &str = "Machines of text files, and the library of which their FMUs are made, for all platforms.\n\n\
+                       With `vibro` of this release, in this folder:\n\n    \
+                       vibro run damper_with_buffer.toml --until 2s --out results\n    \
+                       vibro fmu damper_with_buffer.toml --kit machine-kit.zip --out fmu\n\n\
+                       With its Python package: vibro_impact.Assembly(\"damper_with_buffer.toml\").fmu()\n\n\
+                       Each file says what it is held against.\n";
 
-/// The files of the example machines, sorted by name.
-fn example_files() -> Result<Vec<PathBuf>> {
+/// The machine's files of `examples/assembly`, with their records and matrices, and the kit, once:
+/// name → content. An archive of each machine would hold the library again.
+///
+/// # Errors
+/// [`Error::File`]; as [`archive::to_bytes`].
+pub fn examples(kit: &Kit) -> Result<Content> {
     let folder = workspace().join("examples/assembly");
     let reading = || Error::file("reading the folder", &folder);
     let entries: std::io::Result<Vec<_>> = fs::read_dir(&folder).map_err(reading())?.collect();
-    let paths = entries.map_err(reading())?.into_iter().map(|entry| entry.path());
-    let mut files: Vec<_> = paths.filter(|p| p.extension().is_some_and(|ending| ending == "toml")).collect();
-    files.sort();
-    Ok(files)
-}
-
-/// The archives of all example machines, with the libraries of the commonest platforms that the kit
-/// has, or the library of this machine's platform if the kit has none of them: name → archive.
-///
-/// # Errors
-/// As [`assembly::content`].
-pub fn examples(kit: &Kit) -> Result<Content> {
-    let mut binaries = kit.binaries.only(&PLATFORMS);
-    if binaries.folders().next().is_none() {
-        binaries = kit.binaries.clone();
+    let mut content = Content::new();
+    for path in entries.map_err(reading())?.into_iter().map(|entry| entry.path()) {
+        let name = path.file_name().expect("a file has a name").to_string_lossy().into_owned();
+        content.insert(name, fs::read(&path).map_err(Error::file("reading", &path))?);
     }
-    let kit = Kit { binaries, ..kit.clone() };
-    let mut archives = Content::new();
-    for file in example_files()? {
-        let plan = Plan::of(&vibro_assembly::file::read(&file)?)?;
-        for version in Version::USUAL {
-            let name = version.beside(Path::new(&format!("{}.fmu", plan.name())));
-            let bytes = archive::to_bytes(&assembly::content(version, &plan, &kit)?)?;
-            archives.insert(name.to_string_lossy().into_owned(), bytes);
-        }
-    }
-    Ok(archives)
+    content.insert("README.txt".into(), READ_ME.into());
+    content.insert(KIT_FILE.into(), archive::to_bytes(&kit.entries())?);
+    Ok(content)
 }
 
 /// An archive with the command line for each platform, by its name: the program, what to call, and
