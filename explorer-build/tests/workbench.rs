@@ -1,10 +1,11 @@
 //! The workbench: its numbers are those of the native library, and the page works in Chromium.
 
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Arc, OnceLock};
-use vibro_analysis::assembly::{named, values};
+use vibro_analysis::assembly::{columns, named, values};
 use vibro_assembly::motion::{Event, EventKind, Reached};
 use vibro_assembly::{Assembly, Motion, file};
 
@@ -59,27 +60,39 @@ fn compared(told: &serde_json::Value) -> usize {
     let assembly = Arc::new(Assembly::new(machine.clone()).unwrap());
     let mut events = Vec::new();
     let mut motion = Motion::new_observed(assembly.clone(), &mut |e| events.push(e.clone())).unwrap();
-    let starts = (0..machine.bodies.len())
-        .map(|i| (motion.coordinate(i) * (1.0 + SHIFT) + SHIFT * 1e-3, motion.rate(i) * (1.0 - SHIFT)));
-    let beside = Assembly::new(machine).unwrap().starting_from(starts.collect());
+    let own: Vec<_> = (0..machine.bodies.len()).map(|i| (motion.coordinate(i), motion.rate(i))).collect();
+    // Of bodies that touch and move together nothing but the size changes; what rests at zero gets
+    // a rounding of a millimetre a second.
+    let at_zero = own.iter().all(|(s, v)| *s == 0.0 && *v == 0.0);
+    let least = if at_zero { SHIFT * 1e-3 } else { 0.0 };
+    let starts = own.iter().map(|(s, v)| (s * (1.0 + SHIFT), v * (1.0 - SHIFT) + least));
+    let beside = Assembly::new(machine.clone()).unwrap().starting_from(starts.collect());
     let mut other = Motion::new(Arc::new(beside)).unwrap();
     let stop = told["stop"].as_f64().unwrap();
-    let (mut largest, mut growth) = (vec![0.0f64; values(&motion).len()], 1.0f64);
+    let names = columns(&machine);
+    let kind = |i: usize| names[i].rsplit('.').next().unwrap_or_default();
+    // By the last word of columns: a force that is zero but for rounding is measured by the others.
+    let mut largest: HashMap<&str, f64> = HashMap::new();
+    let mut growth = 1.0f64;
     for (i, row) in told["rows"].as_array().unwrap().iter().enumerate() {
         let end = stop * (i + 1) as f64 / ROWS as f64;
         advance(&mut motion, end, &mut events);
         advance(&mut other, end, &mut Vec::new());
         let (own, others) = (values(&motion), values(&other));
-        largest.iter_mut().zip(&own).for_each(|(most, x)| *most = most.max(x.abs()));
-        for ((a, b), most) in own.iter().zip(&others).zip(&largest) {
-            growth = growth.max((a - b).abs() / (SHIFT * most.max(f64::MIN_POSITIVE)));
+        for (i, x) in own.iter().enumerate() {
+            let most = largest.entry(kind(i)).or_insert(f64::MIN_POSITIVE);
+            *most = most.max(x.abs());
+        }
+        for (i, (a, b)) in own.iter().zip(&others).enumerate() {
+            growth = growth.max((a - b).abs() / (SHIFT * largest[kind(i)]));
         }
         if growth > MOST {
             return i;
         }
-        for ((x, own), most) in row.as_array().unwrap().iter().zip(&own).zip(&largest) {
-            let (x, allowed) = (x.as_f64().unwrap(), TOLERANCE * growth * most.max(1e-12));
-            assert!((x - own).abs() <= allowed, "{name}, instant {i}: {x} {own}, allowed {allowed:e}");
+        for (k, (x, own)) in row.as_array().unwrap().iter().zip(&own).enumerate() {
+            let (x, allowed) = (x.as_f64().unwrap(), TOLERANCE * growth * largest[kind(k)]);
+            let what = &names[k];
+            assert!((x - own).abs() <= allowed, "{name}, {what} at {end} s: {x} {own}, allowed {allowed:e}");
         }
         let met = events.iter().filter(|event| event.kind != EventKind::Knot);
         for (event, told) in met.zip(told["events"].as_array().unwrap()) {
@@ -124,7 +137,7 @@ fn the_modules_keep_to_their_types() {
 }
 
 /// The budget of the page without libraries, bytes.
-const LARGEST: u64 = 2_100_000;
+const LARGEST: u64 = 1_600_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]

@@ -51,7 +51,7 @@ impl Diagram {
 
     /// The next value as JSON: `index`, `start` (the state it has settled in, as a start's file),
     /// `values`, `words` (its class); null after the last.
-    pub fn next(&mut self) -> String {
+    pub fn further(&mut self) -> String {
         let Some((index, start, point)) = self.0.next() else { return "null".into() };
         let values: Vec<f64> = point.iter().flat_map(|point| point.maxima.iter().map(|m| m.0)).collect();
         let words = point.as_ref().map_or(String::new(), |point| point.settled.class.name());

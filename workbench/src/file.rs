@@ -45,7 +45,16 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "msl_elastogap.toml",
     "aster_sdnd106.toml",
     "paper_machine.toml",
-    "cam_lift.csv"
+    "cantilever.toml",
+    "gear_mesh.toml",
+    "iwan_joint.toml",
+    "run_up.toml",
+    "servo.toml",
+    "shaken_rig.toml",
+    "cam_lift.csv",
+    "cantilever_mass.mtx",
+    "cantilever_stiffness.mtx",
+    "shaken_rig.csv"
 ];
 
 /// The gallery as JSON: name of each file → its text, in the order of the page's list.

@@ -95,7 +95,7 @@ async function adopt(content) {
     return editor.showProblems([{ line: null, words }]);
   }
   // Records of the gallery lie beside its files.
-  for (const name of gallery.keys()) if (name.endsWith(".csv") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
+  for (const name of gallery.keys()) if (!name.endsWith(".toml") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
   select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
   length = null; start = ""; run.at = 0;
   editor.put(content);
@@ -259,7 +259,7 @@ async function receive(files) {
     if (/\.zip$/i.test(file.name)) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
-    } else if (/\.csv$/i.test(file.name)) { records.set(file.name, await file.text()); more = true; }
+    } else if (/\.(csv|mtx)$/i.test(file.name)) { records.set(file.name, await file.text()); more = true; }
     else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }

@@ -43,7 +43,7 @@ const answers = {
   platforms: ({ kit }) => ({ answer: core.platforms(kit) }),
   diagram: ({ text, names, texts, parameter, range, count, of, atSection, discard, keep, upward }) => {
     const diagram = new core.Diagram(text, names, texts, parameter, Float64Array.from(range), count, of, atSection, discard, keep, upward);
-    for (let part = JSON.parse(diagram.next()); part; part = JSON.parse(diagram.next())) post({ id, part });
+    for (let part = JSON.parse(diagram.further()); part; part = JSON.parse(diagram.further())) post({ id, part });
     diagram.free();
     return { answer: null };
   },

@@ -7,7 +7,7 @@ import { pathToFileURL } from "node:url";
 const folder = resolve(process.argv[2]), count = Number(process.argv[3]);
 const core = await import(pathToFileURL(join(folder, "core.js")).href);
 core.initSync({ module: new WebAssembly.Module(readFileSync(join(folder, "core_bg.wasm"))) });
-const gallery = JSON.parse(core.examples()), records = gallery.filter(([name]) => name.endsWith(".csv"));
+const gallery = JSON.parse(core.examples()), records = gallery.filter(([name]) => !name.endsWith(".toml"));
 for (const [file, text] of gallery) {
   if (!file.endsWith(".toml")) continue;
   const bench = new core.Bench(text, records.map(([name]) => name), records.map(([, own]) => own));

@@ -22,6 +22,6 @@ for (const name of ["bouncing_ball", "damper_with_buffer", "gear_backlash", "pap
 }
 const text = gallery.get("damper_with_buffer.toml");
 for (const upward of [true, false]) {
-  const took = spent(() => { const d = new core.Diagram(text, [], [], "load.shaker.frequency", Float64Array.from([5, 15]), 200, "box.s", false, 400, 60, upward); while (d.next() !== "null") { /* on */ } d.free(); }, 1);
+  const took = spent(() => { const d = new core.Diagram(text, [], [], "load.shaker.frequency", Float64Array.from([5, 15]), 200, "box.s", false, 400, 60, upward); while (d.further() !== "null") { /* on */ } d.free(); }, 1);
   console.log(`diagram of 200 values, ${upward ? "rising" : "falling"}: ${(took / 1000).toFixed(2)} s`);
 }
