@@ -53,10 +53,10 @@ impl<'a> Structure<'a> {
         for (reference, row) in (1..).zip(&plan.table.rows) {
             references.insert(row.quantity, reference);
             match row.quantity {
-                Quantity::Parameter(_) => {
+                Quantity::Parameter(place) => {
+                    let own = plan.table.parameters[place].name.as_str();
                     // A named parameter stands for the numbers that follow from it.
-                    for name in std::iter::once(row.name.as_str()).chain(machine.named.numbers_of(&row.name))
-                    {
+                    for name in std::iter::once(own).chain(machine.named.numbers_of(own)) {
                         let second = name.match_indices('.').nth(1).map_or(name.len(), |dot| dot.0);
                         let (section, rest) = name.split_at(second);
                         parameters.entry(section).or_default().push((reference, rest));

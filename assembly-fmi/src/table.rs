@@ -170,7 +170,8 @@ impl VariableTable {
         for place in 0..table.parameters.len() {
             let Parameter { name, meaning, unit, .. } = table.parameters[place].clone();
             let role = if is_tunable(machine, &name) { Role::Tunable } else { Role::Parameter };
-            table.push(name, meaning, unit, role, Quantity::Parameter(place));
+            // Structured names of FMI write both places of a matrix's number in one bracket.
+            table.push(name.replace("][", ","), meaning, unit, role, Quantity::Parameter(place));
         }
         let inputs = machine.signals().filter(|named| named.signal.input);
         for (place, signal) in inputs.enumerate() {

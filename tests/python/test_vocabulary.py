@@ -106,7 +106,7 @@ def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
 
 def test_wrong_types_name_those_that_are_accepted():
     for call, words in [
-        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed is"),
+        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed are Assembly and Machine"),
         (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or Assembly"),
         (lambda: vi.Machine().basins([1]), "ranges is of type list: allowed is a dictionary"),
     ]:

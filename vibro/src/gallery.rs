@@ -11,21 +11,17 @@ pub struct Example {
     pub name: &'static str,
     /// Its file.
     pub text: &'static str,
-    /// A record that the file names, with its name.
-    record: Option<(&'static str, &'static str)>,
+    /// Records and matrices that the file names, with their names.
+    beside: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! examples {
-    ($($name:literal $file:literal $($record:literal)?,)+) => {
+    ($($name:literal $file:literal $($beside:literal)*,)+) => {
         &[$(Example {
             name: $name,
             text: include_str!(concat!("../../examples/assembly/", $file, ".toml")),
-            record: examples!(@record $($record)?),
+            beside: &[$(($beside, include_str!(concat!("../../examples/assembly/", $beside))),)*],
         },)+]
-    };
-    (@record) => { None };
-    (@record $record:literal) => {
-        Some(($record, include_str!(concat!("../../examples/assembly/", $record))))
     };
 }
 
@@ -39,10 +35,16 @@ pub static EXAMPLES: &[Example] = examples! {
     "conveyor" "vibratory_conveyor",
     "pipe" "pipe_supports",
     "drill" "percussion_drill",
+    "servo" "servo",
     "relay" "relay_bounce",
     "beads" "bead_column",
     "blocks" "two_blocks",
     "paper" "paper_machine",
+    "cantilever" "cantilever" "cantilever_mass.mtx" "cantilever_stiffness.mtx",
+    "mesh" "gear_mesh",
+    "joint" "iwan_joint",
+    "shock" "shaken_rig" "shaken_rig.csv",
+    "run-up" "run_up",
 };
 
 impl Example {
@@ -64,13 +66,14 @@ impl Example {
         self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
     }
 
-    /// Writes its file, and the record beside it. Nothing is overwritten.
+    /// Writes its file, and what it names beside it. Nothing is overwritten.
     ///
     /// # Errors
     /// [`Error::Refused`] where a file is there already; [`Error::File`].
     pub fn write(&self, path: &Path) -> Result<Vec<PathBuf>> {
-        let record = self.record.map(|(name, text)| (path.with_file_name(name), text));
-        let files: Vec<(PathBuf, &str)> = [(path.to_owned(), self.text)].into_iter().chain(record).collect();
+        let beside = self.beside.iter().map(|(name, text)| (path.with_file_name(name), *text));
+        let files: Vec<(PathBuf, &str)> =
+            std::iter::once((path.to_owned(), self.text)).chain(beside).collect();
         if let Some((there, _)) = files.iter().find(|(path, _)| path.exists()) {
             let problem = "is there already and is not overwritten; allowed is another name".into();
             return Err(Error::Refused { what: there.display().to_string(), problem });

@@ -101,7 +101,7 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("merge here --set kappa=0.6", "--set: `vibro merge` has no use for it"),
         ("steady --discard-unfinished", "--discard-unfinished: `vibro steady` has no use for it"),
         ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, and "),
-        ("run FILE --discard 1", "of such options allowed here: --until, --times, --knots"),
+        ("run FILE --discard 1", "of such options allowed here: --until, --times, --columns, --knots"),
         ("run --start v2=1 --start x1=1", "allowed is one start, with commas between its numbers"),
         (
             "bifurcation FILE --load block=1N --vary body.a.mass=1:2",

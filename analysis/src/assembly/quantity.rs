@@ -33,18 +33,21 @@ impl FromStr for QuantityName {
                 "`{text}`: expected BODY.s, BODY.v, BODY.a, ELEMENT.e, ELEMENT.rate, ELEMENT.f, SPRING.slider or LOAD.f, e.g. box.s"
             ),
         };
-        if let Some(name) = text.trim().strip_prefix("signal.") {
-            return Ok(Self { of: name.into(), what: What::Value });
-        }
+        let word = |what: &str| What::ALL.into_iter().find(|w| w.word() == what);
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
-        // An output of a block has a word of its own.
-        if let Some(name) = text.trim().strip_prefix("block.") {
+        // `signal.NAME` and `block.NAME.OUTPUT`; a body, too, may be called `signal` or `block`.
+        let value = match of.split_once('.') {
+            None if of == "signal" && word(what).is_none() => Some(what),
+            Some(("block", _)) => text.trim().strip_prefix("block."),
+            _ => None,
+        };
+        if let Some(name) = value {
             return Ok(Self { of: name.into(), what: What::Value });
         }
         // The section may be named, as in parameters; a node's name has a point, too.
         let is_section = |word: &str| word == "body" || SECTIONS.iter().any(|own| own.0 == word);
         let of = of.split_once('.').filter(|(word, _)| is_section(word)).map_or(of, |(_, name)| name);
-        match What::ALL.into_iter().find(|w| w.word() == what) {
+        match word(what) {
             Some(what) => Ok(Self { of: of.into(), what }),
             None if is_name(of) && is_name(what) => Ok(Self { of: text.trim().into(), what: What::Value }),
             None => Err(form()),

@@ -4,6 +4,7 @@ use crate::attractor::MotionClass;
 use crate::lyapunov::{SpectrumOptions, spectrum};
 use crate::parts::Task;
 use crate::plane::ParameterAxis;
+use vibro_assembly::What;
 use vibro_impact::{Parameters, Simulator, State};
 
 mod measured;
@@ -334,4 +335,20 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     let found = diagram::diagram(&stepped("10 s"), &request, &Task::ALL).unwrap().unwrap();
     assert!(found.up.iter().chain(&found.down).flatten().all(|p| p.maxima[0].0 > 1.9), "{found:?}");
     assert!(found.hysteresis().iter().all(|h| !h));
+}
+
+#[test]
+fn golden_bodies_called_block_or_signal_have_their_quantities() {
+    let named = |text: &str| text.parse::<QuantityName>().unwrap();
+    for (text, of, what) in [
+        ("block.s", "block", What::S),
+        ("body.block.v", "block", What::V),
+        ("signal.s", "signal", What::S),
+        ("signal.reference", "reference", What::Value),
+        ("block.pid.u", "pid.u", What::Value),
+        ("pid.u", "pid.u", What::Value),
+        ("tube.tip.s", "tube.tip", What::S),
+    ] {
+        assert_eq!(named(text), QuantityName { of: of.into(), what }, "{text}");
+    }
 }

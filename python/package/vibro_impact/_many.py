@@ -276,7 +276,7 @@ def simulate_many(
     error = np.array([reason for _, reason in rows], dtype=object).reshape(shape) if in_rows else None
     if is_assembly:
         return AssemblyEnds(end, several[0].columns, values, error)
-    return Ends(_times(motions, count).reshape(shape), values[..., :3], values[..., 3:], error)
+    return Ends(_times(motions, count).reshape(shape).copy(), values[..., :3].copy(), values[..., 3:].copy(), error)
 
 
 def _times(motions: _Motions, periods: int) -> Floats:
