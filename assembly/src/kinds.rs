@@ -34,7 +34,14 @@ const fn kind(
     rotation: &'static str,
     range: Range,
 ) -> NumberKind {
-    NumberKind { meaning, units: [translation, rotation], range, not_zero: false, least: 0.0, any_unit: false }
+    NumberKind {
+        meaning,
+        units: [translation, rotation],
+        range,
+        not_zero: false,
+        least: 0.0,
+        any_unit: false,
+    }
 }
 
 const fn at_least(least: f64, kind: NumberKind) -> NumberKind {
@@ -94,8 +101,7 @@ pub const SIGNAL: NumberKind =
 pub const COEFFICIENT_OF_BLOCK: NumberKind = kind("Coefficient of a block", "1", "1", Range::FINITE);
 pub const BLOCK_START: NumberKind = kind("State of a block at time 0", "1", "1", Range::FINITE);
 pub const OUTPUT_LIMIT: NumberKind = kind("Limit of an output", "1", "1", Range::FINITE);
-pub const SAMPLE: NumberKind =
-    at_least(LEAST_TIME, kind("Time between samples", "s", "s", Range::POSITIVE));
+pub const SAMPLE: NumberKind = at_least(LEAST_TIME, kind("Time between samples", "s", "s", Range::POSITIVE));
 pub const DELAY: NumberKind = kind("Time until outputs act", "s", "s", Range::NOT_NEGATIVE);
 pub const FACTOR: NumberKind = kind("Force or torque per unit of the output", "N", "N.m", Range::FINITE);
 const QUANTUM: NumberKind = kind("Step to which an input is rounded", "1", "1", Range::POSITIVE);
