@@ -51,8 +51,8 @@ fn closed_form_a_start_at_rest_bears_what_blocks_put_out() {
 #[test]
 fn second_method_derivatives_of_starts_at_rest_beside_blocks() {
     let names: [&[&str]; 5] = [
-        &["block.block.d[0][0]", "signal.level", "load.push.factor", "spring.k.stiffness"],
-        &["block.block.limits.y[1]", "signal.level", "load.push.factor"],
+        &["block.block.d[0][0]", "signal.level.constant", "load.push.factor", "spring.k.stiffness"],
+        &["block.block.limits.y[1]", "signal.level.constant", "load.push.factor"],
         &["block.block.start[0]", "block.block.c[0][0]", "block.block.a[0][0]"],
         &["block.block.limits.y[1]", "block.block.d[0][0]", "load.push.factor"],
         &[
@@ -60,7 +60,7 @@ fn second_method_derivatives_of_starts_at_rest_beside_blocks() {
             "block.block.start[0]",
             "block.block.c[0][0]",
             "block.block.a[0][0]",
-            "signal.level",
+            "signal.level.constant",
         ],
     ];
     for ((block, _), names) in BLOCKS.into_iter().zip(names) {
@@ -79,7 +79,7 @@ fn golden_refusals_of_outputs_say_one_thing() {
     let said = refusal(&free(r#"inputs = ["level"], d = [[1.5]], limits = { y = [inf, 3] }"#));
     assert!(said.contains("block.block.limits.y[0] = inf: allowed is a finite number, or -inf"), "{said}");
     let fast = free(r#"inputs = [], a = [[-1e120]], c = [[1.0]]"#);
-    let d = parse(&fast, &no_records).expect("a machine");
+    let d = parse(&fast, "fast.toml", &no_records).expect("a machine");
     let error = Assembly::new(d).expect_err("a rate beyond all bounds").to_string();
     assert!(error.contains("block.block.a"), "{error}");
 }

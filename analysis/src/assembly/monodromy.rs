@@ -87,7 +87,7 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
             let inner = system.branches.iter().map(|b| b.elongation.w.dot(&along) - row(&b.elongation));
             // Blocks keep what they have.
             let all = along.iter().copied().chain(vec![0.0; n]).chain(inner);
-            DVector::from_iterator(own, all.chain(std::iter::repeat(0.0)))
+            DVector::from_iterator(own, all.chain(std::iter::repeat(0.0)).take(own))
         }
     };
     let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));
