@@ -26,8 +26,8 @@ pub enum What {
     Value,
     /// An output of a block, by its place.
     Output(usize),
-    /// A state of a block, by its place: those of the file, then of a sampled block the outputs that
-    /// act and those under way.
+    /// A state of a block, by its place: those of the file, then of a sampled block the outputs
+    /// that act and those under way.
     State(usize),
     /// The rate of a state of a block.
     StateRate(usize),
@@ -40,7 +40,8 @@ impl What {
     /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
 
-    /// The last part of a quantity's name; empty of signals and blocks, of which the element decides.
+    /// The last part of a quantity's name; empty of signals and blocks, of which the element
+    /// decides.
     pub fn word(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -146,8 +147,9 @@ impl Description {
         self.blocks.iter().flat_map(of).collect()
     }
 
-    /// The states of a block with their names: `pid.x[0]`, and of a sampled one `pid.u.held`, which is
-    /// the output that acts, and `pid.u.next[0]`, which are under way. With `rates` each is followed by its rate.
+    /// The states of a block with their names: `pid.x[0]`, and of a sampled one `pid.u.held`, which
+    /// is the output that acts, and `pid.u.next[0]`, which are under way. With `rates` each is
+    /// followed by its rate.
     pub fn quantities_of_block(&self, block: usize, rates: bool) -> Vec<NamedQuantity> {
         let elements: Vec<Element> = self.elements().collect();
         let element = elements.len() - self.blocks.len() + block;

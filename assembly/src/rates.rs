@@ -13,7 +13,7 @@ const MOST_RATE: f64 = 1e100;
 const MOST_SWEPT: f64 = 1e20;
 
 /// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
-/// they move, for springs in series with a dashpot, and for harmonics; of sweeps at most [`MOST_SWEPT`].
+/// they move, for springs in series with a dashpot, for the states of continuous blocks, and for harmonics; of sweeps at most [`MOST_SWEPT`].
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -35,6 +35,11 @@ pub(crate) fn check(machine: &Description, system: &System) -> Result<(), Error>
                 name: format!("spring.{}.series_damping", spring.name),
                 value: damping,
             });
+        }
+    }
+    for block in machine.blocks.iter().filter(|block| block.sampling.is_none()) {
+        if let Some(&value) = block.a.iter().flatten().find(|a| a.abs() > MOST_RATE) {
+            return Err(Error::TooFast { name: format!("block.{}.a", block.name), value });
         }
     }
     machine.signals().try_for_each(|NamedSignal { name, signal, .. }| {

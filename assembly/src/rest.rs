@@ -102,7 +102,8 @@ struct Weighted {
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
-    let (n, z) = (system.coordinates, system.at_rest(None));
+    let (n, mut z) = (system.coordinates, system.at_rest(None));
+    system.put_out_at_rest(d, &mut z);
     let lined = Lined::all(d, system, &z);
     let held = |friction, levels: &[[f64; 2]]| {
         let mut holding = Holding::new(system, &z, friction, levels);
@@ -279,6 +280,11 @@ impl Holding {
             springs.push(RestSpring { w: direction(w), stiffness, spring: usize::MAX });
         }
         springs.retain(|s| s.stiffness != 0.0);
+        for limit in system.limits() {
+            let beyond = limit.excess.dot(z).max(0.0);
+            force.axpy(-beyond, &limit.elongation.w, 1.0);
+            sizes += limit.elongation.w.abs() * beyond;
+        }
         Self { contacts, springs, force, sizes }
     }
 

@@ -11,7 +11,7 @@ use vibro_assembly::{Assembly, Description, Differentiated, Motion, Quantity, St
 const ROUNDING: f64 = 1e-13;
 
 /// The value of a column.
-fn column(m: &Motion, name: &str) -> f64 {
+pub fn column(m: &Motion, name: &str) -> f64 {
     let all = m.assembly().description.named_quantities();
     let own = all.into_iter().find(|own| own.name == name);
     m.value(own.unwrap_or_else(|| panic!("no column {name}")).quantity)
@@ -438,7 +438,7 @@ fn invariant_blocks_are_written_and_read_back() {
 }
 
 /// Derivatives of a motion at its end by columns, against central differences of whole motions.
-fn check_derivatives(text: &str, names: &[&str], end: f64, quantities: &[&str], step: f64, allowed: f64) {
+pub fn check_derivatives(text: &str, names: &[&str], end: f64, quantities: &[&str], step: f64, allowed: f64) {
     let d = machine(text);
     let of = |d: &Description| {
         let mut m = motion(d.clone());

@@ -3,6 +3,7 @@
 
 mod accounts;
 mod blocks;
+mod blocks_rest;
 mod closed_forms;
 mod common;
 mod course;

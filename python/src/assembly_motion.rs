@@ -123,6 +123,9 @@ impl Sampled {
     ) -> Result<Self, Failure> {
         let (mut events, mut found) = (Vec::<Event>::new(), Self::default());
         let mut tell = |event: &Event, by: &[Option<f64>]| {
+            if !event.is_listed() {
+                return;
+            }
             events.push(event.clone());
             found.event_derivatives.push(by.to_vec());
         };

@@ -404,3 +404,70 @@ fn draw_writes_the_sketch_with_every_name_and_nothing_over_the_edge() {
     assert!((0..width).all(|x| white(x, 0) && white(x, height - 1)));
     assert!((0..height).all(|y| white(0, y) && white(width - 1, y)));
 }
+
+/// A mass under a sampled controller with limits, with a stop.
+const CONTROLLED: &str = r#"
+name = "Controlled"
+body.mass = { mass = 1.0, start = { v = 1.0 } }
+spring.k = { between = ["ground", "mass"], stiffness = 100.0 }
+stop.wall = { between = ["ground", "mass"], gap = 0.05, stiffness = 1000.0 }
+load.push = { on = "mass", from = "control.u" }
+[block.control]
+inputs = ["mass.s"]
+a = [[0.5]]
+b = [[1.0]]
+c = [[0.1]]
+d = [[-40.0]]
+outputs = ["u"]
+limits = { u = [-1, 1] }
+sample = 0.01
+delay = 0.005
+"#;
+
+#[test]
+fn derivatives_of_events_have_the_rows_of_the_events_beside_samples() {
+    let (path, out) = (file("controlled.toml", CONTROLLED), folder("assembly-controlled"));
+    let path = path.display().to_string();
+    let derivatives = ["--derivatives", "spring.k.stiffness"];
+    drawn(&out, &[&["run", &path, "--until", "1"][..], &derivatives].concat());
+    let rows = |name: &str| std::fs::read_to_string(out.join(name)).expect("a table").lines().count();
+    assert!(rows("events.csv") > 8, "{}", rows("events.csv"));
+    assert_eq!(rows("event-derivatives.csv"), rows("events.csv"));
+}
+
+#[test]
+fn columns_are_states_of_blocks_by_their_names() {
+    let (path, out) = (file("controlled_columns.toml", CONTROLLED), folder("assembly-block-columns"));
+    let path = path.display().to_string();
+    let run = ["run", &path, "--until", "0.2"];
+    drawn(
+        &out,
+        &[&run[..], &["--columns", "control,control.x[0],control.u.held,control.u.next[0]"]].concat(),
+    );
+    let text = std::fs::read_to_string(out.join("states.csv")).expect("a table");
+    assert_eq!(text.lines().next(), Some("time,control.u,control.x[0],control.u.held,control.u.next[0]"));
+    let last = text.lines().last().expect("a row");
+    assert!(last.split(',').all(|x| x.parse::<f64>().is_ok_and(|x| x != 0.0)), "{last}");
+}
+
+#[test]
+fn check_says_what_blocks_have_to_do_with_equilibrium_and_frequencies() {
+    let path = file("controlled_check.toml", CONTROLLED).display().to_string();
+    let text = drawn(&folder("assembly-block-check"), &["check", &path]);
+    for words in [
+        "equilibrium: not looked for, since block.control feeds back mass.s",
+        "natural frequencies in the start's mode, with what sampled blocks put out held\n  1.59155 Hz",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    // What a sampled block keeps is no coordinate.
+    assert!(!text.contains("0 Hz:"), "{text}");
+    // k = 100 N/m, and 44 N/m of the loop: 12 rad/s.
+    let continuous =
+        CONTROLLED.replace("sample = 0.01\ndelay = 0.005", "").replace("limits = { u = [-1, 1] }", "");
+    let continuous =
+        continuous.replace("-40.0", "-44.0").replace("0.1]", "0.0]").replace("[[0.5]]", "[[-0.5]]");
+    let path = file("controlled_continuous.toml", &continuous).display().to_string();
+    let text = drawn(&folder("assembly-block-continuous"), &["check", &path]);
+    assert!(text.contains("mode, with continuous blocks\n  1.90986 Hz"), "{text}");
+}

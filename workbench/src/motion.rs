@@ -162,10 +162,12 @@ impl Bench {
     }
 
     /// The events since they were last taken, as lines of time, kind, element, value, number of
-    /// stops and impulse (N s or N m s), with tabs between; knots of signals are left out.
+    /// stops and impulse (N s or N m s), with tabs between; knots of signals and samples of blocks are
+    /// left out.
     pub fn take_events(&mut self) -> String {
         let mut text = String::new();
-        for Event { time, kind } in self.events.drain(..).filter(|event| event.kind != EventKind::Knot) {
+        let is_told = |event: &Event| event.is_listed() && event.kind != EventKind::Knot;
+        for Event { time, kind } in self.events.drain(..).filter(is_told) {
             let NamedEvent { kind: word, element, value, stops } = named(&self.assembly, &kind);
             let impulse = match kind {
                 EventKind::Impact { impulse, .. } => format!("{impulse:?}"),

@@ -35,7 +35,7 @@ const SWEEPS: usize = 200;
 const EXACT: f64 = 1e-9;
 
 /// Metric of changes of a motion's state. Its units are the sizes of the recorded elongations and
-/// rates of each dimension.
+/// rates of each dimension, and those of the numbers that blocks keep.
 pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
@@ -49,7 +49,8 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
         let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
         Some(sizes[rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
     });
-    Metric(of(0).chain(of(2)).chain(inner).collect())
+    let kept = record.sizes_of_blocks().map(|size| if size > 0.0 { size } else { 1.0 });
+    Metric(of(0).chain(of(2)).chain(inner).chain(kept).collect())
 }
 
 /// Change of the state (q, q') that is a shift in time: z' minus the uniform motion of the bodies
@@ -84,7 +85,9 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
         true => along,
         false => {
             let inner = system.branches.iter().map(|b| b.elongation.w.dot(&along) - row(&b.elongation));
-            DVector::from_iterator(own, along.iter().copied().chain(vec![0.0; n]).chain(inner))
+            // Blocks keep what they have.
+            let all = along.iter().copied().chain(vec![0.0; n]).chain(inner);
+            DVector::from_iterator(own, all.chain(std::iter::repeat(0.0)).take(own))
         }
     };
     let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));

@@ -271,6 +271,11 @@ impl ReturnRecord {
         kinds.map(|(size, terms)| size.max(ROUNDINGS * f64::EPSILON * terms / ROUNDING_PART)).collect()
     }
 
+    /// The sizes of the numbers that blocks keep, in the order of the state.
+    pub fn sizes_of_blocks(&self) -> impl Iterator<Item = f64> {
+        self.functionals.kinds.iter().filter(|kind| **kind >= COMMON).map(|kind| self.size_of(*kind))
+    }
+
     /// Largest difference of two states relative to the sizes, without rounding.
     fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
         let parts = a.iter().zip(b).zip(scales.iter().zip(&self.terms));

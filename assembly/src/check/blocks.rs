@@ -118,16 +118,12 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
 
 /// Problems of a start at rest beside a block that reads a body.
 pub(super) fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
-    for block in &machine.blocks {
-        let reads = |input: &BlockInput| !matches!(input, BlockInput::Source(_) | BlockInput::Output(..));
-        if let Some(place) = block.inputs.iter().position(reads) {
-            let (names, _) = machine.inputs_of(block);
-            let text = format!(
-                "the machine starts at rest, and block.{} reads {}: what it feeds back has no equilibrium that loads lead to; \
-                 allowed is a start of the bodies and of the block instead",
-                block.name, names[place]
-            );
-            problems.push(Problem::new("start", Some("\"rest\"".into()), text));
-        }
+    if let Some((block, read)) = machine.reader() {
+        let text = format!(
+            "the machine starts at rest, and block.{} reads {read}: what it feeds back has no equilibrium that loads lead to; \
+             allowed is a start of the bodies and of the block instead",
+            block.name
+        );
+        problems.push(Problem::new("start", Some("\"rest\"".into()), text));
     }
 }

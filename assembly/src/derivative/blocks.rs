@@ -19,8 +19,8 @@ pub(super) struct BlockTangents {
     pub outputs: Vec<Vec<CombinationTangent>>,
     /// Of sampled blocks.
     pub samplers: Vec<Option<SamplerTangent>>,
-    /// By state of first order of a continuous block: its place, the row of its rate, and the factors of
-    /// the limits of what it reads.
+    /// By state of first order of a continuous block: its place, the row of its rate, and the
+    /// factors of the limits of what it reads.
     rates: Vec<RateTangent>,
     /// By load: the factors of the limits of the output that it follows.
     pub loads: Vec<Vec<f64>>,

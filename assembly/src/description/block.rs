@@ -177,7 +177,8 @@ impl Description {
         Ok(())
     }
 
-    /// A limited output of a continuous block that another limited one depends on at the same instant.
+    /// A limited output of a continuous block that another limited one depends on at the same
+    /// instant.
     pub(crate) fn limit_behind(&self, place: OutputPlace) -> Option<OutputPlace> {
         let mut next: Vec<OutputPlace> = self.blocks[place.0].read_by(place.1).collect();
         while let Some(own) = next.pop() {
@@ -191,8 +192,8 @@ impl Description {
         None
     }
 
-    /// The finite limits of continuous blocks' outputs, in the order of their stops in the law: block,
-    /// output, and whether it is the upper one.
+    /// The finite limits of continuous blocks' outputs, in the order of their stops in the law:
+    /// block, output, and whether it is the upper one.
     pub fn limits_of_outputs(&self) -> Vec<(OutputPlace, bool)> {
         let order = self.output_order().unwrap_or_default();
         let continuous = order.into_iter().filter(|own| self.blocks[own.0].sampling.is_none());
@@ -209,7 +210,44 @@ impl Description {
     }
 }
 
+impl BlockInput {
+    /// Whether it depends on where bodies are, or how fast.
+    fn is_of_bodies(&self) -> bool {
+        !matches!(self, Self::Source(_) | Self::Output(..))
+    }
+}
+
 impl Description {
+    /// The first block among some that reads a body or an element, with the name of what it reads.
+    fn reads_body(&self, among: impl Fn(usize) -> bool) -> Option<(&Block, String)> {
+        let all = self.blocks.iter().enumerate().filter(|own| among(own.0));
+        all.map(|own| own.1).find_map(|block| {
+            let place = block.inputs.iter().position(BlockInput::is_of_bodies)?;
+            Some((block, self.inputs_of(block).0.swap_remove(place)))
+        })
+    }
+
+    /// The first block that reads a body or an element, with the name of what it reads.
+    pub(crate) fn reader(&self) -> Option<(&Block, String)> {
+        self.reads_body(|_| true)
+    }
+
+    /// The first block by which loads feed back what bodies do, with the name of what it reads.
+    pub fn feedback(&self) -> Option<(&Block, String)> {
+        let mut reached = HashSet::new();
+        let mut next: Vec<usize> = self.feeds.iter().map(|feed| feed.block).collect();
+        while let Some(block) = next.pop() {
+            if reached.insert(block) {
+                let inputs = self.blocks.get(block).into_iter().flat_map(|own| &own.inputs);
+                next.extend(inputs.filter_map(|own| match *own {
+                    BlockInput::Output(block, _) => Some(block),
+                    _ => None,
+                }));
+            }
+        }
+        self.reads_body(|block| reached.contains(&block))
+    }
+
     /// The names of a block's inputs, as its file writes them, and their SI units.
     pub(crate) fn inputs_of(&self, block: &Block) -> (Vec<String>, Vec<&'static str>) {
         if block.inputs.is_empty() {

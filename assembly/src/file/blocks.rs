@@ -119,13 +119,14 @@ fn outputs(reading: &mut Reading, table: &FileTable) -> Vec<String> {
             all.push(name);
         }
     }
-    all
+    if all.len() == items.len() { all } else { Vec::new() }
 }
 
 fn block(reading: &mut Reading, table: &FileTable, outputs: &[String], known: &Known) -> Option<Block> {
     let inputs = inputs(reading, table, known);
     let states = states(reading, table);
-    let (count, states) = (inputs.as_ref()?.len(), states?);
+    // Rows are by outputs: of refused ones no more is said.
+    let (count, states) = (inputs.as_ref().filter(|_| !outputs.is_empty())?.len(), states?);
     let rows = outputs.len();
     let a = matrix(reading, table, "a", [states, states], states > 0);
     let b = matrix(reading, table, "b", [states, count], states > 0 && count > 0);
@@ -289,6 +290,10 @@ fn limit(reading: &mut Reading, entry: &Entry, infinite: f64) -> Option<f64> {
     };
     match digits.as_str().trim_start_matches('+').parse::<f64>() {
         Ok(value) if value == infinite => Some(value),
+        Ok(value) if !value.is_finite() => {
+            reading.refuse(entry, format!("allowed is a finite number, or {infinite:?}"));
+            None
+        }
         _ => reading.number(entry, kinds::OUTPUT_LIMIT, Dimension::Translation),
     }
 }

@@ -61,8 +61,8 @@ impl Sampler {
 }
 
 impl System {
-    /// The clocks of all blocks, unused of continuous ones, at a time at which samples are done or, with
-    /// `fresh`, still to come.
+    /// The clocks of all blocks, unused of continuous ones, at a time at which samples are done or,
+    /// with `fresh`, still to come.
     pub(crate) fn clocks(&self, time: f64, fresh: bool) -> Vec<Clock> {
         let clock = |sampler: &Sampler| sampler.clock(time, fresh);
         self.blocks.iter().map(|own| own.sampler.as_ref().map_or_else(Clock::default, clock)).collect()

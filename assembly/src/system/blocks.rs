@@ -1,5 +1,5 @@
-//! Linear blocks as rows: continuous ones are states of first order, sampled ones keep states, outputs
-//! that act and outputs under way as states without a rate, which samples set anew
+//! Linear blocks as rows: continuous ones are states of first order, sampled ones keep states,
+//! outputs that act and outputs under way as states without a rate, which samples set anew
 //! (docs/assembly-law.md, section 19).
 
 mod samples;
@@ -144,8 +144,8 @@ pub(crate) fn starts(d: &Description) -> impl Iterator<Item = f64> + '_ {
 }
 
 impl System {
-    /// Adds the blocks, with the limits of continuous ones behind all stops and corners, and what loads
-    /// take from them.
+    /// Adds the blocks, with the limits of continuous ones behind all stops and corners, and what
+    /// loads take from them.
     pub(super) fn add_blocks(&mut self, d: &Description, sources: &[StateRow]) {
         if d.blocks.is_empty() {
             return;
@@ -329,13 +329,29 @@ impl System {
         (self.first_limit..self.first_freewheel).filter(passed).map(|i| (&self.stops[i], i))
     }
 
+    /// The limits of outputs.
+    pub(crate) fn limits(&self) -> &[StopRows] {
+        &self.stops[self.first_limit..self.first_freewheel]
+    }
+
+    /// Sets what blocks that read no body put out at time 0: continuous ones from their starts,
+    /// sampled ones without delay by their first sample.
+    pub(crate) fn put_out_at_rest(&self, d: &Description, z: &mut StateRow) {
+        let Some(first) = self.blocks.first().map(|own| own.first) else { return };
+        starts(d).enumerate().for_each(|(k, x)| z[first + k] = x);
+        let acts = |own: &BlockRows| own.sampler.as_ref().is_some_and(|own| own.delay == 0.0);
+        let sampled = (0..self.blocks.len()).filter(|&block| acts(&self.blocks[block]));
+        let action = |block: usize| SampleAction { block, kind: SampleKind::Reads(None) };
+        self.sample(&sampled.map(action).collect::<Vec<_>>(), z, &mut []);
+    }
+
     /// Whether a stop is a limit of an output.
     pub(crate) fn is_limit(&self, stop: usize) -> bool {
         self.stops[stop].limit.is_some()
     }
 
-    /// The value of a signal, or an output of a block, where limits are in these states, by the index of
-    /// the element.
+    /// The value of a signal, or an output of a block, where limits are in these states, by the
+    /// index of the element.
     pub fn block_row(&self, element: usize, what: What, states: &[StopState]) -> StateRow {
         let first = self.parts.len() - self.blocks.len();
         match what {

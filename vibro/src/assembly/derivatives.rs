@@ -50,7 +50,9 @@ impl DerivativeRecord {
         check_parameters(&record.assembly.description, &record.start, names)?;
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let mut events = Vec::new();
-        let mut tell = |event: &Event, by: &[Option<f64>]| events.push((event.kind, by.to_vec()));
+        let mut tell = |event: &Event, by: &[Option<f64>]| {
+            events.extend(event.is_listed().then(|| (event.kind, by.to_vec())));
+        };
         let motion = record.start.differentiated(record.assembly.clone(), &names, &mut tell)?;
         let mut motion = motion.with_interruption(asked.clone());
         let quantities: Vec<_> = record.assembly.description.quantities().collect();
@@ -97,9 +99,7 @@ impl DerivativeRecord {
     /// [`Error::Output`].
     pub fn events(&self, knots: bool) -> Result<Vec<u8>> {
         let mut csv = CsvRows::new(std::iter::once("row").chain(self.parameters.iter().map(String::as_str)))?;
-        let is_sample = |kind: &EventKind| matches!(kind, EventKind::Sample { .. });
-        let listed = self.events.iter().filter(|event| !is_sample(&event.0));
-        let listed = listed.filter(|event| knots || event.0 != EventKind::Knot);
+        let listed = self.events.iter().filter(|event| knots || event.0 != EventKind::Knot);
         for (row, (_, by)) in listed.enumerate() {
             csv.push(std::iter::once((row + 1).to_string()).chain(by.iter().copied().map(cell)))?;
         }

@@ -86,7 +86,7 @@ pub fn summary(machine: Description) -> Result<String> {
         return Ok(lines.join("\n"));
     }
     lines.push(equilibrium(&assembly));
-    lines.push("natural frequencies in the start's mode".into());
+    lines.push(format!("natural frequencies in the start's mode{}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
 }
@@ -214,7 +214,21 @@ fn of_friction(state: FrictionState) -> &'static str {
     }
 }
 
+/// What natural frequencies take of blocks.
+fn of_blocks(d: &Description) -> String {
+    let has = |is_sampled: bool| d.blocks.iter().any(|block| block.sampling.is_some() == is_sampled);
+    let words = [(false, "with continuous blocks"), (true, "with what sampled blocks put out held")];
+    let words: Vec<_> = words.into_iter().filter(|own| has(own.0)).map(|own| own.1).collect();
+    if words.is_empty() { String::new() } else { format!(", {}", words.join(", ")) }
+}
+
 fn equilibrium(assembly: &Assembly) -> String {
+    if let Some((block, read)) = assembly.description.feedback() {
+        return format!(
+            "equilibrium: not looked for, since block.{} feeds back {read}; `vibro run` goes to where it settles",
+            block.name
+        );
+    }
     match assembly.equilibrium() {
         Ok(places) => {
             let bodies = assembly.description.bodies.iter().zip(places).filter(|(body, _)| !body.is_inner());
@@ -227,9 +241,14 @@ fn equilibrium(assembly: &Assembly) -> String {
 
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
-    let size = system.states();
     let linear = system.linear(motion.mode());
-    let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j));
+    // Numbers that sampled blocks keep have no rate.
+    let sampled = system.blocks.iter().filter(|block| block.sampler.is_some());
+    let kept: Vec<_> = sampled.map(|block| block.first..block.first + block.kept()).collect();
+    let places: Vec<usize> =
+        (0..system.states()).filter(|k| !kept.iter().any(|own| own.contains(k))).collect();
+    let size = places.len();
+    let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(places[i], places[j]));
     let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();
     let largest = values.iter().map(|(re, im)| re.hypot(*im)).fold(f64::MIN_POSITIVE, f64::max);
     let mut oscillations: Vec<(f64, f64)> =

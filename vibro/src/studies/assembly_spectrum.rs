@@ -44,7 +44,7 @@ pub fn assembly_spectrum(
             "sum: {} 1/s, the mean rate at which volumes grow",
             significant(found.exponents.iter().map(|e| e.value).sum())
         ),
-        _ => format!("{held} are -inf: contacts take these directions"),
+        _ => format!("{held} are -inf: contacts, and samples of blocks, take these directions"),
     });
     let figure = Figure {
         title: format!("{}: Lyapunov exponents on their way", machine.description.name),

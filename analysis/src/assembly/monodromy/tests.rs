@@ -176,6 +176,46 @@ fn second_method_a_small_distance_is_as_exact() {
     assert!((period.distance - expected).abs() < NEAR * expected, "{period:?} {expected}");
 }
 
+/// A drive of 0.2 s under a controller that samples each 0.02 s and acts 0.03 s later.
+const CONTROLLED: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.1 }\n\
+    [spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 100.0\ndamping = 3.0\n\
+    [load.drive]\non = \"m\"\namplitude = 1.0\nfrequency = 5.0\n\
+    [block.c]\ninputs = [\"m.s\", \"m.v\"]\na = [[0.3]]\nb = [[1.0, 0.2]]\nc = [[5.0]]\nd = [[-10.0, 0.1]]\n\
+    outputs = [\"u\"]\nsample = 0.02\ndelay = 0.03\n[load.l]\non = \"m\"\nfrom = \"c.u\"\n";
+
+/// Numbers that blocks keep are states as others. The multiplier is that of a program of its own, by
+/// the matrix exponential between samples.
+#[test]
+fn second_method_the_period_of_a_sampled_controller() {
+    /// What 1e-9 of the differences of a period leaves of its derivative.
+    const NEAR: f64 = 1e-9;
+    let (mut motion, section) = started(&text(CONTROLLED));
+    let record = record(&mut motion, &section, 12);
+    let (start, mut settled) = (motion.state().clone(), motion.clone());
+    for _ in 0..200 {
+        section.advance(&mut settled, &mut |_| ()).unwrap();
+    }
+    let period = Period::follow(&mut motion, &section, &record, 1).unwrap();
+    assert!((period.multiplier.unwrap() - 0.842_416_966_391_2).abs() < NEAR, "{period:?}");
+    let expected = record.size_of_change(&(settled.state() - start).as_slice()[..6]);
+    assert!((period.distance - expected).abs() < 1e-6 * expected, "{period:?} {expected}");
+}
+
+/// A spring in series, an end that goes on evenly and a block that reads neither.
+#[test]
+fn what_an_even_motion_carries_beside_blocks() {
+    let file = format!(
+        "{}[spring.m]\nbetween = [\"end\", \"a\"]\nstiffness = 10.0\nseries_damping = 2.0\n\
+         [block.f]\ninputs = [\"k.rate\"]\na = [[-1.0]]\nb = [[1.0]]\nc = [[-1.0]]\noutputs = [\"y\"]\n\
+         [load.l]\non = \"a\"\nfrom = \"f.y\"\n",
+        DRAGGED
+    );
+    let (mut motion, section) = started(&text(&file));
+    let record = record(&mut motion, &section, 8);
+    let period = Period::follow(&mut motion, &section, &record, 1).unwrap();
+    assert!(period.distance.is_finite() && period.multiplier.is_some_and(|m| m < 1.0), "{period:?}");
+}
+
 #[test]
 fn what_no_even_motion_carries_has_no_period() {
     let parted = OSCILLATOR.replace(

@@ -72,8 +72,9 @@ fn dot(row: &StateRow, z: &[f64]) -> f64 {
 }
 
 impl System {
-    /// Applies what happens to blocks at an instant: first outputs under way act, then blocks put out
-    /// what they read, in the order of their d, then their states follow. Variations are carried over it.
+    /// Applies what happens to blocks at an instant: first outputs under way act, then blocks put
+    /// out what they read, in the order of their d, then their states follow. Variations are
+    /// carried over it.
     pub(crate) fn sample(
         &self,
         actions: &[SampleAction],

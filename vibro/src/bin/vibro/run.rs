@@ -51,7 +51,8 @@ pub struct RunOfFile {
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
     /// Columns of states.csv, in this order: box.s, a body or element for all of its own (box,
-    /// stop.upper), or a coordinate of a body with many, which no other table has (tube.q[3].s)
+    /// stop.upper), a coordinate of a body with many
+    /// (tube.q[3].s), or a state of a block (pid.x[0], pid.u.held), which no other table has
     /// [default: all but such coordinates]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub columns: Vec<String>,
