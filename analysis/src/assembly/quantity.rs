@@ -37,8 +37,9 @@ impl FromStr for QuantityName {
             return Ok(Self { of: name.into(), what: What::Value });
         }
         let (of, what) = text.trim().rsplit_once('.').ok_or_else(form)?;
-        // An output of a block has a word of its own.
-        if let Some(name) = text.trim().strip_prefix("block.") {
+        // An output of a block has a word of its own; `block.s` is of a body named so.
+        let is_word = What::ALL.into_iter().any(|own| own.word() == what);
+        if let Some(name) = text.trim().strip_prefix("block.").filter(|_| !is_word) {
             return Ok(Self { of: name.into(), what: What::Value });
         }
         // The section may be named, as in parameters; a node's name has a point, too.
