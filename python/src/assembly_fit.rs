@@ -11,6 +11,7 @@ use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Se
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]
 pub struct FitParts<'py> {
+    verdict: String,
     machine: String,
     start: Numbers,
     values: Vec<f64>,
@@ -32,6 +33,7 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
     let own = &fitted.uncertainty;
     let residual = |k: usize| -> Vec<f64> { fitted.residuals.iter().map(|row| row[k]).collect() };
     FitParts {
+        verdict: fitted.verdict.to_string(),
         machine: fitted.machine.description.to_toml(),
         start: fitted.start.numbers(),
         values: fitted.values.iter().map(|(_, value)| *value).collect(),

@@ -10,16 +10,20 @@ mod errors;
 mod evaluated;
 mod horizons;
 mod model;
+mod restarts;
 mod segments;
 mod solver;
 mod statistics;
 mod unknowns;
+mod verdict;
 
 pub use errors::{Uncertainty, Undetermined};
 pub use solver::Loss;
+pub use verdict::Verdict;
 
 use self::horizons::over_horizons;
 use self::model::Model;
+use self::restarts::{Found, beside};
 use self::segments::over_segments;
 use self::solver::{Bounds, Convergence, Solved, solve};
 use super::{Machine, QuantityName};
@@ -47,6 +51,8 @@ const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
 /// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
 const AGREED: u32 = 3;
 const SAME: f64 = 1e-6;
+/// Times that a better point beside a fitted one is taken.
+const BETTER: u32 = 6;
 /// Most free numbers.
 const MOST_FREE: usize = 50;
 
@@ -132,6 +138,8 @@ pub struct FitRequest {
 /// A fitted machine.
 #[derive(Clone, Debug)]
 pub struct Fitted {
+    /// Whether the fitted motion is the record's; errors are those of the record only where it is.
+    pub verdict: Verdict,
     /// The machine with the fitted numbers.
     pub machine: Machine,
     /// The start of its motion.
@@ -190,14 +198,42 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     };
     let turns = match (model.has_sigma, request.loss) {
         (true, _) => 0,
+        // One column weighs the same whatever its unit is.
+        (false, Loss::Linear) if request.measured.columns.len() + request.measured.contacts.len() == 1 => 0,
         (false, Loss::Linear) => REWEIGHTED,
         (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
     };
     for _ in 0..turns {
         model.reweigh(&best.point, &best.reach)?;
-        best = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
+        let found = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
+        best = Solved { is_continuous: best.is_continuous, ..found };
     }
-    model.finish(request, &best.point, &best.reach, best.cost)
+    let mut doubt = None;
+    for turn in 0..=BETTER {
+        if !go_on() {
+            doubt = Some("the fit was ended before its end".to_owned());
+            break;
+        }
+        match beside(&model, &bounds, &best, go_on)? {
+            Found::Same => break,
+            Found::Other(values) => {
+                doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));
+                break;
+            }
+            Found::Better(_) if turn == BETTER => {
+                doubt = Some(format!("starts beside it led to better numbers {BETTER} times"));
+            }
+            Found::Better(next) => {
+                let is_continuous = best.is_continuous;
+                let found = solve(&model, &bounds, &next.point, (&next.reach, Convergence::Whole), go_on)?;
+                best = Solved { is_continuous, ..found };
+            }
+        }
+    }
+    if !best.is_continuous {
+        doubt = Some("segments do not make one motion".into());
+    }
+    model.finish(request, &best.point, &best.reach, best.cost, doubt)
 }
 
 /// The point reached from a start by the first way that leaves noise alone, else by segments, else from

@@ -38,7 +38,7 @@ impl FromStr for QuantityName {
         // `signal.NAME` and `block.NAME.OUTPUT`; a body, too, may be called `signal` or `block`.
         let value = match of.split_once('.') {
             None if of == "signal" && word(what).is_none() => Some(what),
-            Some(("block", _)) => text.trim().strip_prefix("block."),
+            Some(("block", _)) if word(what).is_none() => text.trim().strip_prefix("block."),
             _ => None,
         };
         if let Some(name) = value {

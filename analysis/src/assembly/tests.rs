@@ -348,6 +348,7 @@ fn golden_bodies_called_block_or_signal_have_their_quantities() {
         ("block.pid.u", "pid.u", What::Value),
         ("pid.u", "pid.u", What::Value),
         ("tube.tip.s", "tube.tip", What::S),
+        ("block.tip.s", "block.tip", What::S),
     ] {
         assert_eq!(named(text), QuantityName { of: of.into(), what }, "{text}");
     }

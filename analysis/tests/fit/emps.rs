@@ -7,7 +7,6 @@ const SAMPLES: u32 = 24_841;
 const NOISE: f64 = 5e-5;
 
 #[test]
-#[ignore = "takes minutes: open"]
 fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
     let mut voltage = String::from("time,voltage\n");
     for i in 0..SAMPLES {

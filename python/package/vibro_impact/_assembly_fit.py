@@ -42,6 +42,8 @@ class Segment:
 class AssemblyFit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
+    verdict: str
+    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason: errors hold only where the motion is the record's."
     machine: AnyMachine
     "The machine with the fitted numbers."
     start: Start
@@ -271,6 +273,7 @@ def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[l
 
 def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:
     return AssemblyFit(
+        verdict=found["verdict"],
         machine=kind(found["machine"]),
         start=Start(dict(found["start"])),
         values=dict(zip(names, found["values"])),

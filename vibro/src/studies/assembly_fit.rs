@@ -5,7 +5,7 @@ use super::assembly_orbits::shown_unit;
 use crate::Result;
 use crate::table::{CsvRows, exact};
 use std::fmt::Write;
-use vibro_analysis::assembly::fit::{FitRequest, Fitted};
+use vibro_analysis::assembly::fit::{FitRequest, Fitted, Verdict};
 use vibro_analysis::significant;
 use vibro_assembly::quantity::NamedQuantity;
 use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
@@ -21,7 +21,10 @@ const DRAWN: usize = 4;
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
 pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
-    let mut remarks = Vec::new();
+    let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
+    if fitted.verdict != Verdict::Fits {
+        remarks.push("errors below hold only where the motion is the record's".into());
+    }
     for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
         let unit = request.machine.si_unit(name);
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
@@ -107,7 +110,8 @@ pub fn fit_json(fitted: &Fitted) -> String {
     // Writing to a text does not fail.
     let _ = writeln!(
         text,
-        "{{\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
+        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
+        quoted(&fitted.verdict.to_string()),
         list(parameters.collect()),
         list(names),
         list(rows.collect()),

@@ -108,7 +108,7 @@ impl Triangle {
 
     /// The states with the least squares beside changes of the numbers; `share` is that of the right
     /// sides.
-    fn states_of(&self, numbers: &DVector<f64>, share: f64) -> Option<Vec<Vec<f64>>> {
+    pub fn states_of(&self, numbers: &DVector<f64>, share: f64) -> Option<Vec<Vec<f64>>> {
         let p = numbers.len();
         let mut found: Vec<Vec<f64>> = Vec::new();
         let mut next = DVector::zeros(0);

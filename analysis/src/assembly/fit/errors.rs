@@ -142,7 +142,7 @@ impl Uncertainty {
 
 /// The change of a number that counts as one: its own value, or that which moves the motion by one
 /// standard deviation of a column throughout.
-fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
+pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     if value != 0.0 {
         return value.abs();
     }

@@ -1,9 +1,10 @@
 //! Fits over horizons that grow as the fitted motion keeps near the record.
 
-use super::Way;
 use super::evaluated::{Point, Reach};
 use super::model::Model;
+use super::restarts::from_rest;
 use super::solver::{Bounds, Convergence, Solved, solve};
+use super::{CLOSE, Way};
 use crate::error::Result;
 
 /// Most horizons of a fit.
@@ -30,12 +31,20 @@ pub(super) fn over_horizons(
         let is_last = horizon >= end || left == 0;
         let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
         let reach = Reach::whole(if is_last { end } else { horizon });
-        let found = solve(model, bounds, &point, (&reach, convergence), go_on)?;
+        let mut found = solve(model, bounds, &point, (&reach, convergence), go_on)?;
+        if left == HORIZONS {
+            found = from_rest(model, bounds, found, go_on)?;
+        }
         if is_last || !go_on() {
             return Ok(Solved { reach: Reach::whole(end), ..found });
         }
         (point, left) = (found.point, left - 1);
         let near = model.near_until(&point, &[], way);
+        // Close to all of the record nothing is to be followed step by step, but for contacts.
+        if near >= end && !model.has_stops() && model.is_near(&point.values, CLOSE) {
+            horizon = end;
+            continue;
+        }
         horizon = near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end);
     }
 }

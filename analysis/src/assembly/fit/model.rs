@@ -4,8 +4,9 @@ use super::beside::{Beside, Compared, Followed};
 use super::errors::Uncertainty;
 use super::evaluated::{Evaluated, Point, Reach};
 use super::solver::Solved;
-use super::statistics::{deviation, deviations, interval, noise, rms, size, typical};
+use super::statistics::{deviation, deviations, interval, noise, persistence, rms, rounding, size, typical};
 use super::unknowns::{Made, Unknowns};
+use super::verdict::Verdict;
 use super::{FitRequest, Fitted, Fresh, Loss, Measured, Way};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
@@ -71,7 +72,8 @@ impl<'a> Model<'a> {
         let FitRequest { machine, measured, sigma, loss, .. } = request;
         let (d, columns) = (&machine.description, &measured.columns);
         let compared = Compared::new(measured, d)?;
-        let noise: Vec<f64> = columns.iter().map(|(_, values)| noise(values)).collect();
+        let noise = |(_, values): &(QuantityName, Vec<f64>)| noise(values).max(rounding(values));
+        let noise: Vec<f64> = columns.iter().map(noise).collect();
         // Beside outliers a column's own deviation is theirs.
         let is_robust = *loss != Loss::Linear;
         let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| match *noise {
@@ -93,7 +95,7 @@ impl<'a> Model<'a> {
     }
 
     /// Standard deviation of residuals, in which outliers count little where they do in the fit.
-    fn spread(&self, residuals: impl Iterator<Item = f64>) -> f64 {
+    pub fn spread(&self, residuals: impl Iterator<Item = f64>) -> f64 {
         if self.loss == Loss::Linear { rms(residuals) } else { typical(residuals) }
     }
 
@@ -122,7 +124,7 @@ impl<'a> Model<'a> {
     }
 
     /// The times of the motion's contacts less those of the record, of a list of them.
-    fn contacts_off(&self, beside: &Beside, list: usize) -> Vec<f64> {
+    pub fn contacts_off(&self, beside: &Beside, list: usize) -> Vec<f64> {
         let times = &self.measured.contacts[list].1;
         beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
@@ -225,16 +227,47 @@ impl<'a> Model<'a> {
         let beside = self.beside(point, reach)?;
         let mut columns = self.noise.iter().enumerate();
         let mut lists = self.measured.contacts.iter().enumerate();
-        let is_white = |k: usize| {
-            let own: Vec<f64> = beside.residuals(k).collect();
-            let product: f64 = own.windows(2).map(|pair| pair[0] * pair[1]).sum();
-            product <= FOLLOWS * own.iter().map(|r| r * r).sum::<f64>()
-        };
+        let is_white = |k: usize| persistence(beside.residuals(k)) <= FOLLOWS;
         Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= DONE * noise && is_white(k))
             && lists.all(|(k, (_, times))| {
                 let off = self.contacts_off(&beside, k);
                 off.len() == times.len() && self.spread(off.into_iter()) <= MET * interval(times)
             }))
+    }
+
+    /// Noise of a column: what is given, else what its differences say.
+    pub fn noise_of(&self, k: usize) -> f64 {
+        if self.has_sigma { self.sigma[k] } else { self.noise[k] }
+    }
+
+    /// Standard deviation of the times of contacts of a list, where it is given.
+    pub fn deviation_of_contacts(&self, list: usize) -> Option<f64> {
+        self.has_sigma.then(|| self.sigma[self.noise.len() + list])
+    }
+
+    /// Variance of residuals in units of the standard deviations' squares, by their least sum.
+    pub fn variance(&self, cost: f64, free: usize) -> f64 {
+        if self.has_sigma { 1.0 } else { cost / self.rows().saturating_sub(free).max(1) as f64 }
+    }
+
+    /// Half the range of what a number of the start begins, over the record's times: of
+    /// `body.box.start.v` and `start.box.v` that of `box.v`.
+    pub fn size_of_start(&self, name: &str, values: &[f64]) -> Option<f64> {
+        let of_body = name.strip_prefix("body.").and_then(|name| name.split_once(".start."));
+        let of_start = || name.strip_prefix("start.")?.rsplit_once('.');
+        let (body, what) = of_body.or_else(of_start)?;
+        let made = self.unknowns.with(values).ok()?;
+        let named: QuantityName = format!("body.{body}.{what}").parse().ok()?;
+        let quantity = named.find(&made.machine.description).ok()?.quantity;
+        let assembly = Arc::new(Assembly::new(made.machine.description.clone()).ok()?);
+        let mut motion = made.start.motion(assembly).ok()?;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for time in &self.times {
+            motion.advance_to((time + made.shift).max(motion.time())).ok()?;
+            let value = motion.value(quantity);
+            (low, high) = (low.min(value), high.max(value));
+        }
+        Some(0.5 * (high - low)).filter(|size| *size > 0.0 && size.is_finite())
     }
 
     /// Whether the machine has stops.
@@ -248,7 +281,14 @@ impl<'a> Model<'a> {
     }
 
     /// The machine fitted at a point.
-    pub fn finish(&self, request: &FitRequest, point: &Point, reach: &Reach, cost: f64) -> Result<Fitted> {
+    pub fn finish(
+        &self,
+        request: &FitRequest,
+        point: &Point,
+        reach: &Reach,
+        cost: f64,
+        doubt: Option<String>,
+    ) -> Result<Fitted> {
         let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
         let Made { machine, start, .. } = self.unknowns.with(&point.values)?;
         let columns = &self.measured.columns;
@@ -267,7 +307,12 @@ impl<'a> Model<'a> {
         let all = beside.0.iter().flat_map(|own| &own.events);
         let named =
             |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
+        let verdict = match (self.verdict(&beside), doubt) {
+            (Verdict::Fits, Some(doubt)) => Verdict::Undecided(doubt),
+            (found, _) => found,
+        };
         Ok(Fitted {
+            verdict,
             events: all.filter_map(named).collect(),
             segments: self.segments(&beside, &machine, point, reach)?,
             start,

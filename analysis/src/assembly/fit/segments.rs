@@ -19,6 +19,8 @@ use vibro_assembly::{Assembly, Differentiated, Motion};
 const GROWTH: f64 = 20.0;
 /// Part of a segment's length, before its end, in which the next one may begin.
 const PLACE: f64 = 0.5;
+/// Contacts that a segment has at least, in the mean.
+const CONTACTS: f64 = 3.0;
 /// Instants at which growth is looked at, between two samples at most one.
 const LOOKS: usize = 400;
 /// How near a horizon has to be to grow.
@@ -52,9 +54,13 @@ pub(super) fn over_segments(
     let least = model.least_horizon(LEAST_ROWS * start.len());
     reach.end = model.near_until(&point, &[], WAY).max(least).min(end);
     let mut span = length.unwrap_or(reach.end - first);
+    // A stiff buffer makes changes grow within one touch.
+    let contacts =
+        model.beside(&point, &Reach::whole(end))?.0.iter().map(|own| own.events.len()).sum::<usize>();
+    let spacing = CONTACTS * (end - first) / contacts.max(1) as f64;
     loop {
         point = solve(model, bounds, &point, (&reach, Convergence::Rough), go_on)?.point;
-        while let Some((node, state)) = next_node(model, &point, &reach, length, &sizes)? {
+        while let Some((node, state)) = next_node(model, &point, &reach, (length, spacing), &sizes)? {
             span = node - reach.nodes.last().copied().unwrap_or(first);
             reach.nodes.push(node);
             point.states.push(state);
@@ -63,6 +69,7 @@ pub(super) fn over_segments(
             break;
         }
         let near = model.near_until(&point, &reach.nodes, WAY);
+        let span = span.max(length.unwrap_or(spacing));
         reach.end = near.clamp(reach.end + LONGER.0 * span, reach.end + LONGER.1 * span).min(end);
     }
     reach.end = end;
@@ -87,7 +94,7 @@ fn next_node(
     model: &Model,
     point: &Point,
     reach: &Reach,
-    length: Length,
+    (length, spacing): (Length, f64),
     sizes: &[f64],
 ) -> Result<Option<(f64, Vec<f64>)>> {
     let (mut motion, shift) = model.last_segment(point, &reach.nodes, length.is_none())?;
@@ -96,7 +103,7 @@ fn next_node(
     let end = match length {
         Some(length) => from + length,
         None => match grown(&mut motion.clone(), horizon, sizes)? {
-            Some(time) => time,
+            Some(time) => time.max(from + spacing),
             None => return Ok(None),
         },
     };

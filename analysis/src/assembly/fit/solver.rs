@@ -7,7 +7,7 @@ use super::evaluated::{Change, Evaluated, Point, Reach};
 use super::model::Model;
 use super::{FitRequest, MOST_FREE};
 use crate::error::{Error, Result};
-use crate::sobol;
+use crate::{significant, sobol};
 use nalgebra::DVector;
 
 /// How far a fit over one horizon goes.
@@ -15,6 +15,8 @@ use nalgebra::DVector;
 pub(super) enum Convergence {
     /// A few steps: a longer horizon follows.
     Rough,
+    /// Back from beside a point in whose valley residuals are nearly linear.
+    Back,
     /// Until steps are rounding.
     Whole,
 }
@@ -23,14 +25,24 @@ impl Convergence {
     /// Most steps, and relative step and reduction of the cost at which it ends.
     fn limits(self) -> (u32, f64, f64) {
         match self {
-            Self::Rough => (20, 1e-6, 1e-6),
+            Self::Rough | Self::Back => (20, 1e-5, 1e-5),
             Self::Whole => (60, 1e-10, 1e-13),
+        }
+    }
+
+    /// First damping.
+    fn damping(self) -> f64 {
+        match self {
+            Self::Rough | Self::Whole => 1e-3,
+            Self::Back => 1e-9,
         }
     }
 }
 
-/// First damping, and the largest, at which no step helps.
-const DAMPING: f64 = 1e-3;
+/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves nothing:
+/// a derivative that is rounding would ask for a change without bound.
+const IDLE: f64 = 1e-12;
+/// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;
 
 /// How a residual counts, by its square z in units of the standard deviation's square.
@@ -74,7 +86,7 @@ pub(super) struct Bounds {
     pub begin: Vec<f64>,
     pub low: Vec<f64>,
     pub high: Vec<f64>,
-    names: Vec<String>,
+    pub names: Vec<String>,
     given: Vec<bool>,
 }
 
@@ -143,6 +155,12 @@ impl Bounds {
         (0..start.len()).map(at).collect()
     }
 
+    /// Values with their names, in words.
+    pub fn told(&self, values: &[f64]) -> String {
+        let all = self.names.iter().zip(values).map(|(name, x)| format!("{name} = {}", significant(*x)));
+        all.collect::<Vec<_>>().join(", ")
+    }
+
     /// A point after a change, which is cut at the bounds.
     fn moved(&self, point: &Point, change: &mut Change) -> Point {
         let mut next = point.clone();
@@ -172,6 +190,14 @@ pub(super) struct Solved {
     pub cost: f64,
     /// Whether no segment misses the next one's start.
     pub is_continuous: bool,
+}
+
+impl Evaluated {
+    /// Whether the motion stays as it is whatever a free number of some value does.
+    pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
+        let size = if value == 0.0 { 1.0 } else { value.abs() };
+        self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
+    }
 }
 
 /// What is found of a number's sizes: the largest lengths of its columns of derivatives so far.
@@ -238,7 +264,7 @@ pub(super) fn solve(
     let (loss, mut point) = (model.loss, begin.clone());
     let mut at = model.evaluate(&point, reach)?;
     let mut cost = cost_of(&at, loss);
-    let (mut damping, mut growth) = (DAMPING, 2.0);
+    let (mut damping, mut growth) = (convergence.damping(), 2.0);
     let mut sizes = Point {
         values: vec![0.0; point.values.len()],
         states: point.states.iter().map(|state| vec![0.0; state.len()]).collect(),
@@ -251,8 +277,8 @@ pub(super) fn solve(
         include(&mut sizes, &at);
         let down = down(&at, loss);
         // A number that moves nothing so far is kept.
-        let is_idle = |j: usize| at.0.iter().all(|own| own.rows.by_numbers.column(j).amax() == 0.0);
-        let held = (0..point.values.len()).map(|j| is_idle(j) || bounds.holds(j, point.values[j], down[j]));
+        let held = (0..point.values.len())
+            .map(|j| at.is_idle(j, point.values[j]) || bounds.holds(j, point.values[j], down[j]));
         let held: Vec<bool> = held.collect();
         if point.states.is_empty() && held.iter().all(|held| *held) {
             break;
@@ -260,14 +286,15 @@ pub(super) fn solve(
         let way = Triangle::of(&at, loss, &sizes, damping, &held).step(point.values.len());
         let Some(mut way) = way else { break };
         let next = bounds.moved(&point, &mut way);
-        if way.length(&sizes) <= least_step * point.length(&sizes) {
+        let expected = predicted(&at, loss, &way);
+        if way.length(&sizes) <= least_step * point.length(&sizes) || expected <= least_reduction * cost {
             break;
         }
         // A motion that breaks off costs more than any.
         let tried = model.evaluate(&next, reach).ok();
         let after = tried.as_ref().map_or(f64::INFINITY, |tried| cost_of(tried, loss));
         if after < cost {
-            let ratio = (cost - after) / predicted(&at, loss, &way).max(f64::MIN_POSITIVE);
+            let ratio = (cost - after) / expected.max(f64::MIN_POSITIVE);
             let is_done = cost - after <= least_reduction * cost;
             (point, cost) = (next, after);
             at = tried.unwrap_or(at);

@@ -19,6 +19,22 @@ pub(super) fn noise(values: &[f64]) -> f64 {
     least
 }
 
+/// Standard deviation by which values are rounded: that of the least step between two of them.
+pub(super) fn rounding(values: &[f64]) -> f64 {
+    let mut all = values.to_vec();
+    all.sort_by(f64::total_cmp);
+    let steps = all.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least / 12f64.sqrt() } else { 0.0 }
+}
+
+/// Correlation of a residual with the next one; 0 of fewer than two.
+pub(super) fn persistence(residuals: impl Iterator<Item = f64>) -> f64 {
+    let all: Vec<f64> = residuals.collect();
+    let products: f64 = all.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    products / all.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
 /// Root mean square; 0 of no residual.
 pub(super) fn rms(residuals: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = residuals.fold((0.0, 0usize), |(sum, count), r| (sum + r * r, count + 1));

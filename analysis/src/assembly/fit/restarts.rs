@@ -1,0 +1,135 @@
+//! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make many
+//! minima, and friction ridges on which a number at rest moves nothing.
+
+use super::elimination::Triangle;
+use super::errors::scale;
+use super::evaluated::{Evaluated, Point};
+use super::model::Model;
+use super::solver::{Bounds, Convergence, Solved, solve};
+use crate::error::Result;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Standard errors by which a start lies beside the point, and the part of a number at most.
+const AWAY: f64 = 6.0;
+const MOST: f64 = 0.3;
+/// Combinations along which starts lie, of motions without contacts and with them.
+const DIRECTIONS: [usize; 2] = [1, 4];
+/// Part of its motion's size by which a number that moves nothing is moved.
+const NUDGE: f64 = 0.1;
+/// Singular value, relative to the largest, below which nothing leads back.
+const SINGULAR: f64 = 1e-6;
+/// Fall of the sum of squares, in units of the variance, by which a point is better: of one motion, and
+/// of segments, whose misses of the next start count beside it.
+const BETTER: [f64; 2] = [0.01, 1.0];
+/// Rise up to which another minimum is as good, and rise that the point's own valley has at least there.
+const AS_GOOD: f64 = 4.0;
+const ELSEWHERE: f64 = 9.0;
+
+/// What starts beside a point lead to.
+pub(super) enum Found {
+    /// Back to it, or to worse ones.
+    Same,
+    /// A better one.
+    Better(Solved),
+    /// Another one that is as good.
+    Other(Vec<f64>),
+}
+
+/// Starts beside a point at which some numbers move nothing: these are moved.
+fn nudged(model: &Model, bounds: &Bounds, point: &Point, at: &Evaluated) -> Vec<Point> {
+    let mut all = Vec::new();
+    for j in (0..point.values.len()).filter(|&j| at.is_idle(j, point.values[j])) {
+        let Some(size) = model.size_of_start(&bounds.names[j], &point.values) else { continue };
+        for sign in [1.0, -1.0] {
+            let mut next = point.clone();
+            next.values[j] = (next.values[j] + sign * NUDGE * size).clamp(bounds.low[j], bounds.high[j]);
+            all.push(next);
+        }
+    }
+    all
+}
+
+/// The best point to which numbers lead that moved nothing where a fit begins.
+pub(super) fn from_rest(
+    model: &Model,
+    bounds: &Bounds,
+    best: Solved,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Solved> {
+    let starts = nudged(model, bounds, &best.point, &model.evaluate(&best.point, &best.reach)?);
+    let reach = &best.reach;
+    let all = starts
+        .iter()
+        .filter_map(|start| solve(model, bounds, start, (reach, Convergence::Rough), go_on).ok());
+    let all: Vec<Solved> = all.collect();
+    Ok(all.into_iter().fold(best, |best, own| if own.cost < best.cost { own } else { best }))
+}
+
+/// What starts some standard errors beside a point lead to.
+pub(super) fn beside(
+    model: &Model,
+    bounds: &Bounds,
+    best: &Solved,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Found> {
+    let at = model.evaluate(&best.point, &best.reach)?;
+    let p = best.point.values.len();
+    let mut starts = nudged(model, bounds, &best.point, &at);
+    let Some((jacobian, along)) = along(model, best, &at) else { return Ok(Found::Same) };
+    for change in &along {
+        starts.extend([1.0, -1.0].map(|sign| {
+            let mut next = best.point.clone();
+            for j in 0..p {
+                let moved = next.values[j] + sign * change.values[j];
+                next.values[j] = moved.clamp(bounds.low[j], bounds.high[j]);
+            }
+            for (state, change) in next.states.iter_mut().zip(&change.states) {
+                state.iter_mut().zip(change).for_each(|(x, dx)| *x += sign * dx);
+            }
+            next
+        }));
+    }
+    let by = |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back), go_on).ok();
+    let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
+    let variance = model.variance(best.cost, p);
+    let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let better = BETTER[usize::from(!best.reach.nodes.is_empty())];
+    if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
+        return Ok(Found::Better(own.clone()));
+    }
+    let is_other = |own: &&Solved| {
+        let off = own.point.values.iter().zip(&best.point.values).map(|(a, b)| a - b);
+        let rise = (&jacobian * DVector::from_iterator(p, off)).norm_squared();
+        own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance
+    };
+    Ok(all.iter().find(is_other).map_or(Found::Same, |own| Found::Other(own.point.values.clone())))
+}
+
+/// The derivatives of all residuals by the free numbers, and changes of some standard errors along the
+/// combinations that are least determined, each with what states of segments then do.
+fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, Vec<Point>)> {
+    let values = &best.point.values;
+    let p = values.len();
+    let triangle = Triangle::of(at, model.loss, &Point::default(), 0.0, &vec![false; p]);
+    let jacobian = triangle.reduced(at, p)?;
+    let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
+    let mut scaled = jacobian.clone();
+    scaled.column_iter_mut().zip(&scales).for_each(|(mut column, scale)| column *= *scale);
+    let svd = scaled.qr().r().svd(false, true);
+    let right = svd.v_t.as_ref()?;
+    let largest = svd.singular_values.max();
+    let mut known: Vec<usize> =
+        (0..right.nrows()).filter(|&k| svd.singular_values[k] > SINGULAR * largest).collect();
+    known.sort_by(|&a, &b| svd.singular_values[a].total_cmp(&svd.singular_values[b]));
+    let variance = model.variance(best.cost, p);
+    let of = |&k: &usize| {
+        let direction = right.row(k).transpose();
+        let length = (AWAY * variance.sqrt() / svd.singular_values[k]).min(MOST / direction.amax());
+        let change = DVector::from_fn(p, |j, _| length * scales[j] * direction[j]);
+        let states = triangle.states_of(&change, 0.0)?;
+        Some(Point { values: change.iter().copied().collect(), states })
+    };
+    let most = DIRECTIONS[usize::from(model.has_stops())];
+    Some((jacobian, known.iter().take(most).filter_map(of).collect()))
+}
