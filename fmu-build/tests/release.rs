@@ -369,7 +369,7 @@ fn every_example_machine_is_shipped_with_one_library_that_packs_it() {
     for name in machines {
         let machine = vibro_assembly::file::read(&folder.path().join(name)).unwrap();
         let packed = folder.path().join("machine.fmu");
-        vibro_pack::write(&machine, Version::Fmi3, &kit, &packed).unwrap();
+        vibro_pack::write(&machine, fmi_doors::Version::Fmi3, &kit, &packed).unwrap();
         let content = archive::read_all(&packed).unwrap();
         let binaries = content.keys().filter(|name| name.starts_with("binaries/")).count();
         assert!(binaries == 2 && content.contains_key("resources/machine.toml"), "{name}");

@@ -45,7 +45,8 @@ impl FromStr for QuantityName {
             return Ok(Self { of: name.into(), what: What::Value });
         }
         // The section may be named, as in parameters; a node's name has a point, too.
-        let is_section = |word: &str| word == "body" || SECTIONS.iter().any(|own| own.0 == word);
+        let is_section =
+            |word: &str| word == "body" || SECTIONS.iter().any(|own| own.0 == word && own.0 != "block");
         let of = of.split_once('.').filter(|(word, _)| is_section(word)).map_or(of, |(_, name)| name);
         match word(what) {
             Some(what) => Ok(Self { of: of.into(), what }),
