@@ -31,6 +31,7 @@ fn made_record_of_the_page() {
         assert!((value - truth).abs() < FAR * error && error < 0.01 * truth, "{name} {value} ± {error}");
     }
     assert!(said[0].contains("spring.mount.stiffness ="), "{}", said[0]);
+    assert!(said[0].contains("verdict: fits") && json.contains("\"verdict\": \"fits\""), "{}", said[0]);
     // Mass, stiffness and friction change by one part.
     let valley = std::fs::read_to_string(home.join("valley/fit.json")).unwrap();
     let part = |name: &str| number_after(&valley, "combination", name).abs();
@@ -74,6 +75,7 @@ fn what_is_no_record_is_refused_by_name_and_row() {
         ),
         (table("nan.csv", "time,mass.s\n0,1\n1,NaN\n"), "friction.floor.force", "row 2: mass.s = `NaN`"),
         (table("empty.csv", "time,mass.s\n"), "friction.floor.force", "no sample"),
+        (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "the nearest is `mass.s`"),
         (sound.clone(), "friction.floor.forc", "the nearest is `friction.floor.force`"),
         (sound.clone(), "friction.floor.force,record.offset.floor.f", "the record has no such column"),
         (

@@ -259,7 +259,9 @@ fn best_from(
         .iter()
         .take(if is_regular { 1 } else { WAYS.len() })
         .map(|way| Box::new(|| horizons(start, *way)) as Attempt);
-    let by_segments = (segments != Segments::None).then(|| Box::new(|| divided(start, length)) as Attempt);
+    // Times of contacts say too little of the states in which segments begin.
+    let is_divided = segments != Segments::None && (!model.is_of_contacts() || length.is_some());
+    let by_segments = is_divided.then(|| Box::new(|| divided(start, length)) as Attempt);
     let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
     for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
         let Ok(mut found) = attempt() else { continue };

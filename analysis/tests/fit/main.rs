@@ -8,8 +8,9 @@ mod losses;
 mod regular;
 mod segments;
 mod sure;
+mod verdicts;
 
-use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
+use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use vibro_analysis::assembly::{Machine, QuantityName};
 use vibro_assembly::file::no_records;
 use vibro_assembly::motion::{Event, EventKind};

@@ -18,6 +18,9 @@ fn check_ten_starts(machine: &Machine, measured: &Measured, free: &[&str]) {
         let off =
             found.values.iter().zip(truths).zip(errors).map(|(((_, x), truth), error)| (x - truth) / error);
         let off: Vec<f64> = off.collect();
+        if found.verdict != Verdict::Fits {
+            wrong.push(format!("start {k}: {}", found.verdict));
+        }
         let first = first.get_or_insert_with(|| found.clone());
         let mut pairs = first.values.iter().zip(&found.values);
         if off.iter().any(|off| !(off.abs() < FAR))
@@ -61,7 +64,6 @@ fn made_record_of_a_block_on_a_belt_from_ten_starts() {
 }
 
 #[test]
-#[ignore = "one of ten starts ends in a wrong minimum: open"]
 fn made_record_of_gears_with_backlash_from_ten_starts() {
     let m = example("gear_backlash.toml");
     let measured = record(&m, &[("wheel.v", 0.02), ("drive_flank.e", 1e-6)], 0.1, 500, &mut Noise(12));
@@ -69,16 +71,28 @@ fn made_record_of_gears_with_backlash_from_ten_starts() {
     check_ten_starts(&m, &measured, &free);
 }
 
+/// Of some starts contacts come in another order than in the record: docs/fit.md.
 #[test]
-#[ignore = "not all of ten starts lead there: open"]
-fn made_contact_times_alone_of_a_damper_from_ten_starts() {
+fn invariant_contact_times_alone_of_a_damper_are_fitted_or_said_not_to_be() {
     let m = example("damper_with_buffer.toml");
     let measured = contacts(&m, &["steel", "buffer"], 2.0, 1e-5, &mut Noise(13));
-    check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
+    let free = ["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"];
+    let factors = [[1.2, 1.2, 1.2], [0.8, 1.2, 1.2], [0.8, 0.8, 1.2], [1.2, 1.2, 0.8]];
+    let mut right = 0;
+    for own in factors {
+        let found = fitted(&request(off(&m, &free, |i| own[i]), measured.clone(), &free));
+        let near = |((name, x), error): (&(String, f64), &Option<f64>)| {
+            error.is_some_and(|error| (x - m.description.get(name).unwrap()).abs() < FAR * error)
+        };
+        let is_right = found.values.iter().zip(&found.uncertainty.errors).all(near);
+        assert_eq!(is_right, found.verdict == Verdict::Fits, "{own:?}: {:?} {}", found.values, found.verdict);
+        right += u32::from(is_right);
+    }
+    assert!(right >= 3, "{right}");
 }
 
 /// A mass on a spring with a stop, driven by a record that is held between its times.
-pub(super) fn driven_by_a_record() -> Machine {
+fn driven_by_a_record() -> Machine {
     let mut noise = Noise(14);
     let rows: Vec<String> =
         (0..200).map(|i| format!("[{:?}, {:?}]", 0.01 * f64::from(i), 40.0 * noise.normal())).collect();
@@ -96,5 +110,31 @@ pub(super) fn driven_by_a_record() -> Machine {
 fn made_record_of_a_machine_that_a_record_drives_from_ten_starts() {
     let m = driven_by_a_record();
     let measured = record(&m, &[("a.s", 1e-4)], 2.0, 400, &mut Noise(15));
-    check_ten_starts(&m, &measured, &["spring.k.stiffness", "spring.k.damping", "stop.wall.restitution"]);
+    let free = ["spring.k.stiffness", "spring.k.damping", "stop.wall.restitution", "stop.wall.gap"];
+    check_ten_starts(&m, &measured, &free);
+}
+
+#[test]
+fn made_record_of_the_papers_machine_from_5_and_20_percent_off() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/paper_machine.toml");
+    let text = std::fs::read_to_string(folder).unwrap();
+    let text =
+        text.replace("gap = 1.0", "gap = \"= gap\"").replace("restitution = 0.75", "restitution = \"= r\"");
+    let m =
+        Machine::parse(&(text + "\n[parameters]\ngap = 1.0\nr = 0.75\n"), "paper.toml", &no_records).unwrap();
+    let measured = record(&m, &[("box.s", 1e-4), ("block.s", 1e-4)], 40.0, 400, &mut Noise(42));
+    // Its start, 0.9, is outside a gap of 0.8.
+    for factors in [[1.05, 1.05], [1.05, 0.95], [0.95, 1.05], [0.95, 0.95], [1.2, 1.2], [1.2, 0.8]] {
+        let begin = off(&m, &["gap", "r"], |i| factors[i]);
+        let found = fitted(&request(begin, measured.clone(), &["gap", "r"]));
+        for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+            let truth = m.description.get(name).unwrap();
+            let error = error.unwrap();
+            assert!(
+                (value - truth).abs() < FAR * error && error < 1e-4,
+                "{factors:?}: {name} {value} ± {error}"
+            );
+        }
+        assert_eq!(found.verdict, Verdict::Fits, "{factors:?}");
+    }
 }

@@ -19,6 +19,16 @@ impl From<Vec<f64>> for Point {
 pub(super) type Change = Point;
 
 impl Point {
+    /// Shortens a change to a part of each value at most; values of 0 set no bound.
+    pub fn limit(&mut self, values: &[f64], part: f64) {
+        let pairs = self.values.iter().zip(values).filter(|(_, x)| **x != 0.0);
+        let most = pairs.fold(0.0, |most: f64, (change, x)| most.max((change / x).abs()));
+        if most > part {
+            let all = self.values.iter_mut().chain(self.states.iter_mut().flatten());
+            all.for_each(|change| *change *= part / most);
+        }
+    }
+
     /// The length of a change whose numbers count by sizes.
     pub fn length(&self, sizes: &Change) -> f64 {
         let pair =

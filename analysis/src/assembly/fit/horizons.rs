@@ -9,6 +9,8 @@ use crate::error::Result;
 
 /// Most horizons of a fit.
 const HORIZONS: u32 = 200;
+/// Contacts by which a horizon of contacts alone grows at most.
+const MOST_CONTACTS: usize = 10;
 /// Rows by free number with which the first horizon begins at least.
 pub(super) const LEAST_ROWS: usize = 3;
 
@@ -24,7 +26,10 @@ pub(super) fn over_horizons(
     let (first, end) = (model.first(), model.end());
     // Horizons are as long as the record lasts, whenever it begins.
     let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
-    let least = model.least_horizon(LEAST_ROWS * start.len());
+    // Contacts that are matched in their order are near only as long as none comes or goes.
+    let is_of_contacts = model.is_of_contacts();
+    let rows = if is_of_contacts { start.len() + 1 } else { LEAST_ROWS * start.len() };
+    let least = model.least_horizon(rows);
     let mut horizon = model.near_until(&point, &[], way).max(least).min(end);
     let mut left = HORIZONS;
     loop {
@@ -40,11 +45,19 @@ pub(super) fn over_horizons(
         }
         (point, left) = (found.point, left - 1);
         let near = model.near_until(&point, &[], way);
+        // Contacts that one horizon could not match are not matched by a longer one.
+        if is_of_contacts && near + model.slack() < horizon {
+            return Ok(Solved { point, reach: Reach::whole(end), cost: f64::INFINITY, is_continuous: true });
+        }
         // Close to all of the record nothing is to be followed step by step, but for contacts.
         if near >= end && !model.has_stops() && model.is_near(&point.values, CLOSE) {
             horizon = end;
             continue;
         }
-        horizon = near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end);
+        horizon = if is_of_contacts {
+            near.clamp(model.next_row(horizon, 1), model.next_row(horizon, MOST_CONTACTS)).min(end)
+        } else {
+            near.clamp(longer(horizon, way.growth.0), longer(horizon, way.growth.1)).min(end)
+        };
     }
 }

@@ -144,6 +144,22 @@ impl<'a> Model<'a> {
         self.times.last().copied().unwrap_or(0.0)
     }
 
+    /// Whether the record has times of contacts only.
+    pub fn is_of_contacts(&self) -> bool {
+        self.measured.columns.is_empty()
+    }
+
+    /// Twice the longest mean interval between contacts: a contact before a time is as near.
+    pub fn slack(&self) -> f64 {
+        self.measured.contacts.iter().fold(0.0, |most: f64, (_, times)| most.max(2.0 * interval(times)))
+    }
+
+    /// The time of the row some rows after a time.
+    pub fn next_row(&self, time: f64, count: usize) -> f64 {
+        let place = self.times.partition_point(|own| *own <= time) + count - 1;
+        self.times.get(place).copied().unwrap_or_else(|| self.end())
+    }
+
     /// The shortest horizon with a number of rows over which each column shows more than its noise.
     pub fn least_horizon(&self, rows: usize) -> f64 {
         let enough = self.times.get(rows.saturating_sub(1)).copied().unwrap_or_else(|| self.end());

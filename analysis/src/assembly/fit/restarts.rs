@@ -90,9 +90,12 @@ pub(super) fn beside(
             next
         }));
     }
-    let by = |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back), go_on).ok();
-    let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
     let variance = model.variance(best.cost, p);
+    // Without contacts there is one valley, whose floor need not be found again.
+    let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
+    let by =
+        |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back(enough)), go_on).ok();
+    let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
     let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
     let better = BETTER[usize::from(!best.reach.nodes.is_empty())];
     if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {

@@ -11,12 +11,12 @@ use crate::{significant, sobol};
 use nalgebra::DVector;
 
 /// How far a fit over one horizon goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Convergence {
     /// A few steps: a longer horizon follows.
     Rough,
-    /// Back from beside a point in whose valley residuals are nearly linear.
-    Back,
+    /// Back from beside a point in whose valley residuals are nearly linear, down to a cost.
+    Back(f64),
     /// Until steps are rounding.
     Whole,
 }
@@ -25,7 +25,7 @@ impl Convergence {
     /// Most steps, and relative step and reduction of the cost at which it ends.
     fn limits(self) -> (u32, f64, f64) {
         match self {
-            Self::Rough | Self::Back => (20, 1e-5, 1e-5),
+            Self::Rough | Self::Back(_) => (20, 1e-5, 1e-5),
             Self::Whole => (60, 1e-10, 1e-13),
         }
     }
@@ -34,7 +34,7 @@ impl Convergence {
     fn damping(self) -> f64 {
         match self {
             Self::Rough | Self::Whole => 1e-3,
-            Self::Back => 1e-9,
+            Self::Back(_) => 1e-9,
         }
     }
 }
@@ -42,6 +42,8 @@ impl Convergence {
 /// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves nothing:
 /// a derivative that is rounding would ask for a change without bound.
 const IDLE: f64 = 1e-12;
+/// Part of a number by which a step moves it at most where contacts alone are matched, which come and go.
+const STEP: f64 = 0.2;
 /// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;
 
@@ -285,6 +287,9 @@ pub(super) fn solve(
         }
         let way = Triangle::of(&at, loss, &sizes, damping, &held).step(point.values.len());
         let Some(mut way) = way else { break };
+        if model.is_of_contacts() {
+            way.limit(&point.values, STEP);
+        }
         let next = bounds.moved(&point, &mut way);
         let expected = predicted(&at, loss, &way);
         if way.length(&sizes) <= least_step * point.length(&sizes) || expected <= least_reduction * cost {
@@ -300,7 +305,7 @@ pub(super) fn solve(
             at = tried.unwrap_or(at);
             damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
             growth = 2.0;
-            if is_done {
+            if is_done || matches!(convergence, Convergence::Back(enough) if cost <= enough) {
                 break;
             }
         } else {

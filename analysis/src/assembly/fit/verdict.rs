@@ -11,6 +11,8 @@ const FITS: f64 = 1.3;
 const MISSES: f64 = 2.5;
 /// Standard deviations of a root mean square, by which few residuals may be larger.
 const CHANCE: f64 = 3.0;
+/// Likewise of a noise that differences say, which is the least of several orders.
+const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
 /// Least noise of a column, in parts of its size: differences of records without noise are rounding.
@@ -47,7 +49,9 @@ impl Model<'_> {
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
             let noise = self.noise_of(k).max(LEAST * size(values));
             let times = self.spread(beside.residuals(k)) / noise;
-            let chance = 1.0 + CHANCE / (2.0 * values.len() as f64).sqrt();
+            // What differences say of few samples is vaguer than a root mean square.
+            let share = if self.has_sigma { CHANCE / 2f64.sqrt() } else { VAGUE };
+            let chance = 1.0 + share / (values.len() as f64).sqrt();
             let many = format!("the residuals of {name} are {} times its noise", significant(times));
             if times > MISSES.max(chance) {
                 return Verdict::Misses(many);

@@ -1,0 +1,76 @@
+//! What is said of a fit: whether its motion is the record's; further starts.
+
+use super::*;
+
+const FREE: [&str; 2] = ["spring.mount.stiffness", "friction.floor.force"];
+
+#[test]
+fn invariant_a_motion_of_another_law_does_not_fit() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(51));
+    let sound = fitted(&request(off(&m, &FREE, |_| 1.1), measured.clone(), &FREE));
+    assert_eq!(sound.verdict, Verdict::Fits);
+    // Friction is held at a third.
+    let begin = m.with([("friction.floor.force", m.description.get("friction.floor.force").unwrap() / 3.0)]);
+    let found = fitted(&request(begin.unwrap(), measured, &FREE[..1]));
+    let times = found.rms[0].1 / 2e-6;
+    assert!(times > 10.0 && matches!(found.verdict, Verdict::Misses(_)), "{times}: {}", found.verdict);
+    assert!(
+        found.verdict.to_string().starts_with("does not fit: the residuals of mass.s are"),
+        "{}",
+        found.verdict
+    );
+}
+
+#[test]
+fn invariant_noise_that_lasts_is_undecided_or_no_fit() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 0.0)], 0.25, 400, &mut Noise(52));
+    let (mut own, mut noise) = (0.0, Noise(53));
+    for value in &mut measured.columns[0].1 {
+        own = 0.9 * own + 2e-6 * noise.normal();
+        *value += own;
+    }
+    let found = fitted(&request(m, measured, &FREE));
+    assert_ne!(found.verdict, Verdict::Fits);
+}
+
+#[test]
+fn invariant_a_fit_that_is_ended_is_undecided() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(54));
+    let found = fit(&request(m, measured, &FREE), &|| false).unwrap();
+    assert_eq!(found.verdict, Verdict::Undecided("the fit was ended before its end".into()));
+}
+
+#[test]
+fn made_record_by_twenty_starts_from_50_percent_off() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(55));
+    let own = request(off(&m, &FREE, |i| [1.5, 0.5][i]), measured, &FREE);
+    let range = |name: &&str| {
+        let truth = m.description.get(name).unwrap();
+        Free { name: (*name).to_owned(), within: Some((0.4 * truth, 1.8 * truth)) }
+    };
+    let found = fitted(&FitRequest { free: FREE.iter().map(range).collect(), starts: 20, ..own });
+    for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+        let truth = m.description.get(name).unwrap();
+        assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}, true {truth}");
+    }
+    assert_eq!(found.verdict, Verdict::Fits);
+}
+
+#[test]
+fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
+    // A ball that bounces on a lower floor, whose place is not free.
+    let text = |gap: f64| {
+        format!(
+            "name = \"Ball\"\ngravity = 9.81\nbody.a = {{ mass = 1.0, gravity = 1.0 }}\n\
+             stop.floor = {{ between = [\"ground\", \"a\"], gap = {gap}, restitution = 0.8 }}\n"
+        )
+    };
+    let ball = |gap: f64| Machine::parse(&text(gap), "ball.toml", &no_records).unwrap();
+    let measured = contacts(&ball(0.5), &["floor"], 1.5, 1e-5, &mut Noise(56));
+    let found = fitted(&request(ball(0.8), measured, &["stop.floor.restitution"]));
+    assert!(matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
+}
