@@ -74,7 +74,15 @@ impl Machine {
     fn start(&self) -> Result<Moving, MachineProblem> {
         let numbers = self.numbers();
         let assembly = self.plan.machine(&numbers, false)?;
-        let motion = Motion::starting_at(assembly.clone(), self.life.start_time())?;
+        let (time, own) = (self.life.start_time(), assembly.clone());
+        let reads_inputs = assembly.has_samples() && self.pending.iter().any(Option::is_some);
+        let motion = if reads_inputs {
+            let inputs = self.pending.iter().enumerate();
+            let inputs: Vec<_> = inputs.filter_map(|(i, input)| Some((i, (*input)?))).collect();
+            Motion::starting_under(own, time, &inputs)?
+        } else {
+            Motion::starting_at(own, time)?
+        };
         let mut moving = Moving::new(motion, numbers);
         moving.set_inputs(&self.pending)?;
         if self.life.interface == Interface::ModelExchange {

@@ -62,6 +62,11 @@ impl Assembly {
         self
     }
 
+    /// Whether a block is sampled.
+    pub fn has_samples(&self) -> bool {
+        self.system.blocks.iter().any(|block| block.sampler.is_some())
+    }
+
     /// Whether the numbers of all blocks in a state are those of the machine's start.
     pub(crate) fn is_fresh(&self, state: &[f64]) -> bool {
         let first = self.system.branches.len();

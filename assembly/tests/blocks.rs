@@ -198,7 +198,7 @@ const MASS: f64 = 95.1089;
 const VISCOUS: f64 = 203.5034;
 const COULOMB: f64 = 20.3935;
 const OFFSET: f64 = -3.1648;
-const GAIN: f64 = 35.150_651_882_485_469;
+const GAIN: f64 = 35.150_651_882_485_47;
 
 impl Drive {
     fn output(&mut self, s: f64, wanted: f64) -> f64 {

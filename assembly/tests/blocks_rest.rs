@@ -2,8 +2,8 @@
 
 use crate::blocks::{check_derivatives, column};
 use crate::common::*;
-use vibro_assembly::Assembly;
 use vibro_assembly::file::{no_records, parse};
+use vibro_assembly::{Assembly, Motion};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
@@ -82,4 +82,25 @@ fn golden_refusals_of_outputs_say_one_thing() {
     let d = parse(&fast, "fast.toml", &no_records).expect("a machine");
     let error = Assembly::new(d).expect_err("a rate beyond all bounds").to_string();
     assert!(error.contains("block.block.a"), "{error}");
+}
+
+/// An input that is given at the start is what the first sample reads.
+#[test]
+fn closed_form_the_first_sample_reads_the_inputs_of_the_start() {
+    let text = mass(r#"inputs = ["level"], d = [[1.5]], sample = 0.1"#);
+    let text = text.replace("start = \"rest\"", "").replace("constant = 5.0", "input = true");
+    let assembly = std::sync::Arc::new(Assembly::new(machine(&text)).expect("a machine"));
+    assert!(assembly.has_samples());
+    let given = [(0, [4.0, 0.0, 0.0, 0.0])];
+    let mut m = Motion::starting_under(assembly.clone(), 0.0, &given).expect("a motion");
+    near(column(&m, "block.y"), 6.0, ROUNDING);
+    m.advance_to(0.05).expect("a motion");
+    near(column(&m, "block.y"), 6.0, ROUNDING);
+    // What is given after the sample waits for the next one.
+    let mut late = Motion::new(assembly).expect("a motion");
+    late.set_input(0, given[0].1).expect("an input");
+    late.advance_to(0.05).expect("a motion");
+    near(column(&late, "block.y"), 0.0, ROUNDING);
+    late.advance_to(0.15).expect("a motion");
+    near(column(&late, "block.y"), 6.0, ROUNDING);
 }

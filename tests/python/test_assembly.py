@@ -171,6 +171,12 @@ def test_second_method_a_text_a_dictionary_and_a_file_are_one_machine(tmp_path):
     assert machine.parameters["body.mass.mass"] == 2.0 and machine.units["body.mass.mass"] == "kg"
 
 
+def test_samples_of_blocks_are_no_events():
+    run = vi.Assembly(EXAMPLES / "servo.toml").simulate(0.5, samples=1)
+    kinds = set(run.events["kind"])
+    assert "sample" not in kinds and {"limit", "slip"} <= kinds
+
+
 def test_events_are_structured_and_many_machines_end_on_the_same_bits():
     machine = damper()
     run = machine.simulate(0.5, samples=1)

@@ -2,11 +2,12 @@
 //! for the turn of a stop that has no dashpot in the rebound, and friction that follows a stop.
 
 use crate::plans;
-use crate::solver::{Silent, get};
+use crate::solver::{Silent, get, set};
 use fmi_doors::log::{Category, Log};
 use fmi_doors::{Component, EventHandling, Interface, Life, Model};
 use std::collections::HashSet;
-use vibro_assembly_fmi::{Machine, Plan, Quantity};
+use std::sync::Arc;
+use vibro_assembly_fmi::{FILE, Machine, Plan, Quantity};
 
 /// Most events of a machine.
 const EVENTS: usize = 60;
@@ -79,4 +80,33 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
     // Among them are those of an `ElastoGap`: pressed (4) and capped (6).
     assert!(changes.contains(&(true, 4, 6)) || changes.contains(&(true, 6, 4)), "{changes:?}");
     assert!(changes.len() > 12, "{changes:?}");
+}
+
+/// An input that is set in initialization is what the first sample reads; samples are no lines of
+/// the log.
+#[test]
+fn closed_form_the_first_sample_reads_the_inputs_of_initialization() {
+    let text = r#"
+        name = "Sampled"
+        body.mass = { mass = 1.0 }
+        spring.k = { between = ["ground", "mass"], stiffness = 100.0 }
+        signal.level = { input = true }
+        block.c = { inputs = ["level"], d = [[1.5]], outputs = ["y"], sample = 0.1 }
+        load.push = { on = "mass", from = "c.y" }
+    "#;
+    let plan = Arc::new(Plan::new(text.into(), FILE).unwrap());
+    let place = |name: &str| 1 + plan.table.rows.iter().position(|row| row.name == name).unwrap() as u32;
+    for interface in [Interface::CoSimulation, Interface::ModelExchange] {
+        let mut machine = Machine::new(plan.clone(), Life::new(interface, EventHandling::default()));
+        machine.set_experiment(None, 0.0, None).unwrap();
+        machine.enter_initialization();
+        assert!(set(&mut machine, place("signal.level.input"), 4.0));
+        let mut told = Told::default();
+        machine.exit_initialization(&mut told).unwrap();
+        assert_eq!(get(&mut machine, place("c.y")), Some(6.0));
+        if interface == Interface::CoSimulation {
+            machine.advance(0.0, 0.35, &mut told).unwrap();
+            assert!(told.0.is_empty(), "{:?}", told.0);
+        }
+    }
 }

@@ -186,6 +186,24 @@ impl Motion {
         Self::begin(assembly, time, &start, &mut None)
     }
 
+    /// As [`starting_at`](Self::starting_at), under inputs that are given at the start: samples of
+    /// blocks at this time read them.
+    ///
+    /// # Errors
+    /// As [`starting_at`](Self::starting_at) and [`set_inputs`](Self::set_inputs).
+    pub fn starting_under(
+        assembly: Arc<Assembly>,
+        time: f64,
+        inputs: &[(usize, Input)],
+    ) -> Result<Self, Error> {
+        let start = start_of(&assembly);
+        let mut motion = Self::placed(assembly, time, &start, true)?;
+        motion.settle(&[], &Parted::default(), &mut None)?;
+        motion.set_inputs(inputs)?;
+        motion.apply_samples(&mut None)?;
+        Ok(motion)
+    }
+
     /// The motion from a state: the coordinates of the machine's coordinates, m or rad, then their
     /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the states
     /// of first order. The law
