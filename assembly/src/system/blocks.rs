@@ -330,8 +330,8 @@ impl System {
     }
 
     /// The limits of outputs.
-    pub(crate) fn limits(&self) -> &[StopRows] {
-        &self.stops[self.first_limit..self.first_freewheel]
+    pub(crate) fn limits(&self) -> impl Iterator<Item = &StopRows> {
+        self.stops.iter().filter(|own| own.limit.is_some())
     }
 
     /// Sets what blocks that read no body put out at time 0: continuous ones from their starts,
