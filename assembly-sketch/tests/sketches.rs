@@ -28,8 +28,12 @@ fn invariant_every_body_and_element_is_named_once() {
         let elements = elements
             .chain(machine.links.iter().map(|x| &x.name))
             .chain(machine.loads.iter().map(|x| &x.name));
-        for text in machine.bodies.iter().map(|body| &body.name).chain(elements) {
-            assert_eq!(svg.matches(&format!(">{text}<")).count(), 1, "{name}: {text}");
+        // A body and an element may have the same name. Coordinates of a body with many are not drawn.
+        let bodies = machine.bodies.iter().map(|body| &body.name).filter(|name| !name.contains('['));
+        let all: Vec<&String> = bodies.chain(elements).collect();
+        for text in &all {
+            let named = all.iter().filter(|own| *own == text).count();
+            assert_eq!(svg.matches(&format!(">{text}<")).count(), named, "{name}: {text}");
         }
         std::fs::write(folder.join(&name).with_extension("png"), png).unwrap();
         let icon = canvas::png(&Sketch::icon(&machine)).unwrap();

@@ -220,10 +220,10 @@ fn names(model: &Model, found: &mut Vec<String>) {
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
-        // An array's element has its index in brackets after the name.
+        // An array's element has its places in brackets after the name, separated by commas.
         let element = part.strip_suffix(']').and_then(|part| part.split_once('['));
         let index = |place: &str| !place.is_empty() && place.chars().all(|c| c.is_ascii_digit());
-        let part = element.filter(|(_, place)| index(place)).map_or(part, |(name, _)| name);
+        let part = element.filter(|(_, places)| places.split(',').all(index)).map_or(part, |(name, _)| name);
         let rest = part.strip_prefix(|c: char| c.is_ascii_alphabetic() || c == '_');
         rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'))
     })

@@ -74,7 +74,9 @@ crate::text::written_as_text!(QuantityName);
 
 /// Refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
-    let nearest = known.iter().max_by(|a, b| strsim::jaro(a, text).total_cmp(&strsim::jaro(b, text)));
+    // The last of the greatest is taken: of names that are as near, the one that stands first.
+    let near = |name: &String| strsim::jaro(name, text);
+    let nearest = known.iter().rev().max_by(|a, b| near(a).total_cmp(&near(b)));
     let advice = nearest.map_or("the machine has none".into(), |near| {
         format!("the nearest is `{near}`; allowed are {}", known.join(", "))
     });

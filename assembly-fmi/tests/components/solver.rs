@@ -53,15 +53,12 @@ impl Solver {
         let here = self.slope(0.0, &from);
         let (mut along, mut growth) = (vec![1.0; from.len()], 0.0);
         for turn in 0..TURNS {
-            let size = norm(&along);
+            let size = norm(&along).max(f64::MIN_POSITIVE);
             along.iter_mut().for_each(|x| *x /= size);
             let beside: Vec<f64> = from.iter().zip(&along).map(|(x, v)| x + v).collect();
             let there = self.slope(0.0, &beside);
             along = there.iter().zip(&here).map(|(a, b)| a - b).collect();
-            if norm(&along) == 0.0 {
-                return f64::INFINITY;
-            }
-            growth += if turn < TURNS / 2 { 0.0 } else { norm(&along).ln() };
+            growth += if turn < TURNS / 2 { 0.0 } else { norm(&along).max(f64::MIN_POSITIVE).ln() };
         }
         self.put(0.0, &from);
         STABLE / (growth / (TURNS - TURNS / 2) as f64).exp()
