@@ -81,9 +81,9 @@ fn cases() -> ProptestConfig {
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 
-/// Largest growth until `end` of a small change of one of the start's velocities. Changes of several
-/// at once may cancel: in a case of thirteen elastic impacts they grew by less than 1e4 together and
-/// by 3e6 each.
+/// Largest growth until `end` of a small change of one of the start's velocities. Changes of
+/// several at once may cancel: in a case of thirteen elastic impacts they grew by less than 1e4
+/// together and by 3e6 each.
 fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     const CHANGE: f64 = 1e-9;
     let state_at_end = |start: &State| -> Result<State, Error> {

@@ -29,7 +29,8 @@ pub struct Plan {
     pub nominals: Vec<f64>,
     /// The continuous states with their rates, in order.
     pub(crate) states: Vec<[vibro_assembly::Quantity; 2]>,
-    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2, 2.4.8).
+    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2,
+    /// 2.4.8).
     pub(crate) knows_parameters: bool,
     token: String,
     text: String,

@@ -289,8 +289,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a slider
-    /// those of e', which it follows where it slips.
+    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a
+    /// slider those of e', which it follows where it slips.
     fn slider_rate(&self, element: Element) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         if slides(&element.series().copied()) {

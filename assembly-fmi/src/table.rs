@@ -420,8 +420,9 @@ pub(crate) fn is_start(name: &str) -> bool {
 }
 
 /// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
-/// arm, on which the choice of coordinates depends, nor a period or what says the course of a sweep,
-/// nor a frequency whose phase, which goes on from where it is, follows from a named parameter. A named one where all that follows may be.
+/// arm, on which the choice of coordinates depends, nor a period or what says the course of a
+/// sweep, nor a frequency whose phase, which goes on from where it is, follows from a named
+/// parameter. A named one where all that follows may be.
 fn is_tunable(machine: &Description, name: &str) -> bool {
     let is_swept = |name: &str| {
         name.contains(".sweep") && [".from", ".to", ".duration"].iter().any(|end| name.ends_with(end))

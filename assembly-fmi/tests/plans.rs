@@ -75,8 +75,8 @@ fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     assert_eq!(row("body.table.motion.acceleration.input").unit, "m/s2");
 }
 
-/// Heights and times of a stiffness that steps are tunable, its period is fixed; what its steps put in
-/// is a variable of such a machine alone.
+/// Heights and times of a stiffness that steps are tunable, its period is fixed; what its steps put
+/// in is a variable of such a machine alone.
 #[test]
 fn golden_stiffness_that_steps_and_what_it_puts_in() {
     let plan = Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap();

@@ -246,8 +246,8 @@ impl Hand<'_> {
         self.line(vec![(right + half, y + 9.0), (right + half, y), (to, y)]);
     }
 
-    /// A pawl of the left end on the teeth of the right one, which it keeps from going away, or where
-    /// they `face` each other from coming near.
+    /// A pawl of the left end on the teeth of the right one, which it keeps from going away, or
+    /// where they `face` each other from coming near.
     fn ratchet(&mut self, from: f64, to: f64, y: f64, face: bool) {
         const TOOTH: f64 = 24.0;
         let (first, base) = (0.5 * (from + to) - 2.0 * TOOTH, y + 12.0);

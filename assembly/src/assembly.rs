@@ -93,8 +93,8 @@ impl Assembly {
         }
     }
 
-    /// The continuous states and their rates as quantities, in the order of the augmented state: places
-    /// of bodies, then their rates, then states of first order.
+    /// The continuous states and their rates as quantities, in the order of the augmented state:
+    /// places of bodies, then their rates, then states of first order.
     pub fn state_quantities(&self) -> Vec<[Quantity; 2]> {
         let system = &self.system;
         let of_bodies = |whats: [What; 2]| {

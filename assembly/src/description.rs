@@ -267,8 +267,8 @@ pub enum DampingLimit {
     /// The dashpot's force is at most the spring's in size, so that f lies between 0 and 2
     /// stiffness (e - gap): the law of the Modelica Standard Library's `ElastoGap`.
     Elastogap,
-    /// None: f = stiffness (e - gap) + damping e', of any sign. The force jumps where e comes to the
-    /// gap and where it leaves it.
+    /// None: f = stiffness (e - gap) + damping e', of any sign. The force jumps where e comes to
+    /// the gap and where it leaves it.
     Pull,
     /// The dashpot acts only while e grows: f = stiffness (e - gap) + damping max(0, e').
     UndampedRebound,
@@ -295,8 +295,8 @@ pub struct Friction {
     pub force: Signal,
     /// The static level, where it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
-    /// The stop whose force its levels follow, instead of `force` and `static_force`, which are then
-    /// zero and none.
+    /// The stop whose force its levels follow, instead of `force` and `static_force`, which are
+    /// then zero and none.
     pub follows: Option<Follows>,
 }
 

@@ -214,7 +214,8 @@ impl NamedSignal<'_> {
 }
 
 impl Description {
-    /// The place of the first freewheel among the stops of the law, behind stops, corners and limits.
+    /// The place of the first freewheel among the stops of the law, behind stops, corners and
+    /// limits.
     pub fn first_freewheel(&self) -> usize {
         let corners = |spring: &Spring| spring.points.len().saturating_sub(2);
         let limits = self.limits_of_outputs().len();

@@ -390,9 +390,9 @@ impl FlowTable {
     }
 
     /// Writes the sizes of the terms that a time, of which at most a sub-step counts, has added to
-    /// the velocities and states of first order: Σ |A| |z| times this time, from the coordinates' sizes, without what
-    /// contacts keep at zero. A velocity under balanced forces has the rounding of this size. `all`
-    /// is scratch memory.
+    /// the velocities and states of first order: Σ |A| |z| times this time, from the coordinates'
+    /// sizes, without what contacts keep at zero. A velocity under balanced forces has the rounding
+    /// of this size. `all` is scratch memory.
     #[inline(always)]
     pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);

@@ -16,7 +16,8 @@ pub struct NumberKind {
     pub range: Range,
     /// Whether zero is refused even within the range.
     pub not_zero: bool,
-    /// Least size of a value other than zero, so that quotients are finite and sub-steps long enough.
+    /// Least size of a value other than zero, so that quotients are finite and sub-steps long
+    /// enough.
     pub least: f64,
     /// Whether a file may give it in a unit of any dimension, as the number that it is in SI.
     pub any_unit: bool,

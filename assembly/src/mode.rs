@@ -206,8 +206,8 @@ impl System {
         self.accelerations(&self.forces, stops, (frictions, stops))
     }
 
-    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine: those
-    /// of stops, and of frictions with the states of the stops that they follow.
+    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine:
+    /// those of stops, and of frictions with the states of the stops that they follow.
     fn accelerations(
         &self,
         always: &DMatrix<f64>,

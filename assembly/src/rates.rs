@@ -13,7 +13,8 @@ const MOST_RATE: f64 = 1e100;
 const MOST_SWEPT: f64 = 1e20;
 
 /// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
-/// they move, for springs in series with a dashpot, for the states of continuous blocks, and for harmonics; of sweeps at most [`MOST_SWEPT`].
+/// they move, for springs in series with a dashpot, for the states of continuous blocks, and for
+/// harmonics; of sweeps at most [`MOST_SWEPT`].
 ///
 /// # Errors
 /// [`Error::TooFast`].

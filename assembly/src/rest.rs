@@ -30,8 +30,8 @@ const STEPS: usize = 100;
 /// Relative rounding of the balance: bound of a residual force, relative to the forces on its
 /// coordinate.
 const BALANCED: f64 = 1e-13;
-/// Most turns in which levels of friction that follow stops are found from the places that they lead
-/// to. Each multiplies their error by the coefficient times a ratio of stiffnesses.
+/// Most turns in which levels of friction that follow stops are found from the places that they
+/// lead to. Each multiplies their error by the coefficient times a ratio of stiffnesses.
 const REPEATS: usize = 200;
 /// Relative rounding of a step: bound of a step relative to the coordinates.
 const STANDS: f64 = 1e-15;
@@ -168,8 +168,8 @@ fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
 }
 
 impl System {
-    /// The augmented state at rest at time 0, with coordinates q or zeros, and with springs in series
-    /// that bear no force.
+    /// The augmented state at rest at time 0, with coordinates q or zeros, and with springs in
+    /// series that bear no force.
     pub(crate) fn at_rest(&self, q: Option<&DVector<f64>>) -> StateRow {
         let mut z = StateRow::zeros(self.signals.size);
         let inputs = self.signals.no_inputs();
@@ -289,8 +289,8 @@ impl Holding {
     }
 
     /// The equilibrium by proximal steps: each minimizes the energy plus a weight times the squared
-    /// distance from the last point in the inertia's metric; the first point is `from`. `Err` is the
-    /// residual force.
+    /// distance from the last point in the inertia's metric; the first point is `from`. `Err` is
+    /// the residual force.
     fn settle(&self, mass: &DMatrix<f64>, from: &DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();

@@ -215,7 +215,8 @@ impl Start {
         own.chain(assembly.names_of_blocks()).collect()
     }
 
-    /// Coordinates and rates of a machine's coordinates and inner places of its springs in series, as [`Motion::from_state`] takes them.
+    /// Coordinates and rates of a machine's coordinates and inner places of its springs in series,
+    /// as [`Motion::from_state`] takes them.
     ///
     /// # Errors
     /// A [`Refusal`] for a body that the machine does not have, and for one whose coordinate

@@ -1,8 +1,9 @@
-//! Stiffness that steps in time (docs/assembly-law.md (A50)): its levels, and the signal of time that
-//! counts which of them holds.
+//! Stiffness that steps in time (docs/assembly-law.md (A50)): its levels, and the signal of time
+//! that counts which of them holds.
 //!
 //! Steps have a level each, and one before the first; a record that is held has one for each of its
-//! values. So which levels there are does not depend on heights and times, and each has a derivative.
+//! values. So which levels there are does not depend on heights and times, and each has a
+//! derivative.
 
 use crate::description::{Description, Record, Signal, Step};
 
@@ -51,15 +52,16 @@ pub(crate) fn zero(levels: &[f64]) -> f64 {
     ZERO * levels.iter().fold(0.0, |most, k| k.abs().max(most))
 }
 
-/// By level the derivative of its stiffness where the signal's numbers have the derivatives `along`.
+/// By level the derivative of its stiffness where the signal's numbers have the derivatives
+/// `along`.
 pub(crate) fn along(signal: &Signal, along: &Signal) -> Vec<f64> {
     let Some(record) = &signal.table else { return given(along) };
     let scale = along.table.as_ref().and_then(|along| along.scale).unwrap_or(0.0);
     values(record).iter().map(|value| along.constant + scale * value).collect()
 }
 
-/// The signal that is the number of the level that holds, from 0 on. Its steps have the times of the
-/// stiffness's.
+/// The signal that is the number of the level that holds, from 0 on. Its steps have the times of
+/// the stiffness's.
 pub(crate) fn counter(signal: &Signal) -> Signal {
     let up = |step: &Step| Step { height: 1.0, ..*step };
     let table = signal.table.as_ref().map(|record| {
@@ -72,7 +74,8 @@ pub(crate) fn counter(signal: &Signal) -> Signal {
     Signal { steps, table, repeat: signal.repeat, ..Signal::default() }
 }
 
-/// The [`counter`] where the numbers of its stiffness have the derivatives `along`: times alone vary.
+/// The [`counter`] where the numbers of its stiffness have the derivatives `along`: times alone
+/// vary.
 pub(crate) fn counter_along(signal: &Signal, along: &Signal) -> Signal {
     let mut counter = counter(signal);
     for (step, by) in counter.steps.iter_mut().zip(&along.steps) {

@@ -258,8 +258,8 @@ impl System {
         Elongation { e, rate: Functional::of(rate), w, drift, column, mobility, reach }
     }
 
-    /// Adds the parts of all elements but freewheels, with the rows of signals and those of counters of
-    /// levels.
+    /// Adds the parts of all elements but freewheels, with the rows of signals and those of
+    /// counters of levels.
     fn add_elements(
         &mut self,
         d: &Description,
@@ -378,8 +378,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs except `left_out` and those in series, and inertia forces of prescribed bodies through
-    /// links.
+    /// Weight, loads, springs except `left_out` and those in series, and inertia forces of
+    /// prescribed bodies through links.
     fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
         let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {

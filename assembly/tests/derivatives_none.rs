@@ -114,7 +114,8 @@ fn two_stops_in_parallel_are_met_at_one_instant() {
         ("body.a.start.s", None),
         ("body.a.mass", None),
     ]);
-    // Beside one of the restitution 0.75 the other does not matter, but the time at which it is met.
+    // Beside one of the restitution 0.75 the other does not matter, but the time at which it is
+    // met.
     let text = text.replacen("0.5", "0.75", 1);
     own(&text, 0.5).check(&[
         ("stop.x.restitution", None),

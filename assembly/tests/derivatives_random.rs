@@ -9,11 +9,11 @@ use vibro_assembly::{Assembly, Description, Differentiated, Motion, What, file};
 const MACHINES: &str = include_str!("data/motions.txt");
 /// Parameters of each machine that are compared: every other, in turns.
 const EVERY: usize = 2;
-/// Steps of differences of the fourth order, relative to a number or to 0.1. The best of them counts:
-/// one may be so long that other events happen, another so short that rounding is all.
+/// Steps of differences of the fourth order, relative to a number or to 0.1. The best of them
+/// counts: one may be so long that other events happen, another so short that rounding is all.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-/// Error of the best difference relative to the largest derivative of its kind: its rounding, 1e-15 over
-/// 1e-6 and magnified up to a thousand times.
+/// Error of the best difference relative to the largest derivative of its kind: its rounding, 1e-15
+/// over 1e-6 and magnified up to a thousand times.
 const DIFFERENCE: f64 = 2e-6;
 /// Most events of a motion that is compared: many impacts magnify a rounding more.
 const MOST: usize = 100;
@@ -74,8 +74,8 @@ fn kind(name: &str) -> String {
     own.map(|(_, part)| *part).collect::<Vec<_>>().join(".")
 }
 
-/// The largest error of a difference with steps of a size; `None` where the varied machines are refused
-/// or have other events.
+/// The largest error of a difference with steps of a size; `None` where the varied machines are
+/// refused or have other events.
 fn error_of_differences(
     (machine, end): (&Description, f64),
     (motion, times, p): (&Differentiated, &[VariedEvent], usize),

@@ -14,8 +14,8 @@ use vibro_assembly::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-12;
-/// Energy beside the largest energy of a random machine, and difference of the direct and the general
-/// law beside the largest coordinate: rounding, magnified by stiff buffers.
+/// Energy beside the largest energy of a random machine, and difference of the direct and the
+/// general law beside the largest coordinate: rounding, magnified by stiff buffers.
 const BALANCE: f64 = 1e-10;
 const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
@@ -86,8 +86,8 @@ fn closed_form_a_pull_makes_no_friction() {
     assert!((m.body(1)[1] - (3.0 - lost)).abs() < ROUNDING, "{:?}", m.body(1));
 }
 
-/// A plate that a spring presses on a pad sticks up to the static level, and slips at the other: the
-/// drag at which it slips is μ_s N.
+/// A plate that a spring presses on a pad sticks up to the static level, and slips at the other:
+/// the drag at which it slips is μ_s N.
 #[test]
 fn closed_form_a_pressed_plate_sticks_up_to_its_static_level() {
     let ramp = Record::new(vec![(0.0, 0.0), (10.0, 100.0)], Interpolation::Straight);

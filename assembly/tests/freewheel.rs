@@ -131,7 +131,8 @@ fn closed_form_a_start_with_a_rate_that_is_taken_away() {
 }
 
 /// A strikes a wall with ε, and B behind it must not go on towards A's side alone: of the sequence
-/// in which wall and freewheel act in turns, velocities after each turn are those of the projection.
+/// in which wall and freewheel act in turns, velocities after each turn are those of the
+/// projection.
 #[test]
 fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
     let text = r#"
@@ -315,7 +316,8 @@ fn second_method_a_freewheel_is_the_limit_of_a_dashpot_that_acts_one_way() {
     assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0] && errors[2] < 0.15 * errors[1], "{errors:?}");
 }
 
-/// Derivatives by all numbers and by starts, through smooth ends, chatter and impacts with freewheels.
+/// Derivatives by all numbers and by starts, through smooth ends, chatter and impacts with
+/// freewheels.
 #[test]
 fn second_method_derivatives_are_differences_and_gradients_are_columns() {
     const DIFFERENCE: f64 = 1e-6;

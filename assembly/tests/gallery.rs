@@ -8,7 +8,8 @@ use std::sync::Arc;
 use vibro_assembly::motion::{Event, EventKind};
 use vibro_assembly::{Assembly, Motion, file};
 
-/// Events of a solver lie on a grid of a step over 2^HALVINGS, which is under 1e-11 s everywhere here.
+/// Events of a solver lie on a grid of a step over 2^HALVINGS, which is under 1e-11 s everywhere
+/// here.
 const HALVINGS: usize = 26;
 
 fn example(name: &str) -> Motion {
@@ -198,7 +199,8 @@ fn closed_form_loops_of_an_iwan_joint() {
     }
 }
 
-/// The acceleration of the base is held from knot to knot, so that its place is a state like the others.
+/// The acceleration of the base is held from knot to knot, so that its place is a state like the
+/// others.
 #[test]
 fn second_method_a_rig_under_a_held_record() {
     const NEAR: f64 = 1e-10;
@@ -208,7 +210,8 @@ fn second_method_a_rig_under_a_held_record() {
     let (spacing, parts) = (0.01, 16);
     let ([m, panel], [k, c], [kp, cp], [ks, cs], gap) =
         ([300.0, 20.0], [28e3, 600.0], [50e3, 60.0], [2e6, 2e3], 0.025);
-    // z: base s, v, a; cabinet s, v; panel s, v; 1. `side` is 1 at the left snubber, -1 at the right.
+    // z: base s, v, a; cabinet s, v; panel s, v; 1. `side` is 1 at the left snubber, -1 at the
+    // right.
     let piece = |side: f64| {
         let [ks, cs] = [ks, cs].map(|x| x * side.abs());
         let mut a = DMatrix::zeros(8, 8);

@@ -1,5 +1,6 @@
-//! Motions, derivatives and laws of described machines, in one program, so that the engine is linked
-//! once: `cargo test -p vibro-assembly --test motions closed_forms` runs the tests of one file.
+//! Motions, derivatives and laws of described machines, in one program, so that the engine is
+//! linked once: `cargo test -p vibro-assembly --test motions closed_forms` runs the tests of one
+//! file.
 
 mod accounts;
 mod blocks;

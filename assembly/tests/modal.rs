@@ -167,8 +167,9 @@ fn bar(name: &str, modes: usize, speed: f64, end: f64) -> String {
     )
 }
 
-/// Two equal elastic bars that meet exchange their speeds, in contact for 2L/c = 2 s (Saint-Venant).
-/// With a rigid stop on few modes the contact is many impacts; momentum and energy are kept.
+/// Two equal elastic bars that meet exchange their speeds, in contact for 2L/c = 2 s
+/// (Saint-Venant). With a rigid stop on few modes the contact is many impacts; momentum and energy
+/// are kept.
 #[test]
 fn published_two_elastic_bars_exchange_their_speeds() {
     for (modes, allowed) in [(10, 0.2), (40, 0.06)] {

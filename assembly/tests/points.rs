@@ -19,8 +19,8 @@ const ROUNDING: f64 = 1e-13;
 /// exp(√(167/0.7) t) while it acts.
 const SNAP: f64 = 1e-11;
 
-/// Energy beside the largest energy of a random machine, and difference of the direct and the general
-/// law beside the largest coordinate: rounding, magnified by stiff buffers.
+/// Energy beside the largest energy of a random machine, and difference of the direct and the
+/// general law beside the largest coordinate: rounding, magnified by stiff buffers.
 const BALANCE: f64 = 1e-10;
 const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
@@ -89,8 +89,8 @@ fn closed_form_straight_lines_have_no_corner() {
     assert!(c.states().iter().zip(a.states()).all(|(c, a)| (c - a).abs() < 10.0 * ROUNDING));
 }
 
-/// On a falling slope -κ the motion is a hyperbolic cosine; f and the stored energy, from e = 0, are
-/// those of the lines, and the stored energy is negative.
+/// On a falling slope -κ the motion is a hyperbolic cosine; f and the stored energy, from e = 0,
+/// are those of the lines, and the stored energy is negative.
 #[test]
 fn closed_form_a_falling_line() {
     let all = [(-0.2, -1.0), (-0.1, 2.5), (0.1, -2.5), (0.2, 1.0)];

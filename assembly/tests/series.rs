@@ -13,7 +13,8 @@ use vibro_assembly::{Assembly, Differentiated, Motion, Quantity, Start, What};
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
-/// A shaken foot that pulls a body by Zener's element: 40 N/m beside 100 N/m in series with 5 N s/m.
+/// A shaken foot that pulls a body by Zener's element: 40 N/m beside 100 N/m in series with 5 N
+/// s/m.
 const ZENER: &str = r#"
     name = "Zener"
     body.foot = { motion = { amplitude = 0.5, frequency = 1.3, phase = 0.4 } }
@@ -198,8 +199,8 @@ fn closed_form_derivatives_of_a_relaxation() {
 /// Differences of the fourth order by every number, of a motion with contacts.
 #[test]
 fn second_method_derivatives_are_differences_of_motions() {
-    // The fourth power of the step and rounding over it, magnified by contacts; accelerations of the
-    // size 10 count.
+    // The fourth power of the step and rounding over it, magnified by contacts; accelerations of
+    // the size 10 count.
     const DIFFERENCE: f64 = 2e-6;
     for (text, end) in [(ZENER, 1.3), (BUFFER, 0.25)] {
         let d = machine(text);

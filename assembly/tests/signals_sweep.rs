@@ -15,8 +15,9 @@ const ROUNDING: f64 = 1e-10;
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 1e-7;
 
-/// Law, from, to, duration and phase; a time; there sin φ, its two integrals from time 0 on, and the
-/// place of an oscillator with m = 1, k = 400, c = 2 from rest, by quadrature in 40 digits (mpmath).
+/// Law, from, to, duration and phase; a time; there sin φ, its two integrals from time 0 on, and
+/// the place of an oscillator with m = 1, k = 400, c = 2 from rest, by quadrature in 40 digits
+/// (mpmath).
 type Known = (&'static str, [f64; 4], f64, [f64; 4]);
 const KNOWN: [Known; 16] = [
     (

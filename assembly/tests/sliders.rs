@@ -1,5 +1,5 @@
-//! Springs in series with a slider (Jenkins' element, elastic-perfectly-plastic) against closed forms
-//! and second methods.
+//! Springs in series with a slider (Jenkins' element, elastic-perfectly-plastic) against closed
+//! forms and second methods.
 
 use crate::common::*;
 use std::f64::consts::{PI, TAU};
@@ -31,8 +31,8 @@ fn words(events: &[Event]) -> Vec<&'static str> {
     events.iter().map(word).collect()
 }
 
-/// A prescribed elongation X sin ωt: 4 slip (X - slip/k) lost a cycle once the loop is closed; slipping
-/// ends where e' turns and begins again after the way 2 slip/k.
+/// A prescribed elongation X sin ωt: 4 slip (X - slip/k) lost a cycle once the loop is closed;
+/// slipping ends where e' turns and begins again after the way 2 slip/k.
 #[test]
 fn closed_form_the_loop_of_a_jenkins_element() {
     let mut m = motion(machine(
@@ -66,8 +66,9 @@ fn closed_form_the_loop_of_a_jenkins_element() {
     assert!((lost - 4.0 * slip * (x - slip / k)).abs() < 1e-11, "{lost}");
 }
 
-/// m s'' + f = F from rest, elastic up to the yield force R and perfectly plastic beyond: elastic until
-/// cos ωt = 1 - R/F, then s'' = (F - R)/m until the rate is zero, then a sine about the plastic offset.
+/// m s'' + f = F from rest, elastic up to the yield force R and perfectly plastic beyond: elastic
+/// until cos ωt = 1 - R/F, then s'' = (F - R)/m until the rate is zero, then a sine about the
+/// plastic offset.
 #[test]
 fn published_an_elastic_perfectly_plastic_oscillator_under_a_suddenly_applied_force() {
     let mut m = motion(machine(
@@ -111,8 +112,8 @@ const IWAN: &str = r#"
     load.push = { on = "box", amplitude = 14.0, frequency = 1.1 }
 "#;
 
-/// By Masing's rule and return-point memory the joint's force is a sum of elements, each clamped: the
-/// same by a stepping of e, in which b follows k Δe and is cut off.
+/// By Masing's rule and return-point memory the joint's force is a sum of elements, each clamped:
+/// the same by a stepping of e, in which b follows k Δe and is cut off.
 #[test]
 fn second_method_an_iwan_joint_is_its_sliders_stepped() {
     let mut m = motion(machine(IWAN));

@@ -1,4 +1,5 @@
-//! Stiffness that steps in time, against cosine maps, a solver in 40 digits, energies and differences.
+//! Stiffness that steps in time, against cosine maps, a solver in 40 digits, energies and
+//! differences.
 
 use crate::common::*;
 use std::sync::Arc;
@@ -354,8 +355,8 @@ fn closed_form_a_start_at_rest_has_the_stiffness_of_time_0() {
     near(by, -22.5 / (130.0 * 130.0), ROUNDING);
 }
 
-/// A machine of more coordinates than have tables goes by series: beside 14 other oscillators, which
-/// do not act on it.
+/// A machine of more coordinates than have tables goes by series: beside 14 other oscillators,
+/// which do not act on it.
 #[test]
 fn second_method_machines_with_and_without_tables() {
     let mut large = ALL.to_owned();

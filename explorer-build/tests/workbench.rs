@@ -18,8 +18,8 @@ const SHIFT: f64 = 1e-14;
 const MOST: f64 = 1e9;
 /// Instants of the default experiment.
 const ROWS: usize = 60;
-/// Least part of the instants of the whole gallery at which motions are compared: the rest is beyond
-/// [`MOST`].
+/// Least part of the instants of the whole gallery at which motions are compared: the rest is
+/// beyond [`MOST`].
 const COMPARED: f64 = 0.5;
 
 fn workspace() -> &'static Path {

@@ -36,7 +36,8 @@ pub(super) trait Equations {
         STEP_ROUNDING
     }
 
-    /// Size of a Newton step below which one that is longer than half of the previous one is rounding.
+    /// Size of a Newton step below which one that is longer than half of the previous one is
+    /// rounding.
     fn stalled(&self) -> f64 {
         STEP_STALLED
     }
@@ -67,8 +68,8 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The number of steps after which all further ones may be rounding ([`Equations::stalled`]). The
-    // correction counts as converged there.
+    // The number of steps after which all further ones may be rounding ([`Equations::stalled`]).
+    // The correction counts as converged there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;

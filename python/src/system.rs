@@ -149,8 +149,8 @@ pub fn find_name(name: &str) -> PyResult<String> {
     Ok(in_python(find(name)?.name()))
 }
 
-/// The value in SI of a text that is a number, with a unit of a dimension or without, and whether it
-/// has one.
+/// The value in SI of a text that is a number, with a unit of a dimension or without, and whether
+/// it has one.
 #[pyfunction]
 pub fn in_si(si: &str, text: &str) -> Option<(f64, bool)> {
     vibro_impact::quantities::quantity_in(si, text).map(|found| (found.value, found.unit.is_some()))

@@ -95,8 +95,8 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
 }
 
-/// Instants from a file: one number in s per line, none before `begin`, s, and none smaller than the
-/// one before. Empty lines and lines that begin with `#` are skipped.
+/// Instants from a file: one number in s per line, none before `begin`, s, and none smaller than
+/// the one before. Empty lines and lines that begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a line is not
@@ -159,9 +159,9 @@ pub enum Ended {
     Stopped,
 }
 
-/// Follows a machine from a start to each of the instants, or until `asked` is set. `done` is called
-/// at each instant and event with the elapsed fraction of the time. If coordinates overflow, the record
-/// ends at the previous instant.
+/// Follows a machine from a start to each of the instants, or until `asked` is set. `done` is
+/// called at each instant and event with the elapsed fraction of the time. If coordinates overflow,
+/// the record ends at the previous instant.
 ///
 /// # Errors
 /// [`Error::Assembly`] if the machine has no motion from the start.
@@ -302,8 +302,8 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// The text of `states.csv`: every number reads back to the same double. `chosen` are the columns
-    /// after the time, all where there is none.
+    /// The text of `states.csv`: every number reads back to the same double. `chosen` are the
+    /// columns after the time, all where there is none.
     ///
     /// # Errors
     /// [`Error::Output`].

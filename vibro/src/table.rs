@@ -144,8 +144,8 @@ pub fn exact(value: f64) -> String {
     format!("{value}")
 }
 
-/// The header and the rows of a table, without blanks around cells; `allowed` says what the file may
-/// be.
+/// The header and the rows of a table, without blanks around cells; `allowed` says what the file
+/// may be.
 ///
 /// # Errors
 /// [`Error::Config`] for a file that is no table.

@@ -1,5 +1,5 @@
-//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/orbits-of-your-machine.md against closed
-//! forms, tables and refusals.
+//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/orbits-of-your-machine.md against
+//! closed forms, tables and refusals.
 
 #[path = "common/mod.rs"]
 mod command;

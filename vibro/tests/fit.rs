@@ -1,4 +1,5 @@
-//! `vibro fit`: the page docs/fit.md against the machine by which its record was made, and refusals.
+//! `vibro fit`: the page docs/fit.md against the machine by which its record was made, and
+//! refusals.
 
 #[path = "common/mod.rs"]
 mod command;

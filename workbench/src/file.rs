@@ -156,8 +156,8 @@ fn elements(d: &Description) -> Vec<Value> {
 }
 
 /// The text of a machine with another value of one of its numbers, written where the number stands:
-/// all else, comments too, stays. A value without a unit is in the unit in which the text writes the
-/// number.
+/// all else, comments too, stays. A value without a unit is in the unit in which the text writes
+/// the number.
 ///
 /// # Errors
 /// The problems of the text, or why the value is refused, as JSON.

@@ -73,8 +73,8 @@ impl Bench {
     }
 
     /// The machine as JSON: `name`, `numbers`, `columns`, `bodies`, `elements`, `period`, `stop`
-    /// (length of the default experiment, s), `sketch` (`width`, `height`, `names`), `head` (numbers
-    /// of a row before the columns).
+    /// (length of the default experiment, s), `sketch` (`width`, `height`, `names`), `head`
+    /// (numbers of a row before the columns).
     pub fn described(&self) -> String {
         let mut all = described(&self.machine, &self.text);
         let told = experiment(&self.assembly);
@@ -162,8 +162,8 @@ impl Bench {
     }
 
     /// The events since they were last taken, as lines of time, kind, element, value, number of
-    /// stops and impulse (N s or N m s), with tabs between; knots of signals and samples of blocks are
-    /// left out.
+    /// stops and impulse (N s or N m s), with tabs between; knots of signals and samples of blocks
+    /// are left out.
     pub fn take_events(&mut self) -> String {
         let mut text = String::new();
         let is_told = |event: &Event| event.is_listed() && event.kind != EventKind::Knot;
@@ -198,7 +198,8 @@ impl Bench {
 
     /// The sketch with each body moved along the row by its number in `shifts`, and the plates of
     /// each stop apart by its element's number in `openings` (not a number: as drawn), in units of
-    /// the drawing; the numbers of `vibro_figures::canvas::flat`, in which things are `sketch.names`.
+    /// the drawing; the numbers of `vibro_figures::canvas::flat`, in which things are
+    /// `sketch.names`.
     ///
     /// # Errors
     /// A number that is not finite.

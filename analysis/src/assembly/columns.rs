@@ -19,8 +19,8 @@ pub fn values(m: &Motion) -> Vec<f64> {
 /// Event by the names of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
-    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`, `knot`,
-    /// `limit`; `sample` is no row of a table.
+    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`,
+    /// `knot`, `limit`; `sample` is no row of a table.
     pub kind: &'static str,
     /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
     pub element: String,

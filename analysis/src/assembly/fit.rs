@@ -1,8 +1,8 @@
 //! Fits of a machine to a record: nonlinear least squares with exact derivatives.
 //!
-//! A motion with impacts follows its parameters only over a time: a plain fit over a long record ends
-//! in a wrong minimum. The fit begins with the horizon over which the motion of the given numbers
-//! keeps near the record, and goes on to longer ones as far as the fitted motion then does.
+//! A motion with impacts follows its parameters only over a time: a plain fit over a long record
+//! ends in a wrong minimum. The fit begins with the horizon over which the motion of the given
+//! numbers keeps near the record, and goes on to longer ones as far as the fitted motion then does.
 
 mod beside;
 mod elimination;
@@ -39,8 +39,8 @@ const WAYS: [Way; 4] = [
     Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
     Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
 ];
-/// Starts beside the given one, within a part of the values, that are tried where no way leaves noise
-/// alone.
+/// Starts beside the given one, within a part of the values, that are tried where no way leaves
+/// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
@@ -81,8 +81,8 @@ pub struct Measured {
 /// A number that is fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free {
-    /// A parameter of the machine, a number of the start, `record.shift` (s, the time of the motion at
-    /// the record's time 0) or `record.offset.COLUMN`.
+    /// A parameter of the machine, a number of the start, `record.shift` (s, the time of the motion
+    /// at the record's time 0) or `record.offset.COLUMN`.
     pub name: String,
     /// Least and largest value, SI; those that the parameter allows if `None`.
     pub within: Option<(f64, f64)>,
@@ -92,8 +92,8 @@ pub struct Free {
 /// before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Segments {
-    /// By the record: one motion where horizons lead to it, else segments that end where changes have
-    /// grown.
+    /// By the record: one motion where horizons lead to it, else segments that end where changes
+    /// have grown.
     #[default]
     Auto,
     /// Segments of about this length, s.
@@ -124,8 +124,8 @@ pub struct FitRequest {
     pub measured: Measured,
     /// The numbers that are fitted.
     pub free: Vec<Free>,
-    /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times, s.
-    /// Without them all columns weigh the same by their own deviation.
+    /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times,
+    /// s. Without them all columns weigh the same by their own deviation.
     pub sigma: Option<Vec<f64>>,
     /// How residuals count.
     pub loss: Loss,
@@ -154,11 +154,13 @@ pub struct Fitted {
     pub residuals: Vec<Vec<f64>>,
     /// For each stop the times of the motion's contacts less those of the record, s.
     pub contacts: Vec<(String, Vec<f64>)>,
-    /// Times of the record at which stops of the fitted motion are hit or touched, with their names.
+    /// Times of the record at which stops of the fitted motion are hit or touched, with their
+    /// names.
     pub events: Vec<(f64, String)>,
     /// Segments after the first; empty of one motion.
     pub segments: Vec<Fresh>,
-    /// Why the fitted motion has no derivative by a number from some time on; differences stand there.
+    /// Why the fitted motion has no derivative by a number from some time on; differences stand
+    /// there.
     pub lost: Vec<String>,
     /// Number of motions that were followed.
     pub simulations: u32,
@@ -168,8 +170,8 @@ pub struct Fitted {
     pub cost: f64,
 }
 
-/// Fits numbers of a machine to a record. `go_on` ends the fit by returning false; the values reached
-/// by then are kept.
+/// Fits numbers of a machine to a record. `go_on` ends the fit by returning false; the values
+/// reached by then are kept.
 ///
 /// # Errors
 /// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
@@ -236,8 +238,8 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     model.finish(request, &best.point, &best.reach, best.cost, doubt)
 }
 
-/// The point reached from a start by the first way that leaves noise alone, else by segments, else from
-/// the first start beside it that does, else the best one.
+/// The point reached from a start by the first way that leaves noise alone, else by segments, else
+/// from the first start beside it that does, else the best one.
 fn best_from(
     model: &Model,
     bounds: &Bounds,

@@ -111,9 +111,9 @@ impl Flow {
         (self.rate * span / RADIUS).ceil().max(1.0)
     }
 
-    /// Variation at the end of a flight by a parameter: of one at its begin, and of the system, which
-    /// two systems that are `width` of the parameter apart tell. Each system's states are numbered
-    /// alike. Requires a state and a variation at the begin.
+    /// Variation at the end of a flight by a parameter: of one at its begin, and of the system,
+    /// which two systems that are `width` of the parameter apart tell. Each system's states are
+    /// numbered alike. Requires a state and a variation at the begin.
     pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
         let (count, size) = (self.stretches_of(span), z.len());
         let part = span / count;

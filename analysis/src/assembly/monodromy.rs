@@ -68,10 +68,11 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// Change of the coordinates, and of the states of first order, that keeps all elongations constant while the signals change as in
-/// `change`, a change of the augmented state. With `rates`, `change` is the state itself, and the
-/// result is the velocities with which the elongations' rates are zero. A uniformly moving
-/// prescribed body carries other bodies along in this way. `None` if there is no such change.
+/// Change of the coordinates, and of the states of first order, that keeps all elongations constant
+/// while the signals change as in `change`, a change of the augmented state. With `rates`, `change`
+/// is the state itself, and the result is the velocities with which the elongations' rates are
+/// zero. A uniformly moving prescribed body carries other bodies along in this way. `None` if there
+/// is no such change.
 pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);

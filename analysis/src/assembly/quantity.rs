@@ -19,8 +19,9 @@ use vibro_assembly::{Owner, Quantity, What};
 pub struct QuantityName {
     /// The body or element.
     pub of: String,
-    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series; `f` of a
-    /// load; `Value` of a signal that blocks read, and of an output of a block, whose whole name is `of`.
+    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series; `f`
+    /// of a load; `Value` of a signal that blocks read, and of an output of a block, whose whole
+    /// name is `of`.
     pub what: What,
 }
 

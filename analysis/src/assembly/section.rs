@@ -1,6 +1,6 @@
 //! Poincaré section of a described machine: whole common periods of its harmonics and repeated
-//! signals or, without these, the events of one element. A return to the section corresponds to a drive period of
-//! the 3-DOF machine.
+//! signals or, without these, the events of one element. A return to the section corresponds to a
+//! drive period of the 3-DOF machine.
 
 use super::flight::{Flows, Observer, follow};
 use crate::error::{Error, Result};

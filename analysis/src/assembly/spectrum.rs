@@ -1,10 +1,10 @@
 //! All Lyapunov exponents of a described machine's motion: every variation of its state, carried
 //! exactly through flights and events (docs/assembly-law.md (A21)) and made orthogonal on the way.
 //!
-//! A machine with n coordinates has 2n exponents, and one for each state of first order; the drive's phase, whose exponent is zero, is not
-//! counted. Their sum is the mean rate at which volumes of states grow: that of the dampers, and at
-//! each impact the logarithm of the squared restitution. Directions that contacts hold are lost for
-//! ever, and their exponents are -∞.
+//! A machine with n coordinates has 2n exponents, and one for each state of first order; the
+//! drive's phase, whose exponent is zero, is not counted. Their sum is the mean rate at which
+//! volumes of states grow: that of the dampers, and at each impact the logarithm of the squared
+//! restitution. Directions that contacts hold are lost for ever, and their exponents are -∞.
 
 use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage};
 use super::growth::{ALIGN, Growth};

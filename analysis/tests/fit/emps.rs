@@ -1,5 +1,5 @@
-//! A record in the format of the EMPS benchmark, made by the machine of `examples/emps.toml`: the voltage is
-//! held between samples at 1 kHz. The public file is not in the repository.
+//! A record in the format of the EMPS benchmark, made by the machine of `examples/emps.toml`: the
+//! voltage is held between samples at 1 kHz. The public file is not in the repository.
 
 use super::*;
 

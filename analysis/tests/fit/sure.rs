@@ -93,7 +93,8 @@ fn second_method_errors_of_correlated_residuals_are_the_spread_of_repeated_fits(
     }
     let mean = values.iter().sum::<f64>() / 40.0;
     let spread = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 39.0).sqrt();
-    // 40 draws tell a spread to 11 %; Newey and West's errors are some 10 to 20 % small at this length.
+    // 40 draws tell a spread to 11 %; Newey and West's errors are some 10 to 20 % small at this
+    // length.
     assert!((0.7..1.3).contains(&(errors / spread)), "{errors} {spread}");
     assert!(white < 0.5 * spread, "{white} {spread}");
 }

@@ -4,7 +4,8 @@ use fmi_doors::log::{Category, Log};
 use vibro_assembly::Assembly;
 use vibro_assembly::motion::{Event, EventKind};
 
-/// Tells an event where that is wanted; samples, of which there may be thousands a second, are none.
+/// Tells an event where that is wanted; samples, of which there may be thousands a second, are
+/// none.
 pub(super) fn tell(machine: &Assembly, event: &Event, log: &mut dyn Log) {
     if event.is_listed() && log.wants(Category::Events) {
         log.log(Category::Events, &in_words(machine, event));

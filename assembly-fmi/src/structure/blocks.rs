@@ -20,7 +20,8 @@ impl Structure<'_> {
         knowns
     }
 
-    /// The knowns of an output, a state or a state's rate of the block with an index among the elements.
+    /// The knowns of an output, a state or a state's rate of the block with an index among the
+    /// elements.
     pub(super) fn of_block(&self, element: usize, what: What) -> Knowns {
         let mut knowns = Knowns::new();
         let own = element + self.machine.blocks.len() - self.elements.len();
@@ -71,7 +72,8 @@ impl Structure<'_> {
         }
     }
 
-    /// Adds what the numbers of a block depend on when initialization ends: it may have been sampled.
+    /// Adds what the numbers of a block depend on when initialization ends: it may have been
+    /// sampled.
     pub(super) fn start_of_block(&self, knowns: &mut Knowns) {
         let all = self.parameters.values().flatten();
         all.for_each(|(reference, _)| put(knowns, *reference, Dependent));

@@ -102,8 +102,8 @@ impl Solver {
         self.put(t + h, &along(from, &mean, h));
     }
 
-    /// Makes a step of `h` or of the longest that is stable, or the part of it up to the next event,
-    /// whose law is then applied.
+    /// Makes a step of `h` or of the longest that is stable, or the part of it up to the next
+    /// event, whose law is then applied.
     pub fn step(&mut self, h: f64) {
         let h = h.min(self.longest);
         let from = self.states();

@@ -79,9 +79,8 @@ fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. Both are NaN if a cubic record, or one that repeats, is between two
-/// knots at time 0:
-/// every comparison with them is false.
+/// Coordinate and rate at time 0. Both are NaN if a cubic record, or one that repeats, is between
+/// two knots at time 0: every comparison with them is false.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],

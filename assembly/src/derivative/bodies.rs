@@ -94,7 +94,8 @@ fn put_dependent(
             }
         }
     }
-    // Each link, and each node's row, determines one of these bodies, so that the matrix is square and regular.
+    // Each link, and each node's row, determines one of these bodies, so that the matrix is square
+    // and regular.
     let Some(found) = left.lu().solve(&right) else { return };
     for (place, &body) in dependent.iter().enumerate() {
         let row = found.row(place).transpose();

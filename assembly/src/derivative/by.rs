@@ -15,7 +15,8 @@ pub enum By {
     /// [`Description::parameters`](crate::Description::parameters).
     Parameter(String),
     /// A number of the state at the start, by its place: the machine's coordinates, their rates,
-    /// states of first order ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies).
+    /// states of first order ([`System::bodies_of`](crate::system::System::bodies_of) has the
+    /// bodies).
     Start(usize),
     /// The time of the start, with the state there kept.
     Time,
@@ -43,8 +44,8 @@ impl fmt::Display for By {
     }
 }
 
-/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the times of
-/// samples.
+/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the times
+/// of samples.
 pub fn has_derivative(d: &Description, name: &str) -> bool {
     let is_sampled = |name: &str| {
         name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))

@@ -116,9 +116,9 @@ impl Differentiated {
     }
 
     /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
-    /// parameter moves the state. By what moves a rigid stop that is closed there, or its gap, there
-    /// is no derivative: behind the stop is no start. A motion [under way](Self::from_motion) follows
-    /// it.
+    /// parameter moves the state. By what moves a rigid stop that is closed there, or its gap,
+    /// there is no derivative: behind the stop is no start. A motion [under way](Self::from_motion)
+    /// follows it.
     ///
     /// A spring's state after a time, by its start, is the transition matrix:
     ///
@@ -266,15 +266,15 @@ impl Differentiated {
         self.lost.get(p)?.is_none().then(|| self.deltas.column(p))
     }
 
-    /// A column of the derivative of a quantity at the present time; `None` where there is none. The
-    /// force of a contact that depends on others has none while they are held: the law determines
-    /// no more than their sum.
+    /// A column of the derivative of a quantity at the present time; `None` where there is none.
+    /// The force of a contact that depends on others has none while they are held: the law
+    /// determines no more than their sum.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
         if self.is_shared(quantity) { None } else { self.derivative_in_mode(quantity, column) }
     }
 
-    /// [`derivative`](Self::derivative) with what the present mode makes of forces that the law leaves
-    /// open, as outputs have them.
+    /// [`derivative`](Self::derivative) with what the present mode makes of forces that the law
+    /// leaves open, as outputs have them.
     pub fn derivative_in_mode(&self, quantity: Quantity, column: usize) -> Option<f64> {
         let delta = &self.column(column)?;
         let z = self.machine.widened(self.motion.state());

@@ -196,8 +196,8 @@ impl Impulse {
         all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
     }
 
-    /// Of stops that touch, those whose condition u⁺ ≤ -ε u is an equality without their impulse, or
-    /// beside other impulses: a column that moves them off it has derivatives on one side only.
+    /// Of stops that touch, those whose condition u⁺ ≤ -ε u is an equality without their impulse,
+    /// or beside other impulses: a column that moves them off it has derivatives on one side only.
     fn tight(&self, system: &System, touching: &[usize]) -> Vec<usize> {
         let [before, after] = &self.states;
         // A body that is pressed from both sides has the rounding of what presses it.
@@ -253,8 +253,8 @@ impl Impulse {
         Ok(delta)
     }
 
-    /// Whether a column moves a stop of [`tight`](Self::tight) off its equality, from the derivative
-    /// of the state before and after the impact.
+    /// Whether a column moves a stop of [`tight`](Self::tight) off its equality, from the
+    /// derivative of the state before and after the impact.
     fn moves(
         &self,
         system: &System,

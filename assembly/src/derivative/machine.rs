@@ -95,7 +95,8 @@ impl Machine {
         Ok(Self { assembly, system, columns, tangents })
     }
 
-    /// The machine whose numbers vary from a time on: prescribed integrals go on from where they are.
+    /// The machine whose numbers vary from a time on: prescribed integrals go on from where they
+    /// are.
     pub fn under_way(mut self, time: f64, z: &DVector<f64>) -> Self {
         let bodies = self.assembly.description.bodies.iter().enumerate();
         let prescribed = bodies.filter(|(_, body)| body.kind.is_prescribed()).map(|(i, _)| i).enumerate();

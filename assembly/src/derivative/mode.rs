@@ -37,7 +37,8 @@ pub(super) struct VariedMode {
     pub watched: Vec<(Watch, Functional)>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,
-    /// Contacts whose forces depend on one another, so that the law does not determine each of them.
+    /// Contacts whose forces depend on one another, so that the law does not determine each of
+    /// them.
     pub shared: Vec<Contact>,
     /// By column.
     pub by: Vec<InMode>,

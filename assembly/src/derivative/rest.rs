@@ -84,8 +84,8 @@ pub(super) fn equilibrium(
     Ok(())
 }
 
-/// Takes springs in series that have relaxed, or whose slider is at its level, out of the forces, and
-/// out of what the column changes in them: they bear nothing at rest, or their level.
+/// Takes springs in series that have relaxed, or whose slider is at its level, out of the forces,
+/// and out of what the column changes in them: they bear nothing at rest, or their level.
 fn take_relaxed(
     machine: &Machine,
     p: usize,
@@ -150,8 +150,8 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
 }
 
 /// The contacts that keep their place at rest, with their places in the basis: closed stops, which
-/// must press, and resting friction and engaged freewheels where these are needed. They then keep the
-/// place w·q = 0 of the machine without displacements, and must stay inside their limits.
+/// must press, and resting friction and engaged freewheels where these are needed. They then keep
+/// the place w·q = 0 of the machine without displacements, and must stay inside their limits.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {

@@ -11,7 +11,8 @@ impl Machine {
     ///
     /// They do where forces λ hold all contacts that are coupled to them, with 0 < λ of stops and
     /// |λ| < F of frictions, F being the level at which these slip: the rates vanish within a time
-    /// of their size, by impulses of the contacts alone (A33), and the derivative is the projection.
+    /// of their size, by impulses of the contacts alone (A33), and the derivative is the
+    /// projection.
     pub fn returns(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
         let contacts: Vec<Contact> = at.mode.mode.contacts().collect();
         let point = self.point(column, at);

@@ -135,8 +135,8 @@ impl Start<'_> {
         is_moved.then(|| branch.force.dot(z).signum())
     }
 
-    /// Whether a slider is held at its level: on one side of a start that varies its force it has been
-    /// moved. At rest it has come there from zero.
+    /// Whether a slider is held at its level: on one side of a start that varies its force it has
+    /// been moved. At rest it has come there from zero.
     fn is_at_level(&self, (watch, row): &(Watch, Functional)) -> bool {
         let rests = self.given == Given::Machine && self.machine.assembly.description.starts_at_rest;
         match *watch {
@@ -199,8 +199,8 @@ impl Start<'_> {
         Ok(())
     }
 
-    /// Whether the start varies with the place of a rigid stop that touches there: at rest, or under
-    /// way, where it is held, and where it separates.
+    /// Whether the start varies with the place of a rigid stop that touches there: at rest, or
+    /// under way, where it is held, and where it separates.
     fn follows(&self, i: usize, p: usize) -> bool {
         let is_held = self.at.mode.mode.stops[i] == StopState::Closed && !self.is_hit(i);
         let varies = || match self.given {

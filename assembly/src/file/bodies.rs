@@ -139,8 +139,8 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What the signal of a motion is, where it is not the coordinate: a number `rate` is an even motion
-/// beside one.
+/// What the signal of a motion is, where it is not the coordinate: a number `rate` is an even
+/// motion beside one.
 fn level(table: &FileTable) -> Option<Level> {
     let rate = table.entries.get("rate").is_some_and(|rate| rate.get_ref().is_table());
     match table.has("acceleration") {
@@ -149,8 +149,8 @@ fn level(table: &FileTable) -> Option<Level> {
     }
 }
 
-/// Reads a motion whose rate or acceleration is a signal. The coordinate follows from it, so that no
-/// key of a coordinate stands beside it but the one at time 0.
+/// Reads a motion whose rate or acceleration is a signal. The coordinate follows from it, so that
+/// no key of a coordinate stands beside it but the one at time 0.
 fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension: Dimension) -> BodyKind {
     let (key, kind) = match level {
         Level::Rate => ("rate", kinds::DRIVEN_RATE),

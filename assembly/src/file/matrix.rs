@@ -8,8 +8,8 @@ use crate::description::{Description, Dimension, Given, GivenNode, MatrixDamping
 use crate::kinds;
 use nalgebra::{DMatrix, DVector};
 
-/// Reads the bodies with matrices. Of one with problems the nodes keep their names, so that elements
-/// that refer to them can be read.
+/// Reads the bodies with matrices. Of one with problems the nodes keep their names, so that
+/// elements that refer to them can be read.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "matrix") {
         let given = given(reading, &table, machine.starts_at_rest);

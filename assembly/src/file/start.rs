@@ -1,4 +1,5 @@
-//! Reading of a start: its time, coordinates and rates of bodies, inner places of springs in series.
+//! Reading of a start: its time, coordinates and rates of bodies, inner places of springs in
+//! series.
 
 use super::no_records;
 use super::reading::{self, FileTable, Reading};

@@ -39,8 +39,8 @@ impl pulp::WithSimd for Making<'_> {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// For each velocity and each state of first order: its Taylor coefficients from order 1 on, for time in units of an
-    /// interval. Each column belongs to one number of the state.
+    /// For each velocity and each state of first order: its Taylor coefficients from order 1 on,
+    /// for time in units of an interval. Each column belongs to one number of the state.
     velocities: Vec<SparseColumns<WITHIN>>,
     /// Number of coordinates.
     coordinates: usize,
@@ -124,8 +124,8 @@ impl Kept {
         self.transitions[i].times(z, to);
     }
 
-    /// Writes coordinates, velocities and states of first order at a time `dt` within an interval of length `step` from
-    /// the state at its start.
+    /// Writes coordinates, velocities and states of first order at a time `dt` within an interval
+    /// of length `step` from the state at its start.
     #[inline(always)]
     pub(super) fn within(&self, z: &[f64], dt: f64, step: f64, to: &mut [f64]) {
         let u = dt / step;

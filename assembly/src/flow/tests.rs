@@ -1,4 +1,5 @@
-//! The flow of chains that hold, press, rub and are driven, against the matrix exponential by Padé's approximants.
+//! The flow of chains that hold, press, rub and are driven, against the matrix exponential by
+//! Padé's approximants.
 
 mod remainder;
 mod wide;
@@ -19,8 +20,8 @@ const STIFF_ROUNDING: f64 = 1e-10;
 /// Places where a bound is compared with what it bounds.
 const PLACES: usize = 24;
 
-/// A chain from the ground: its first body presses a buffer, its last one comes to a rigid stop, and where `holds` its second one sticks
-/// to the ground. A load turns once in a second.
+/// A chain from the ground: its first body presses a buffer, its last one comes to a rigid stop,
+/// and where `holds` its second one sticks to the ground. A load turns once in a second.
 fn chain(count: usize, stiffness: f64, holds: bool) -> (FlowTable, usize) {
     let mut text = "name = \"C\"\ngravity = 9.81\n".to_owned();
     for i in 0..count {
@@ -45,7 +46,8 @@ fn chain(count: usize, stiffness: f64, holds: bool) -> (FlowTable, usize) {
     (FlowTable::new(system.linear(mode), system.signals.one), system.signals.one)
 }
 
-/// Chains with tables, with a stiff spring that is found apart, and of so many coordinates that a series takes the tables' place.
+/// Chains with tables, with a stiff spring that is found apart, and of so many coordinates that a
+/// series takes the tables' place.
 fn tables() -> Vec<(FlowTable, usize)> {
     let mut all = Vec::new();
     for holds in [false, true] {
@@ -169,8 +171,8 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
 
 #[test]
 fn invariant_bends_stay_within_their_bounds() {
-    // In single coordinates, of which nothing else covers what a bound leaves out, and in all together. A bound is no
-    // more than what |A| makes of sizes, which is e³ times them at most.
+    // In single coordinates, of which nothing else covers what a bound leaves out, and in all
+    // together. A bound is no more than what |A| makes of sizes, which is e³ times them at most.
     for (table, one) in tables().into_iter().filter(|(table, _)| table.is_dense()) {
         let (a, size) = (dense(&table.a), table.a.len());
         let single = (0..size).map(|j| DVector::from_fn(size, |i, _| if i == j { 1.0 } else { 0.0 }));
@@ -239,7 +241,8 @@ fn second_method_long_steps_and_their_bounds() {
 
 #[test]
 fn invariant_the_rate_bounds_the_flow() {
-    // No eigenvalue is larger, and of an oscillator of ω and damping δ it is ω + 2δ at most by balanced weights.
+    // No eigenvalue is larger, and of an oscillator of ω and damping δ it is ω + 2δ at most by
+    // balanced weights.
     for (table, _) in tables() {
         let fastest = dense(&table.a).complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
         assert!(table.rate >= fastest * (1.0 - ROUNDING), "{} {fastest}", table.rate);
@@ -266,7 +269,8 @@ fn invariant_the_rate_bounds_the_flow() {
 
 #[test]
 fn closed_form_the_order_with_which_a_functional_leaves_zero() {
-    // A load turns up from zero: its force t, the first body's way t³/6, of a chain's k-th body two orders more.
+    // A load turns up from zero: its force t, the first body's way t³/6, of a chain's k-th body two
+    // orders more.
     let text = "name = \"D\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 1.0\n\
                 [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 1.0\n\
                 [stop.a]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n\
@@ -295,8 +299,8 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
 
 #[test]
 fn closed_form_signals_add_a_quarter_to_the_rate() {
-    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and what the three signals add is a
-    // third of a quarter each, whatever their amplitudes.
+    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and what
+    // the three signals add is a third of a quarter each, whatever their amplitudes.
     for (stiffness, amplitude) in [(100.0, 3.0), (2.5e3, 1e-3)] {
         let text = format!(
             "name = \"O\"\ngravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\

@@ -231,8 +231,8 @@ impl<'a> Selection<'a> {
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Decides compliant stops and sliders by the next derivative where it is not zero. At order k the
-    /// derivatives of e up to k + 1 are known.
+    /// Decides compliant stops and sliders by the next derivative where it is not zero. At order k
+    /// the derivatives of e up to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.sliders.len() {
             if let Slider::AtLevel(direction) = self.sliders[i] {

@@ -61,8 +61,8 @@ pub enum FrictionState {
 }
 
 impl FrictionState {
-    /// The force of a friction in this state, from its sliding and static levels; `None` if the state
-    /// does not determine it.
+    /// The force of a friction in this state, from its sliding and static levels; `None` if the
+    /// state does not determine it.
     pub fn force(self, level: &StateRow, static_level: &StateRow) -> Option<StateRow> {
         match self {
             Self::Up => Some(level.clone()),

@@ -114,7 +114,8 @@ impl Motion {
         inputs
     }
 
-    /// Opens closed stops whose gap has grown, freewheels that are given a rate, and refuses stops whose gap is now less than e.
+    /// Opens closed stops whose gap has grown, freewheels that are given a rate, and refuses stops
+    /// whose gap is now less than e.
     fn open_grown_gaps(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();

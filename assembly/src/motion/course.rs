@@ -54,9 +54,9 @@ impl Course {
 }
 
 /// Places of the event indicators. A rigid stop and a freewheel have one, and so has a corner of a
-/// spring; a compliant stop has two, of its edge and of its force; a friction has three, of slipping
-/// upwards, of slipping downwards and of its level; a slider has two, of slipping upwards and
-/// downwards.
+/// spring; a compliant stop has two, of its edge and of its force; a friction has three, of
+/// slipping upwards, of slipping downwards and of its level; a slider has two, of slipping upwards
+/// and downwards.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
@@ -101,8 +101,8 @@ impl System {
 }
 
 impl Assembly {
-    /// The bodies whose coordinates, followed by their rates and by the states of first order, are the
-    /// continuous states of a host's solver.
+    /// The bodies whose coordinates, followed by their rates and by the states of first order, are
+    /// the continuous states of a host's solver.
     pub fn states(&self) -> &[usize] {
         &self.system.bodies_of
     }
@@ -244,9 +244,9 @@ impl Motion {
         self.is_at_knot(course) || self.is_at_sample() || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its functional
-    /// to the functional's size. An event occurs where the indicator becomes negative. An indicator
-    /// without a watched functional is 1.
+    /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its
+    /// functional to the functional's size. An event occurs where the indicator becomes negative.
+    /// An indicator without a watched functional is 1.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
@@ -391,8 +391,8 @@ impl Motion {
     }
 
     /// The state at a fraction of the time since the last accepted point. Coordinates are the
-    /// quintic through values, rates and accelerations at both ends, rates its derivative, states of
-    /// first order the cubic through values and rates.
+    /// quintic through values, rates and accelerations at both ends, rates its derivative, states
+    /// of first order the cubic through values and rates.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);

@@ -205,11 +205,10 @@ impl Motion {
     }
 
     /// The motion from a state: the coordinates of the machine's coordinates, m or rad, then their
-    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the states
-    /// of first order. The law
-    /// finds which stops are closed and which friction sticks; signals have their values at
-    /// `time`, s. Samples of blocks at this time are done, unless the numbers of all blocks are those of
-    /// the machine's start: then they are still to come.
+    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the
+    /// states of first order. The law finds which stops are closed and which friction sticks;
+    /// signals have their values at `time`, s. Samples of blocks at this time are done, unless the
+    /// numbers of all blocks are those of the machine's start: then they are still to come.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite and for a state of another length;
@@ -250,8 +249,8 @@ impl Motion {
 
     /// Includes in the sizes of rates what forces would add to them while they move a coordinate by
     /// its own size, for at most a sub-step without held contacts. A body that stood in the motion
-    /// from which the state comes has a rate of rounding, which says nothing of its size. Returns, by
-    /// coordinate, the way that it goes within a sub-step, or until forces have turned it round.
+    /// from which the state comes has a rate of rounding, which says nothing of its size. Returns,
+    /// by coordinate, the way that it goes within a sub-step, or until forces have turned it round.
     fn include_standing(&mut self) -> Vec<f64> {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
@@ -297,8 +296,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A state at a time, before the law at the start; samples at this time are done or, with `fresh`, still
-    /// to come.
+    /// A state at a time, before the law at the start; samples at this time are done or, with
+    /// `fresh`, still to come.
     fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64], fresh: bool) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
@@ -391,8 +390,8 @@ impl Motion {
         self.hybrid.time.value()
     }
 
-    /// The augmented state (q, v, states of first order, 1, signals), on which the rows of the [system](Assembly::system)
-    /// act.
+    /// The augmented state (q, v, states of first order, 1, signals), on which the rows of the
+    /// [system](Assembly::system) act.
     pub fn state(&self) -> &DVector<f64> {
         &self.hybrid.z
     }

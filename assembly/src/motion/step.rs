@@ -205,8 +205,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step towards `goal`, or to the event before which it ends. `keeps` leaves the signals at
-    /// the goal as they come there.
+    /// A sub-step towards `goal`, or to the event before which it ends. `keeps` leaves the signals
+    /// at the goal as they come there.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {
         let Flown { place, dt, whole, reaches } = if self.table().is_dense() {

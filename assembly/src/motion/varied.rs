@@ -96,8 +96,8 @@ impl Motion {
     }
 
     /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
-    /// state (coordinates, rates, states of first order), then by value and derivatives 1 to 3 of each input, each
-    /// projected onto the contacts' constraints.
+    /// state (coordinates, rates, states of first order), then by value and derivatives 1 to 3 of
+    /// each input, each projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;

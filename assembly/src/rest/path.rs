@@ -126,8 +126,8 @@ impl<'a> LoadPath<'a> {
         Err(Error::GivesWay { spring, factor: at.load })
     }
 
-    /// Puts springs in the place of compliant stops that press, so that the stiffness is that of the
-    /// way's end.
+    /// Puts springs in the place of compliant stops that press, so that the stiffness is that of
+    /// the way's end.
     fn press(&self, holding: &mut Holding, at: &Point) {
         let compliant = |own: &&super::RestContact| own.compliance > 0.0;
         holding.contacts.retain(|own| !compliant(&own));
@@ -148,8 +148,8 @@ impl<'a> LoadPath<'a> {
         (own.e + column.dot(&at.y), own.e.abs() + column.abs().dot(&at.y.abs()))
     }
 
-    /// How far a stop is beyond its limit, and the size of its terms. What a rigid one is beyond its
-    /// gap at the begin vanishes as the loads grow.
+    /// How far a stop is beyond its limit, and the size of its terms. What a rigid one is beyond
+    /// its gap at the begin vanishes as the loads grow.
     fn excess(&self, own: &RestStop, at: &Point) -> (f64, f64) {
         let begin = if own.stiffness.is_none() { (1.0 - at.load) * own.excess.max(0.0) } else { 0.0 };
         let size = own.excess.abs() + own.column.abs().dot(&at.y.abs());

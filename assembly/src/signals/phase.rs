@@ -155,8 +155,8 @@ impl Phase {
         wave
     }
 
-    /// A bound of the derivative of order 12 of sine and cosine of the phase, times h¹², over a cell
-    /// of length h whose highest frequency is given.
+    /// A bound of the derivative of order 12 of sine and cosine of the phase, times h¹², over a
+    /// cell of length h whose highest frequency is given.
     pub fn bound(&self, frequency: f64, h: f64) -> f64 {
         const TWELVE: usize = 12;
         let Sweep { from, to, duration, .. } = self.sweep;

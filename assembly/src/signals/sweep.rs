@@ -15,7 +15,8 @@ const INTEGRALS: usize = 2;
 const ERROR: f64 = 5e-13;
 /// Part of a turn that a cell of a constant frequency has: 0.79 rad, with an error of 3e-14.
 const TURN: f64 = 0.125;
-/// Most times that a sweep's duration is halved: its cells are then a billionth of it, over and over.
+/// Most times that a sweep's duration is halved: its cells are then a billionth of it, over and
+/// over.
 const HALVINGS: i32 = 50;
 
 /// Number of coordinates of a sweep that is integrated `order` times.
@@ -35,8 +36,8 @@ pub(super) struct SweepPiece {
     sweep: Sweep,
     phase: Phase,
     along: Option<Sweep>,
-    /// Of an integral: the begin of each cell of the sweep and its end, with the first and the second
-    /// integral there.
+    /// Of an integral: the begin of each cell of the sweep and its end, with the first and the
+    /// second integral there.
     sums: Vec<(f64, [DoubleDouble; 2])>,
 }
 
@@ -70,8 +71,8 @@ impl SweepPiece {
         self.cell(time).end
     }
 
-    /// The cell of a time: of the sweep a half of a half … of its duration in which the polynomial is
-    /// exact enough; before and behind it one of equal parts of a turn.
+    /// The cell of a time: of the sweep a half of a half … of its duration in which the polynomial
+    /// is exact enough; before and behind it one of equal parts of a turn.
     fn cell(&self, time: f64) -> Cell {
         let duration = self.sweep.duration;
         if time < 0.0 {
@@ -145,7 +146,8 @@ impl SweepPiece {
         }
     }
 
-    /// The derivative of the values along a direction: a' sin φ + a cos φ ψ, with that of the phase.
+    /// The derivative of the values along a direction: a' sin φ + a cos φ ψ, with that of the
+    /// phase.
     fn varied(&self, wave: &Wave, phase: &Jet, by: &Sweep) -> Jet {
         std::array::from_fn(|n| {
             let turned: f64 = (0..=n).map(|k| binomial(n, k) * wave[n - k].1 * phase[k]).sum();
@@ -153,8 +155,8 @@ impl SweepPiece {
         })
     }
 
-    /// The polynomial of a cell by its coefficients in the part of the cell's length, and the length;
-    /// without an end in the time.
+    /// The polynomial of a cell by its coefficients in the part of the cell's length, and the
+    /// length; without an end in the time.
     fn polynomial(&self, cell: Cell) -> ([f64; COEFFICIENTS], f64) {
         let begin = self.jet(cell.begin, cell.side);
         let Some(end) = cell.end.filter(|_| cell.side != Side::Before || self.sweep.from > 0.0) else {
@@ -203,8 +205,8 @@ impl SweepPiece {
         [sums[0].plus(once).value(), (sums[1] + sums[0].times(DoubleDouble::new(t))).plus(twice).value()]
     }
 
-    /// The integrals over a time `t` from a time on at a constant frequency: of (a + b τ) sin φ and of
-    /// cos φ likewise, with φ = θ + ω τ.
+    /// The integrals over a time `t` from a time on at a constant frequency: of (a + b τ) sin φ and
+    /// of cos φ likewise, with φ = θ + ω τ.
     fn even_integrals(&self, from: f64, cell: Cell, t: f64) -> [f64; 2] {
         let wave = |time: DoubleDouble| self.phase.wave(time, cell.side)[0];
         let [start, end] = [wave(DoubleDouble::new(from)), wave(cell.begin)];

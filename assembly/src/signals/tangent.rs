@@ -213,8 +213,9 @@ impl SignalTangent {
         self.sweeps.iter().for_each(|sweep| sweep.fill(DoubleDouble::new(time), to));
     }
 
-    /// Lets the integral whose coordinates begin at `first` go on from where it is at a time, however
-    /// its numbers vary: takes a derivative of its place and, of order two, of its rate back.
+    /// Lets the integral whose coordinates begin at `first` go on from where it is at a time,
+    /// however its numbers vary: takes a derivative of its place and, of order two, of its rate
+    /// back.
     pub(crate) fn go_on(&mut self, first: usize, time: f64, [place, rate]: [f64; 2]) {
         for piece in self.pieces.iter_mut().filter(|piece| piece.first == first) {
             piece.carried = (time, [-place, -rate]);

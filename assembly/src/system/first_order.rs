@@ -134,8 +134,8 @@ impl System {
         }
     }
 
-    /// The direction of the force of a branch whose inner place an event has moved: no event moves it
-    /// but a jump, after which the force is at its level.
+    /// The direction of the force of a branch whose inner place an event has moved: no event moves
+    /// it but a jump, after which the force is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
         let place = branch.place;

@@ -1,4 +1,5 @@
-//! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md (A50)).
+//! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md
+//! (A50)).
 
 use super::{Functional, Part, StateRow, StopRows, System};
 use crate::description::{DampingLimit, Description, StopLaw};

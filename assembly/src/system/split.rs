@@ -190,8 +190,8 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them, the rates of sliders that slip, and limits
-    /// of outputs that are passed.
+    /// The forces of frictions whose state determines them, the rates of sliders that slip, and
+    /// limits of outputs that are passed.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
@@ -322,8 +322,8 @@ impl Norm {
     }
 
     /// The weight of the state of first order at a place, by the row of its rate: with it the terms
-    /// of the coordinates are as large as its own, or those of the velocities leave the share of the
-    /// signals.
+    /// of the coordinates are as large as its own, or those of the velocities leave the share of
+    /// the signals.
     fn inner(scales: &[f64], i: usize, rate: &Functional) -> f64 {
         let n = scales.len();
         let sum = |first: usize| {

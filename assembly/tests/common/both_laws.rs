@@ -32,8 +32,9 @@ pub struct Handled<'a> {
 }
 
 impl BothLaws {
-    /// Follows a machine from its start and calls `look` after each event. Both ways are required to
-    /// refuse the same, to observe events of the same kinds, and to reach the same mode and state.
+    /// Follows a machine from its start and calls `look` after each event. Both ways are required
+    /// to refuse the same, to observe events of the same kinds, and to reach the same mode and
+    /// state.
     pub fn follow(
         &self,
         start: Motion,

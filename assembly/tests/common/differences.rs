@@ -5,7 +5,8 @@ use vibro_assembly::description::Description;
 use vibro_assembly::{Assembly, Differentiated, Motion};
 
 /// Steps of differences of the fourth order, relative to a number or to 0.1; the best of them
-/// counts, since one may be so long that other events happen, another so short that rounding is all.
+/// counts, since one may be so long that other events happen, another so short that rounding is
+/// all.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Error of the best difference relative to the derivative and to the value: rounding over the
 /// step, magnified by the motion.

@@ -130,7 +130,8 @@ fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) ->
 mod tests {
     use super::*;
 
-    /// Outlines and advance widths are those of the whole font, so that pictures are the packager's.
+    /// Outlines and advance widths are those of the whole font, so that pictures are the
+    /// packager's.
     #[test]
     fn second_method_letters_of_the_pages_font_are_those_of_the_whole_one() {
         let part = Face::parse(include_bytes!("../../../assets/DejaVuSans-page.ttf"), 0).unwrap();

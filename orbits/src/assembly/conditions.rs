@@ -1,5 +1,5 @@
-//! The conditions under which a cycle is a motion of the machine: each event is reached, and no other
-//! one.
+//! The conditions under which a cycle is a motion of the machine: each event is reached, and no
+//! other one.
 
 use super::cycle::{Cycle, Leg};
 use super::place::Place;
@@ -45,8 +45,8 @@ pub enum Condition {
 }
 
 impl Condition {
-    /// Whether a value shows that the condition does not hold; a functional that stays below zero may
-    /// touch it but for rounding.
+    /// Whether a value shows that the condition does not hold; a functional that stays below zero
+    /// may touch it but for rounding.
     pub(super) fn fails(&self, value: f64) -> bool {
         match self {
             Self::Stays { .. } => value < -ROUNDING,

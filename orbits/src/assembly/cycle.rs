@@ -2,10 +2,10 @@
 //!
 //! An event at a given time is a linear map of the augmented state, whatever it does to the
 //! velocities, so that the motion over a word follows from its start and its event times. It is an
-//! orbit if it returns to its start and if each event's functional is zero at the event's time.
-//! The derivatives by start and times are carried along with the motion. Instability does not reach
-//! them: a change of the state does not move the times. Knots of signals have fixed times and are no
-//! events of the word.
+//! orbit if it returns to its start and if each event's functional is zero at the event's time. The
+//! derivatives by start and times are carried along with the motion. Instability does not reach
+//! them: a change of the state does not move the times. Knots of signals have fixed times and are
+//! no events of the word.
 
 use super::place::Place;
 use super::word::{Chatter, Letter, Word};
@@ -132,8 +132,8 @@ fn flown(
 }
 
 impl Cycle {
-    /// The motion from the states (q, v) at the nodes of a word, each to the next node, with events at
-    /// `times`, s, of which the first is the time of the start, until the period is over; with
+    /// The motion from the states (q, v) at the nodes of a word, each to the next node, with events
+    /// at `times`, s, of which the first is the time of the start, until the period is over; with
     /// derivatives on request.
     pub(super) fn follow(
         place: &Place,
@@ -239,8 +239,8 @@ impl Cycle {
         dot(row, &leg.rate)
     }
 
-    /// Derivative of the state (q, v) after the last event's law by the state at the start: times of
-    /// events move with the state. Requires that each event's functional rises.
+    /// Derivative of the state (q, v) after the last event's law by the state at the start: times
+    /// of events move with the state. Requires that each event's functional rises.
     pub(super) fn monodromy(&self, place: &Place, word: &Word) -> DMatrix<f64> {
         let system = place.assembly.system();
         let (own, size) = (system.states(), system.signals.size);

@@ -98,8 +98,8 @@ impl Follower<'_> {
         Ok(at)
     }
 
-    /// The end of the parameter's range where a step would lead beyond it, with its arc: values beyond
-    /// may not be allowed.
+    /// The end of the parameter's range where a step would lead beyond it, with its arc: values
+    /// beyond may not be allowed.
     pub fn boundary_ahead(&self, last: &Position, step: f64) -> Option<(Position, f64)> {
         let (from, to) = self.problem.family.range;
         let (index, unit) = (self.problem.size(), self.problem.family.unit());
@@ -144,8 +144,8 @@ impl Follower<'_> {
         )))
     }
 
-    /// The first condition that ceases to hold in a step, with its arc, and the position there where
-    /// it is not solved for.
+    /// The first condition that ceases to hold in a step, with its arc, and the position there
+    /// where it is not solved for.
     pub fn broken(
         &self,
         last: &Position,
@@ -231,9 +231,9 @@ impl Follower<'_> {
         Ok(points)
     }
 
-    /// A zero of a test in a step at which the equations are singular, as at a crossing of branches,
-    /// so that no point next to it is solved for: the test and the unknowns are interpolated from
-    /// points on both sides.
+    /// A zero of a test in a step at which the equations are singular, as at a crossing of
+    /// branches, so that no point next to it is solved for: the test and the unknowns are
+    /// interpolated from points on both sides.
     fn between_points(
         &self,
         last: &Position,

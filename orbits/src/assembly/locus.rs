@@ -1,4 +1,5 @@
-//! Curves of special points of a described machine over two parameters (docs/theory.md, section 14).
+//! Curves of special points of a described machine over two parameters (docs/theory.md, section
+//! 14).
 
 mod equations;
 
@@ -105,8 +106,8 @@ impl LocusStart {
         })
     }
 
-    /// The special point in the shortest word of its orbit, in which its curve is followed; at a touch
-    /// of a rigid stop in the shortest word that does not list it.
+    /// The special point in the shortest word of its orbit, in which its curve is followed; at a
+    /// touch of a rigid stop in the shortest word that does not list it.
     #[must_use]
     pub fn shortest(&self) -> Self {
         self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
@@ -123,8 +124,8 @@ impl LocusStart {
         self.problem.word.periods
     }
 
-    /// The point in the shortest word of its orbit, with the condition of its curve. A touch of a rigid
-    /// stop stands in the word without it, where several words meet.
+    /// The point in the shortest word of its orbit, with the condition of its curve. A touch of a
+    /// rigid stop stands in the word without it, where several words meet.
     fn normal(&self) -> std::result::Result<(Self, Condition), Obstacle> {
         let special = self.special.clone();
         let Kind::As(

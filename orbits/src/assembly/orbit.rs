@@ -248,8 +248,8 @@ impl Orbit {
     /// Whether it attracts its neighbourhood.
     pub fn stability(&self) -> Stability {
         let radius = self.spectral_radius();
-        // Several stops that are hit at one instant may be hit one after the other beside the orbit,
-        // and a functional that hardly rises may not be reached there.
+        // Several stops that are hit at one instant may be hit one after the other beside the
+        // orbit, and a functional that hardly rises may not be reached there.
         let is_doubtful = |(condition, value): &(Condition, f64)| match condition {
             Condition::Together { .. } => true,
             Condition::Rises { .. } => *value < GRAZES,

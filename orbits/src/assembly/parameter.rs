@@ -28,8 +28,8 @@ struct Beside {
 }
 
 impl Beside {
-    /// One machine is the present one where the other side is not allowed. `None` where the machines
-    /// have other signals, as beside a rate that is zero.
+    /// One machine is the present one where the other side is not allowed. `None` where the
+    /// machines have other signals, as beside a rate that is zero.
     fn of(
         problem: &Problem,
         (place, u): (&Place, &DVector<f64>),
@@ -75,8 +75,8 @@ impl Beside {
 }
 
 impl Problem {
-    /// Derivative of the equations at a point by the parameter, in its unit. Requires the cycle with
-    /// its propagators, and the derivatives by the other unknowns.
+    /// Derivative of the equations at a point by the parameter, in its unit. Requires the cycle
+    /// with its propagators, and the derivatives by the other unknowns.
     pub(super) fn by_parameter(
         &self,
         (place, u): (&Place, &DVector<f64>),

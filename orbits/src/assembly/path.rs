@@ -144,8 +144,8 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
         if let Some(end) = end {
             return Ok(Path { points, end });
         }
-        // Where Newton's method takes as many steps however short the way is, its length costs nothing:
-        // next to a touch rounding takes them, and the curve would crawl.
+        // Where Newton's method takes as many steps however short the way is, its length costs
+        // nothing: next to a touch rounding takes them, and the curve would crawl.
         let crawls = step < SHORT * options.longest_step && next.steps <= last.steps;
         if next.steps <= 3 || crawls {
             step *= GROWTH;

@@ -80,7 +80,8 @@ impl Problem {
         self.first_time() + self.word.len() + self.neutral.len()
     }
 
-    /// Place of the first event's time among the unknowns, and of its functional among the equations.
+    /// Place of the first event's time among the unknowns, and of its functional among the
+    /// equations.
     pub fn first_time(&self) -> usize {
         self.units.state.len() * self.word.nodes().len()
     }
@@ -142,7 +143,8 @@ impl Problem {
         Ok(Cycle::follow(place, &self.word, &states, &times, period, false)?.0)
     }
 
-    /// Values of the equations, with their derivatives by all unknowns but the parameter on request.
+    /// Values of the equations, with their derivatives by all unknowns but the parameter on
+    /// request.
     pub fn residual(
         &self,
         place: &Place,
@@ -262,8 +264,8 @@ impl Problem {
         self.word.letters.iter().any(|letter| letter.chatter.is_some())
     }
 
-    /// The point with the same numbers in the equations of the word passed `times` times. Requires a
-    /// point with an orbit.
+    /// The point with the same numbers in the equations of the word passed `times` times. Requires
+    /// a point with an orbit.
     pub fn repeated(
         &self,
         place: &Place,

@@ -297,8 +297,8 @@ impl Orbit {
     /// its section, or fewer where it has settled before.
     ///
     /// # Errors
-    /// [`Error::Described`] where the motion settles on no periodic orbit, with its class, and where
-    /// Newton's method finds none; as [`Machine::motion`] and as [`Family::place`].
+    /// [`Error::Described`] where the motion settles on no periodic orbit, with its class, and
+    /// where Newton's method finds none; as [`Machine::motion`] and as [`Family::place`].
     pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
         let (motion, section) = machine.motion(start)?;

@@ -222,7 +222,8 @@ fn without_impact(
     Ok((other, numbers, sought))
 }
 
-/// Orbits with other words beyond a special point, by the machine's own motion from the orbit there.
+/// Orbits with other words beyond a special point, by the machine's own motion from the orbit
+/// there.
 pub(super) fn beyond(branch: &Branch, u: &DVector<f64>) -> Vec<Orbit> {
     let problem = &branch.problem;
     let mut found: Vec<Orbit> = Vec::new();

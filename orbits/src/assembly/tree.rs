@@ -37,8 +37,8 @@ pub struct TreeOptions {
     pub seeds: usize,
     /// Returns to the section discarded at each value; fewer where the motion has settled.
     pub discard: u32,
-    /// Number of switches at doublings, crossings and touches of rigid stops; 0 follows the curves of
-    /// the settled orbits alone.
+    /// Number of switches at doublings, crossings and touches of rigid stops; 0 follows the curves
+    /// of the settled orbits alone.
     pub depth: u32,
     /// Options of following a branch.
     pub path: PathOptions,
@@ -261,7 +261,8 @@ impl Grower<'_> {
             let PathEnd::Broken(condition) = end else { continue };
             let at = &branch.points[point];
             let Some(special) = &at.special else { continue };
-            // At a touch of a rigid stop branches part; elsewhere the curve goes on with other events.
+            // At a touch of a rigid stop branches part; elsewhere the curve goes on with other
+            // events.
             let Ok(place) = branch.problem.place(&at.u) else { continue };
             let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
             if parts && !goes_on {

@@ -63,8 +63,8 @@ impl Letter {
         self.chatter.as_ref().map_or(&self.modes[1], |chatter| &chatter.mode)
     }
 
-    /// Whether it opens a compliant stop. At given event times a stiff contact turns a change of the
-    /// place into one of the speed, its angular frequency times as large.
+    /// Whether it opens a compliant stop. At given event times a stiff contact turns a change of
+    /// the place into one of the speed, its angular frequency times as large.
     fn opens_compliant(&self) -> bool {
         let [before, after] = &self.modes;
         let pairs = before.stops.iter().zip(&after.stops);

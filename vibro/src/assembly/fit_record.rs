@@ -10,11 +10,12 @@ use vibro_analysis::assembly::fit::Measured;
 /// What a record may be.
 const RECORD: &str = "a table whose first line names its columns";
 
-/// Reads the record of a fit: a table whose first line names `time` and columns such as `box.s`, SI,
-/// and a table with the columns `element` and `time`.
+/// Reads the record of a fit: a table whose first line names `time` and columns such as `box.s`,
+/// SI, and a table with the columns `element` and `time`.
 ///
 /// # Errors
-/// [`Error::Config`] for a file that is no such table, with the row of a number that cannot be read.
+/// [`Error::Config`] for a file that is no such table, with the row of a number that cannot be
+/// read.
 pub fn read_record(data: Option<&Path>, events: Option<&Path>) -> Result<Measured> {
     let mut measured = Measured::default();
     if let Some(path) = data {

@@ -20,8 +20,8 @@ pub struct PointOfFile {
 }
 
 impl Selection {
-    /// The chosen points of the table over a parameter of a described machine. `number` reads a value
-    /// of the parameter.
+    /// The chosen points of the table over a parameter of a described machine. `number` reads a
+    /// value of the parameter.
     ///
     /// # Errors
     /// As [`points`](Self::points).

@@ -108,8 +108,8 @@ pub fn assembly_diagram(
     })
 }
 
-/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after `discard`
-/// discarded returns.
+/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after
+/// `discard` discarded returns.
 ///
 /// # Errors
 /// The errors of the machine and of its motion.

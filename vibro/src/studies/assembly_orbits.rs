@@ -339,7 +339,8 @@ fn energy_table(energies: &[(String, f64)]) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// History and portrait of the first free body, from samples of the machine's own motion by flights.
+/// History and portrait of the first free body, from samples of the machine's own motion by
+/// flights.
 fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
     let d = &machine.description;
     let quantity = Measure::usual(d).into_iter().find_map(|m| m.quantity().cloned());

@@ -59,7 +59,8 @@ impl Beside {
         self.samples().map(move |sample| sample[column].0)
     }
 
-    /// The times of the motion's contacts of a list by the indices of the record's, where there is one.
+    /// The times of the motion's contacts of a list by the indices of the record's, where there is
+    /// one.
     pub fn contacts(&self, list: usize) -> impl Iterator<Item = (usize, Option<f64>)> {
         self.0.iter().flat_map(move |own| {
             let (range, times) = &own.contacts[list];

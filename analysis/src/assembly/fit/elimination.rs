@@ -1,13 +1,14 @@
-//! The linear least squares of a step: blocks of a segment each, of which two neighbours share a state
-//! and all share the free numbers. The states are eliminated one after another by QR, so that work and
-//! memory grow with the number of segments (G. Bierman, Factorization Methods for Discrete Sequential
-//! Estimation, 1977, chapter 5).
+//! The linear least squares of a step: blocks of a segment each, of which two neighbours share a
+//! state and all share the free numbers. The states are eliminated one after another by QR, so that
+//! work and memory grow with the number of segments (G. Bierman, Factorization Methods for Discrete
+//! Sequential Estimation, 1977, chapter 5).
 
 use super::Loss;
 use super::evaluated::{Change, Evaluated, Point, Rows};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// The rows that are left of a state once it is eliminated: R x + S y + T p = r with the next state y.
+/// The rows that are left of a state once it is eliminated: R x + S y + T p = r with the next state
+/// y.
 struct Left {
     own: DMatrix<f64>,
     next: DMatrix<f64>,
@@ -106,8 +107,8 @@ impl Triangle {
         finite.then_some(step)
     }
 
-    /// The states with the least squares beside changes of the numbers; `share` is that of the right
-    /// sides.
+    /// The states with the least squares beside changes of the numbers; `share` is that of the
+    /// right sides.
     pub fn states_of(&self, numbers: &DVector<f64>, share: f64) -> Option<Vec<Vec<f64>>> {
         let p = numbers.len();
         let mut found: Vec<Vec<f64>> = Vec::new();
@@ -127,7 +128,8 @@ impl Triangle {
         Some(found)
     }
 
-    /// Derivatives of all residuals by the free numbers where the states follow them by least squares.
+    /// Derivatives of all residuals by the free numbers where the states follow them by least
+    /// squares.
     pub fn reduced(&self, at: &Evaluated, count: usize) -> Option<DMatrix<f64>> {
         let p = self.free.len();
         let rows: usize = at.0.iter().map(|own| own.places.len()).sum();

@@ -2,8 +2,8 @@
 //!
 //! With white residuals the covariance is s² (JᵀJ)⁻¹. Real residuals are correlated: their
 //! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with the sum S of products of J's rows with their residuals over
-//! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation asks
-//! for (D. Andrews, Econometrica 59, 1991).
+//! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation
+//! asks for (D. Andrews, Econometrica 59, 1991).
 
 use super::Loss;
 use super::elimination::Triangle;
@@ -22,8 +22,8 @@ const COUNTS: f64 = 1e-3;
 /// A combination of relative changes that leaves the motion at the record as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undetermined {
-    /// By free number its part: the number changes by so many of its own values (of a number that is
-    /// 0, of the change that moves the motion by the record's own size).
+    /// By free number its part: the number changes by so many of its own values (of a number that
+    /// is 0, of the change that moves the motion by the record's own size).
     pub combination: Vec<(String, f64)>,
     /// Change of the residuals by such a change, relative to that of the best determined one.
     pub singular_value: f64,

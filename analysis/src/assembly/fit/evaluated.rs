@@ -57,8 +57,8 @@ impl Reach {
     }
 }
 
-/// A number of a motion with its derivatives by the free numbers, then by the segment's first state;
-/// `None` where it has none.
+/// A number of a motion with its derivatives by the free numbers, then by the segment's first
+/// state; `None` where it has none.
 pub(super) type Varied = (f64, Vec<Option<f64>>);
 
 /// Residuals in units of the standard deviations, with their derivatives.

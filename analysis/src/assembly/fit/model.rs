@@ -191,9 +191,9 @@ impl<'a> Model<'a> {
         Evaluated(beside.0.iter().enumerate().map(of).collect())
     }
 
-    /// The time up to which the motion of a point keeps near the record: the root mean square of the
-    /// residuals so far, from a time on, is at most a part of the record's own deviation, or little
-    /// more than its noise. A motion that breaks off is near nowhere.
+    /// The time up to which the motion of a point keeps near the record: the root mean square of
+    /// the residuals so far, from a time on, is at most a part of the record's own deviation, or
+    /// little more than its noise. A motion that breaks off is near nowhere.
     pub fn near_until(&self, point: &Point, nodes: &[f64], way: Way) -> f64 {
         let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
         let beside = self.beside(point, &Reach { nodes: nodes.to_vec(), ..Reach::whole(self.end()) });
@@ -237,8 +237,8 @@ impl<'a> Model<'a> {
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
     }
 
-    /// Whether the residuals at a point are little more than the noise and do not follow each other, and
-    /// each contact has its own.
+    /// Whether the residuals at a point are little more than the noise and do not follow each
+    /// other, and each contact has its own.
     pub fn is_noise(&self, point: &Point, reach: &Reach) -> Result<bool> {
         let beside = self.beside(point, reach)?;
         let mut columns = self.noise.iter().enumerate();

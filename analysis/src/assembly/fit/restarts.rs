@@ -1,5 +1,5 @@
-//! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make many
-//! minima, and friction ridges on which a number at rest moves nothing.
+//! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make
+//! many minima, and friction ridges on which a number at rest moves nothing.
 
 use super::elimination::Triangle;
 use super::errors::scale;
@@ -19,10 +19,11 @@ const DIRECTIONS: [usize; 2] = [1, 4];
 const NUDGE: f64 = 0.1;
 /// Singular value, relative to the largest, below which nothing leads back.
 const SINGULAR: f64 = 1e-6;
-/// Fall of the sum of squares, in units of the variance, by which a point is better: of one motion, and
-/// of segments, whose misses of the next start count beside it.
+/// Fall of the sum of squares, in units of the variance, by which a point is better: of one motion,
+/// and of segments, whose misses of the next start count beside it.
 const BETTER: [f64; 2] = [0.01, 1.0];
-/// Rise up to which another minimum is as good, and rise that the point's own valley has at least there.
+/// Rise up to which another minimum is as good, and rise that the point's own valley has at least
+/// there.
 const AS_GOOD: f64 = 4.0;
 const ELSEWHERE: f64 = 9.0;
 
@@ -109,8 +110,8 @@ pub(super) fn beside(
     Ok(all.iter().find(is_other).map_or(Found::Same, |own| Found::Other(own.point.values.clone())))
 }
 
-/// The derivatives of all residuals by the free numbers, and changes of some standard errors along the
-/// combinations that are least determined, each with what states of segments then do.
+/// The derivatives of all residuals by the free numbers, and changes of some standard errors along
+/// the combinations that are least determined, each with what states of segments then do.
 fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, Vec<Point>)> {
     let values = &best.point.values;
     let p = values.len();

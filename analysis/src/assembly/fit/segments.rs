@@ -1,8 +1,9 @@
-//! Fits by segments with starts of their own (H. G. Bock, Recent advances in parameter identification
-//! techniques for ODE, 1983): chaotic motions, which follow their numbers over a few periods only.
+//! Fits by segments with starts of their own (H. G. Bock, Recent advances in parameter
+//! identification techniques for ODE, 1983): chaotic motions, which follow their numbers over a few
+//! periods only.
 //!
-//! A segment begins in mid-flight in the state that the fitted motion has there. How much its start may
-//! differ from the end of the segment before falls step by step, to rounding in the end.
+//! A segment begins in mid-flight in the state that the fitted motion has there. How much its start
+//! may differ from the end of the segment before falls step by step, to rounding in the end.
 
 use super::beside::Followed;
 use super::evaluated::{Point, Reach};
@@ -29,7 +30,8 @@ const WAY: Way = WAYS[2];
 const LONGER: (f64, f64) = (0.1, 0.6);
 /// Part of a column's size that its noise is taken to be at least while horizons grow.
 const NOISE: f64 = 1e-3;
-/// How far segments may miss the next one's start, in parts of the states' sizes, one after another.
+/// How far segments may miss the next one's start, in parts of the states' sizes, one after
+/// another.
 const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
 
 /// Miss of a next start, in parts of the states' sizes, up to which segments are one motion.
@@ -88,8 +90,8 @@ pub(super) fn over_segments(
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 
-/// Where the last segment ends, and its state there: in the middle of the longest time without an event
-/// and without what is held; `None` where the horizon comes before.
+/// Where the last segment ends, and its state there: in the middle of the longest time without an
+/// event and without what is held; `None` where the horizon comes before.
 fn next_node(
     model: &Model,
     point: &Point,
@@ -167,8 +169,8 @@ fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Opt
 }
 
 impl Model<'_> {
-    /// The motion of the last segment at its begin, with its derivatives by the state there on request,
-    /// and the shift of the record's times.
+    /// The motion of the last segment at its begin, with its derivatives by the state there on
+    /// request, and the shift of the record's times.
     fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {
         let made = self.unknowns.with(&point.values)?;
         let assembly = Arc::new(Assembly::new(made.machine.description.clone())?);
@@ -183,7 +185,8 @@ impl Model<'_> {
         Ok((motion, made.shift))
     }
 
-    /// Half the range of each number of the state over the record's times, as far as the motion goes.
+    /// Half the range of each number of the state over the record's times, as far as the motion
+    /// goes.
     fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
         let (motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], false)?;
         let mut motion = motion.motion().clone();

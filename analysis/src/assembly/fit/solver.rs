@@ -1,5 +1,5 @@
-//! Levenberg-Marquardt's method within bounds (K. Madsen, H. B. Nielsen and O. Tingleff, Methods for
-//! Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
+//! Levenberg-Marquardt's method within bounds (K. Madsen, H. B. Nielsen and O. Tingleff, Methods
+//! for Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
 //! published crates know neither bounds nor rows without a derivative.
 
 use super::elimination::Triangle;
@@ -39,10 +39,11 @@ impl Convergence {
     }
 }
 
-/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves nothing:
-/// a derivative that is rounding would ask for a change without bound.
+/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
+/// nothing: a derivative that is rounding would ask for a change without bound.
 const IDLE: f64 = 1e-12;
-/// Part of a number by which a step moves it at most where contacts alone are matched, which come and go.
+/// Part of a number by which a step moves it at most where contacts alone are matched, which come
+/// and go.
 const STEP: f64 = 0.2;
 /// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;

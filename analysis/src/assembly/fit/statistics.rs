@@ -2,8 +2,9 @@
 
 /// Standard deviation of noise on a signal: the least that its differences of several orders say.
 ///
-/// A quarter of normal numbers are below 0.3186 standard deviations, and differences of order m have
-/// √C(2m, m) of them. Coarse samples of a motion raise low orders, its contacts most of high ones.
+/// A quarter of normal numbers are below 0.3186 standard deviations, and differences of order m
+/// have √C(2m, m) of them. Coarse samples of a motion raise low orders, its contacts most of high
+/// ones.
 pub(super) fn noise(values: &[f64]) -> f64 {
     let (mut all, mut least, mut variance) = (values.to_vec(), f64::INFINITY, 1.0);
     for order in 1..=6 {

@@ -45,8 +45,8 @@ pub(super) struct Made {
 }
 
 impl<'a> Unknowns<'a> {
-    /// The free numbers of a request; `rates` has the rate of each column's quantity, where a quantity
-    /// has it.
+    /// The free numbers of a request; `rates` has the rate of each column's quantity, where a
+    /// quantity has it.
     ///
     /// # Errors
     /// [`Error::Described`] for a column that the record does not have, and for a shift beside a
@@ -133,8 +133,8 @@ impl<'a> Unknowns<'a> {
 }
 
 impl Made {
-    /// The columns of derivatives of a segment that begins with the start, or in a state of its own with
-    /// a number of numbers.
+    /// The columns of derivatives of a segment that begins with the start, or in a state of its own
+    /// with a number of numbers.
     ///
     /// # Errors
     /// [`Error::Refusal`] for a name that neither machine nor start has.
@@ -169,7 +169,8 @@ impl Made {
 enum Source {
     /// Of the motion, by one of its columns.
     Motion(usize),
-    /// By the shift; by the time of the segment's start too, with its column, where that is shifted.
+    /// By the shift; by the time of the segment's start too, with its column, where that is
+    /// shifted.
     Shift(Option<usize>),
     /// By what a column shows above the quantity.
     Offset(usize),
@@ -186,8 +187,8 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Derivatives by all that is fitted, from those of the motion by its columns, that by the time of
-    /// the motion, and the column of an offset.
+    /// Derivatives by all that is fitted, from those of the motion by its columns, that by the time
+    /// of the motion, and the column of an offset.
     pub fn all(
         &self,
         by: impl Fn(usize) -> Option<f64>,

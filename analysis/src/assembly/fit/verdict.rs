@@ -15,7 +15,8 @@ const CHANCE: f64 = 3.0;
 const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Least noise of a column, in parts of its size: differences of records without noise are rounding.
+/// Least noise of a column, in parts of its size: differences of records without noise are
+/// rounding.
 const LEAST: f64 = 1e-6;
 /// Part of the interval between contacts up to which their times fit where no deviation is given.
 const MET: f64 = 0.01;
@@ -23,7 +24,8 @@ const MET: f64 = 0.01;
 /// Whether a fitted motion is the record's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Residuals are noise, and no start beside the fitted numbers leads to another minimum as good.
+    /// Residuals are noise, and no start beside the fitted numbers leads to another minimum as
+    /// good.
     Fits,
     /// Residuals are more than noise, as these words say: errors hold for another motion than the
     /// record's.

@@ -183,8 +183,8 @@ const CONTROLLED: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.1 
     [block.c]\ninputs = [\"m.s\", \"m.v\"]\na = [[0.3]]\nb = [[1.0, 0.2]]\nc = [[5.0]]\nd = [[-10.0, 0.1]]\n\
     outputs = [\"u\"]\nsample = 0.02\ndelay = 0.03\n[load.l]\non = \"m\"\nfrom = \"c.u\"\n";
 
-/// Numbers that blocks keep are states as others. The multiplier is that of a program of its own, by
-/// the matrix exponential between samples.
+/// Numbers that blocks keep are states as others. The multiplier is that of a program of its own,
+/// by the matrix exponential between samples.
 #[test]
 fn second_method_the_period_of_a_sampled_controller() {
     /// What 1e-9 of the differences of a period leaves of its derivative.

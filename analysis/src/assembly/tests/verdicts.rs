@@ -382,8 +382,8 @@ fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
     }
 }
 
-/// The period of a stiffness that steps counts, and its turn's multipliers are those of the product of
-/// two cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
+/// The period of a stiffness that steps counts, and its turn's multipliers are those of the product
+/// of two cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
 #[test]
 fn closed_form_the_exponent_of_a_gear_mesh_within_its_tongue_and_outside() {
     const EXACT: f64 = 1e-9;

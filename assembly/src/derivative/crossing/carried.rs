@@ -65,8 +65,8 @@ impl Crossing<'_> {
         add_outer(deltas, -1.0, self.after.rates, &later);
     }
 
-    /// The signals and what bodies behind links share of their jumps, before impacts; returns the δt
-    /// of all that follows.
+    /// The signals and what bodies behind links share of their jumps, before impacts; returns the
+    /// δt of all that follows.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
         if self.is_sample() {

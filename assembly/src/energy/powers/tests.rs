@@ -1,4 +1,5 @@
-//! The means of powers from what is kept and from states, against the exact mean and against one another.
+//! The means of powers from what is kept and from states, against the exact mean and against one
+//! another.
 
 use super::*;
 use crate::file::{no_records, parse};
@@ -77,7 +78,8 @@ fn second_method_means_of_powers_by_two_ways_and_over_long_steps() {
             }
         }
     }
-    // Each account is there: one load, two dashpots, the buffer, the friction, and what moves the belt.
+    // Each account is there: one load, two dashpots, the buffer, the friction, and what moves the
+    // belt.
     let has = |account: Account| powers.all.iter().any(|power| power.account == account);
     assert!(has(Account::Load(0)) && has(Account::Dashpot(0)) && has(Account::Dashpot(1)));
     assert!(has(Account::Stop(0)) && has(Account::Friction(0)) && has(Account::Motions));

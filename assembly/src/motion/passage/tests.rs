@@ -24,7 +24,8 @@ fn cubic(c: &[f64; 4], t: f64) -> [f64; 2] {
 
 #[test]
 fn invariant_every_interval_with_a_passage_is_near() {
-    // With the bound of the second derivative that just holds; and none is near where all is as far below zero as to need no proof.
+    // With the bound of the second derivative that just holds; and none is near where all is as far
+    // below zero as to need no proof.
     let (mut random, mut far) = (Random(3), 0);
     for case in 0..20_000 {
         let order = case % 4;
@@ -59,7 +60,8 @@ fn invariant_every_interval_with_a_passage_is_near() {
                 assert!(near & (1 << interval) == 0, "{case}: {c:?} is searched in {interval}");
             }
         }
-        // One that goes down from zero with a slope that outweighs its bend is not searched in the first interval.
+        // One that goes down from zero with a slope that outweighs its bend is not searched in the
+        // first interval.
         if order == 1
             && c[1] + 0.5 * bend * step < -ROUNDING
             && cubic(&c, 2.0 * step)[0] < -bend * step * step
@@ -78,7 +80,8 @@ fn invariant_every_interval_with_a_passage_is_near() {
 
 #[test]
 fn closed_form_what_turns_round_beyond_zero() {
-    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁ + 2 c₂ is its slope.
+    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁ +
+    // 2 c₂ is its slope.
     let of = |begin: f64, terms: &[f64], zero: f64| {
         let mut c = [0.0; LOCAL];
         c[0] = begin;
@@ -96,7 +99,8 @@ fn closed_form_what_turns_round_beyond_zero() {
         count[usize::from(comes_back)] += 1;
     }
     assert!(count.iter().all(|n| *n > 400), "{count:?}");
-    // u³ has at 1 a slope of 3 and a second derivative of 6: with -2 u³ and 6.5 u a slope of 0.5 and of -12.
+    // u³ has at 1 a slope of 3 and a second derivative of 6: with -2 u³ and 6.5 u a slope of 0.5
+    // and of -12.
     assert!(
         of(-4.0, &[6.5, 0.0, -2.0], 0.25 / 24.0 + 1e-9) && !of(-4.0, &[6.5, 0.0, -2.0], 0.25 / 24.0 - 1e-9)
     );
@@ -112,8 +116,8 @@ fn closed_form_sums_behind_the_first_coefficient() {
 
 #[test]
 fn second_method_roots_of_series_from_below() {
-    // Series of motions with rates up to 4 over the span, which wave: with the roots by halving, and
-    // none that it does not have.
+    // Series of motions with rates up to 4 over the span, which wave: with the roots by halving,
+    // and none that it does not have.
     let (mut random, mut roots, mut none) = (Random(11), 0, 0);
     for case in 0..20_000 {
         let rate = [0.5, 1.5, 4.0][case % 3];

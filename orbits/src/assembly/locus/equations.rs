@@ -171,7 +171,8 @@ impl Locus {
     }
 }
 
-/// The bordered measure of a matrix, and the product of the parameter's column with its left vector.
+/// The bordered measure of a matrix, and the product of the parameter's column with its left
+/// vector.
 fn crossing(matrix: &DMatrix<f64>, column: &DVector<f64>, border: &Border<f64>) -> Option<Vec<f64>> {
     let turned = Border { left: border.right.clone(), right: border.left.clone() };
     let n = matrix.nrows();

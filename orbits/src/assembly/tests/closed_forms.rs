@@ -58,8 +58,8 @@ fn closed_form_both_symmetric_orbits_of_the_impact_pair_and_their_fold() {
 
 #[test]
 fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
-    // One bounce a period: from A ω² = π g (1 - ε)/(1 + ε) on. Its return map has the determinant ε²
-    // and the trace 1 + ε² + (1 + ε)² h''/g, h'' the table's acceleration at the bounce.
+    // One bounce a period: from A ω² = π g (1 - ε)/(1 + ε) on. Its return map has the determinant
+    // ε² and the trace 1 + ε² + (1 + ε)² h''/g, h'' the table's acceleration at the bounce.
     let (g, e, w): (f64, f64, f64) = (10.0, 0.6, 20.0);
     let text = format!(
         "name = \"Ball\"\ngravity = {g}\nbody.ball = {{ mass = 1.0, gravity = -1.0, start = {{ s = {}, v = {} }} }}\n\

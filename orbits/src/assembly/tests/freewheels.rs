@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use vibro_assembly::derivative::By;
 use vibro_assembly::{Differentiated, Start};
 
-/// A rotor on a spring drives a tail; in the second machine it strikes a wall, and catches the tail in
-/// the same instant.
+/// A rotor on a spring drives a tail; in the second machine it strikes a wall, and catches the tail
+/// in the same instant.
 const TAIL: &str = r#"
 name = "Tail"
 body.rotor = { mass = 1.3 }

@@ -1,5 +1,5 @@
-//! The paper's machine as a file against the orbits of the 3-DOF machine: closed equations in phases
-//! of impacts, which share no code with those of described machines.
+//! The paper's machine as a file against the orbits of the 3-DOF machine: closed equations in
+//! phases of impacts, which share no code with those of described machines.
 
 use super::*;
 use crate::{Label, Span, TreeOptions as Options};

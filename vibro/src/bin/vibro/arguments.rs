@@ -225,15 +225,15 @@ pub enum Command {
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
-    /// Writes the file of one of the gallery's machines, with its comments, to start from; without a
-    /// name lists them
+    /// Writes the file of one of the gallery's machines, with its comments, to start from; without
+    /// a name lists them
     New(New),
     /// Packs the machine of a FILE as an FMU, for Co-Simulation and Model Exchange, around the
     /// compiled library that is at hand
     ///
-    /// The library, `machine-kit.zip`, is sought beside the program and above it, in the folder that
-    /// the environment variable VIBRO_IMPACT_ARCHIVES names, or by --kit. In the repository `cargo
-    /// run --bin fmu-build` makes it.
+    /// The library, `machine-kit.zip`, is sought beside the program and above it, in the folder
+    /// that the environment variable VIBRO_IMPACT_ARCHIVES names, or by --kit. In the repository
+    /// `cargo run --bin fmu-build` makes it.
     Fmu(Fmu),
     /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
     /// account of powers

@@ -1,4 +1,5 @@
-//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's studies.
+//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's
+//! studies.
 
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::{Common, SectionArguments, time};

@@ -26,9 +26,9 @@ pub struct FitArguments {
     /// Range of a free number [default: what it may be]. May be repeated
     #[arg(long, value_name = "NAME=LOW:HIGH", value_delimiter = ',', allow_hyphen_values = true)]
     pub within: Vec<String>,
-    /// Standard deviation of the noise: a number for each column in the record's order, then one for
-    /// the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms`
-    /// [default: by the residuals]
+    /// Standard deviation of the noise: a number for each column in the record's order, then one
+    /// for the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms` [default: by the
+    /// residuals]
     #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
     pub sigma: Vec<String>,
     /// How residuals count
