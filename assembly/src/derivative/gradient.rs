@@ -43,9 +43,11 @@ use std::sync::atomic::AtomicBool;
 /// for (time, measured) in [(0.3, 0.8), (0.7, 0.1)] {
 ///     sum.advance_to(time)?;
 ///     sum.add(place, 2.0 * (sum.motion().value(place) - measured));
-/// } // s = cos ωt with ω = √k. let [by_stiffness, by_start] = sum.gradient()?.try_into().unwrap();
-/// let residuals = [(0.3, 0.6f64.cos() - 0.8), (0.7, 1.4f64.cos() - 0.1)]; let exact = |f: &dyn
-/// Fn(f64) -> f64| residuals.iter().map(|(t, r)| 2.0 * r * f(*t)).sum::<f64>();
+/// }
+/// // s = cos ωt with ω = √k.
+/// let [by_stiffness, by_start] = sum.gradient()?.try_into().unwrap();
+/// let residuals = [(0.3, 0.6f64.cos() - 0.8), (0.7, 1.4f64.cos() - 0.1)];
+/// let exact = |f: &dyn Fn(f64) -> f64| residuals.iter().map(|(t, r)| 2.0 * r * f(*t)).sum::<f64>();
 /// assert!((by_stiffness.unwrap() - exact(&|t| -0.25 * t * (2.0 * t).sin())).abs() < 1e-14);
 /// assert!((by_start.unwrap() - exact(&|t| (2.0 * t).cos())).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
