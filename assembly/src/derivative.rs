@@ -28,6 +28,7 @@ mod passed;
 mod rest;
 mod resting;
 mod rows;
+mod samples;
 mod series;
 mod start;
 mod tangent;

@@ -8,7 +8,7 @@ use crate::description::{
     Arms, Block, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
     Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
 };
-use crate::quantity::What;
+use crate::what::What;
 use std::ops::Range;
 
 /// An element of a machine.

@@ -25,6 +25,7 @@
 //! );
 //! ```
 
+mod any_unit;
 mod blocks;
 mod bodies;
 mod elements;

@@ -37,6 +37,7 @@ pub mod start;
 mod stepped;
 pub mod system;
 mod vectors;
+mod what;
 
 pub use assembly::Assembly;
 pub use derivative::Differentiated;

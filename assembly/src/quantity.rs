@@ -1,74 +1,8 @@
 //! Quantities of bodies and elements: columns of a motion, outputs of an FMU, measures of studies.
 
-use crate::description::{Block, Body, Description, Dimension};
+use crate::description::{Block, Body, Description};
 use crate::elements::{Action, Element};
-
-/// Kind of a quantity of a body or an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum What {
-    /// A body's coordinate.
-    S,
-    /// The rate of a body's coordinate.
-    V,
-    /// A body's acceleration.
-    A,
-    /// An element's elongation.
-    E,
-    /// The rate of an element's elongation.
-    Rate,
-    /// An element's force, which resists its elongation; a load's force on its body.
-    F,
-    /// The inner place of a spring in series, in the unit of its elongation.
-    Slider,
-    /// The rate of this inner place: a derivative of FMUs, no column.
-    SliderRate,
-    /// The value of a signal that blocks read.
-    Value,
-    /// An output of a block, by its place.
-    Output(usize),
-    /// A state of a block, by its place: those of the file, then of a sampled block the outputs
-    /// that act and those under way.
-    State(usize),
-    /// The rate of a state of a block.
-    StateRate(usize),
-}
-
-impl What {
-    /// All kinds of columns.
-    pub const ALL: [Self; 7] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F, Self::Slider];
-
-    /// The kinds that bodies have.
-    pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
-
-    /// The last part of a quantity's name; empty of signals and blocks, of which the element
-    /// decides.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::S => "s",
-            Self::V => "v",
-            Self::A => "a",
-            Self::E => "e",
-            Self::Rate => "rate",
-            Self::F => "f",
-            Self::Slider => "slider",
-            Self::SliderRate => "slider.rate",
-            Self::Value | Self::Output(_) | Self::State(_) | Self::StateRate(_) => "",
-        }
-    }
-
-    /// SI unit.
-    pub fn unit(self, dimension: Dimension) -> &'static str {
-        let units = match self {
-            Self::S | Self::E | Self::Slider => ["m", "rad"],
-            Self::V | Self::Rate | Self::SliderRate => ["m/s", "rad/s"],
-            Self::A => ["m/s2", "rad/s2"],
-            Self::F => ["N", "N.m"],
-            Self::Value | Self::Output(_) | Self::State(_) => ["1"; 2],
-            Self::StateRate(_) => ["1/s"; 2],
-        };
-        units[usize::from(dimension == Dimension::Rotation)]
-    }
-}
+pub use crate::what::What;
 
 /// Body or element that a quantity belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,8 +1,8 @@
 //! Fits of described machines to records.
 
 use crate::arrays::{Array1, column};
-use crate::assembly::{Described, Numbers};
 use crate::background::compute;
+use crate::described::{Described, Numbers};
 use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;

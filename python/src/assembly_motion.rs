@@ -1,8 +1,8 @@
 //! Motions of described machines, with their derivatives.
 
 use crate::arrays::{Array1, Array2, column, numbers, plane, table};
-use crate::assembly::{Described, Numbers};
 use crate::background::{Control, compute, each_of};
+use crate::described::{Described, Numbers};
 use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
 use numpy::PyReadonlyArray1;

@@ -1,8 +1,8 @@
 //! Periodic orbits of described machines, and their branches along a parameter.
 
 use crate::arrays::{Array1, column};
-use crate::assembly::{Described, Numbers, SectionChoice};
 use crate::background::{Control, compute};
+use crate::described::{Described, Numbers, SectionChoice};
 use crate::failure::Failure;
 use nalgebra::Complex;
 use pyo3::prelude::*;

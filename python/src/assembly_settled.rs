@@ -1,8 +1,8 @@
 //! What motions of described machines settle on: basins of attraction, sections, all exponents.
 
 use crate::arrays::{Array1, Array2, column, plane};
-use crate::assembly::{Described, Numbers, SectionChoice};
 use crate::background::compute;
+use crate::described::{Described, Numbers, SectionChoice};
 use crate::studies::in_parts;
 use pyo3::prelude::*;
 use vibro_analysis::assembly::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};

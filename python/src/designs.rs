@@ -2,7 +2,7 @@
 //! of which is made where its motion runs, so that Python needs no object for it.
 
 use crate::arrays::rows_of_states;
-use crate::assembly::{Described, Numbers};
+use crate::described::{Described, Numbers};
 use crate::failure::Failure;
 use crate::system::{System, find};
 use numpy::PyReadonlyArray2;

@@ -12,7 +12,9 @@
 //! | `studies.rs` | bifurcation diagrams, exponents, basins, measures |
 //! | `steady.rs` | closed forms |
 //! | `orbits.rs` | periodic orbits and branches of them |
-//! | `assembly.rs` | described machines: their motions, measures and diagrams |
+//! | `described.rs` | a described machine, its starts and sections, as Python objects |
+//! | `assembly.rs` | measures and diagrams of described machines |
+//! | `assembly_motion.rs` | their motions |
 //! | `assembly_fit.rs` | their fits to records |
 //! | `assembly_orbits.rs` | their periodic orbits and branches of them |
 //! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
@@ -28,6 +30,7 @@ mod assembly_motion;
 mod assembly_orbits;
 mod assembly_settled;
 mod background;
+mod described;
 mod designs;
 mod failure;
 mod motion;
@@ -42,7 +45,7 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::assembly::{Described, assembly_diagram, measure_assemblies};
+    use super::assembly::{assembly_diagram, measure_assemblies};
     #[pymodule_export]
     use super::assembly_fit::fit_assembly;
     #[pymodule_export]
@@ -53,6 +56,8 @@ mod _native {
     use super::assembly_orbits::{AssemblyOrbit, assembly_branches, assembly_orbit, follow_assembly_orbit};
     #[pymodule_export]
     use super::assembly_settled::{assembly_basins, assembly_section, assembly_spectrum};
+    #[pymodule_export]
+    use super::described::Described;
     #[pymodule_export]
     use super::motion::{poincare, simulate, simulate_many};
     #[pymodule_export]

@@ -8,7 +8,9 @@ mod beside;
 mod elimination;
 mod errors;
 mod evaluated;
+mod finished;
 mod horizons;
+mod loss;
 mod model;
 mod restarts;
 mod segments;
@@ -18,14 +20,15 @@ mod unknowns;
 mod verdict;
 
 pub use errors::{Uncertainty, Undetermined};
-pub use solver::Loss;
+pub use loss::Loss;
 pub use verdict::Verdict;
 
+use self::evaluated::Solved;
 use self::horizons::over_horizons;
 use self::model::Model;
-use self::restarts::{Found, beside};
+use self::restarts::{Found, restarted};
 use self::segments::over_segments;
-use self::solver::{Bounds, Convergence, Solved, solve};
+use self::solver::{Bounds, Convergence, solve};
 use super::{Machine, QuantityName};
 use crate::error::{Error, Result};
 use crate::sobol;
@@ -216,7 +219,7 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
             doubt = Some("the fit was ended before its end".to_owned());
             break;
         }
-        match beside(&model, &bounds, &best, go_on)? {
+        match restarted(&model, &bounds, &best, go_on)? {
             Found::Same => break,
             Found::Other(values) => {
                 doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));

@@ -1,32 +1,11 @@
-//! Blocks: derivatives of their rows by one parameter, and what samples make of derivatives
-//! (docs/assembly-law.md, section 19).
+//! Blocks: derivatives of their rows by one parameter (docs/assembly-law.md, section 19).
 
-use super::machine::{Machine, Varied};
-use super::rows::{ElongationTangent, StopTangent};
+use super::rows::{ElongationTangent, RateTangent, StopTangent};
 use super::tangent::Tangent;
 use crate::description::{Block, BlockInput, Description};
 use crate::mode::{Mode, StopState};
-use crate::motion::{Event, EventKind};
-use crate::system::{CombinationTangent, SampleAction, SampledVariation, SamplerTangent, StateRow, System};
+use crate::system::{CombinationTangent, SamplerTangent, StateRow, System};
 use nalgebra::{DMatrix, DVector};
-
-/// Place of a state, derivative of the row of its rate, and the factors of limits in it.
-type RateTangent = (usize, StateRow, Vec<(usize, f64)>);
-
-/// What a parameter changes in the rows of blocks.
-#[derive(Clone, Debug, Default)]
-pub(super) struct BlockTangents {
-    pub outputs: Vec<Vec<CombinationTangent>>,
-    /// Of sampled blocks.
-    pub samplers: Vec<Option<SamplerTangent>>,
-    /// By state of first order of a continuous block: its place, the row of its rate, and the
-    /// factors of the limits of what it reads.
-    rates: Vec<RateTangent>,
-    /// By load: the factors of the limits of the output that it follows.
-    pub loads: Vec<Vec<f64>>,
-    /// By limit: the derivative of its excess, and of the direction of its force.
-    limits: Vec<(StateRow, DVector<f64>)>,
-}
 
 fn matrix(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j])
@@ -263,37 +242,5 @@ impl Tangent {
             }
         }
         row
-    }
-}
-
-/// What happens to sampled blocks in events.
-pub(super) fn actions(events: &[Event]) -> Vec<SampleAction> {
-    let action = |event: &Event| match event.kind {
-        EventKind::Sample { action } => Some(action),
-        _ => None,
-    };
-    events.iter().filter_map(action).collect()
-}
-
-impl Machine {
-    /// Carries a derivative over samples from the state before them.
-    pub(super) fn sample(
-        &self,
-        p: usize,
-        actions: &[SampleAction],
-        z: &DVector<f64>,
-        delta: &mut DVector<f64>,
-    ) {
-        let tangent = &self.tangents[p];
-        let blocks = if tangent.is_zero { &[][..] } else { &tangent.blocks.samplers };
-        let excess = |stop: usize| (!tangent.is_zero).then(|| &tangent.stops[stop].excess);
-        let mut z = z.clone();
-        let varied = SampledVariation { delta: delta.as_mut_slice(), blocks, excess: &excess };
-        self.system.sample(actions, &mut z, &mut [varied]);
-    }
-
-    /// Whether a column moves the time of a step at an instant at which blocks are sampled.
-    pub(super) fn moves_steps(&self, column: &Varied, time: f64) -> bool {
-        self.tangents[column.p].signals.later(time).is_some_and(|knot| knot.later != 0.0)
     }
 }

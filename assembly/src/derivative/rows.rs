@@ -1,7 +1,7 @@
 //! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A27)), which is
 //! also the place of the weights of these rows in a gradient (A35).
 
-use crate::system::StateRow;
+use crate::system::{CombinationTangent, SamplerTangent, StateRow};
 use nalgebra::DVector;
 
 /// Derivatives of a body's rows, as those of [`BodyRows`](crate::system::BodyRows).
@@ -56,4 +56,22 @@ pub(super) struct BranchTangent {
     pub rate: StateRow,
     /// Of the level of a slider.
     pub level: StateRow,
+}
+
+/// Place of a state, derivative of the row of its rate, and the factors of limits in it.
+pub(super) type RateTangent = (usize, StateRow, Vec<(usize, f64)>);
+
+/// What a parameter changes in the rows of blocks.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BlockTangents {
+    pub outputs: Vec<Vec<CombinationTangent>>,
+    /// Of sampled blocks.
+    pub samplers: Vec<Option<SamplerTangent>>,
+    /// By state of first order of a continuous block: its place, the row of its rate, and the
+    /// factors of the limits of what it reads.
+    pub rates: Vec<RateTangent>,
+    /// By load: the factors of the limits of the output that it follows.
+    pub loads: Vec<Vec<f64>>,
+    /// By limit: the derivative of its excess, and of the direction of its force.
+    pub limits: Vec<(StateRow, DVector<f64>)>,
 }

@@ -1,11 +1,11 @@
 //! Derivatives at the start of a motion (docs/assembly-law.md (A32)).
 
-use super::blocks::actions;
 use super::by::By;
 use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
 use super::machine::{BESIDE, Instant, Machine, STILL, TOUCH, Varied};
 use super::rest::equilibrium;
+use super::samples::actions;
 use crate::law::ZERO;
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};

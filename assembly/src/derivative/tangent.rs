@@ -1,9 +1,8 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
 
-use super::blocks::BlockTangents;
 use super::bodies::bodies;
 use super::rows::{
-    BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
+    BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
 use crate::mode::{Contact, FrictionState, Mode, StopState};

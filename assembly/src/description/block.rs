@@ -2,7 +2,7 @@
 
 use super::{Description, Signal};
 use crate::elements::Element;
-use crate::quantity::What;
+use crate::what::What;
 use std::collections::HashSet;
 
 /// A signal with a name, which blocks read.

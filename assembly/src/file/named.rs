@@ -1,14 +1,13 @@
 //! Reading of `[parameters]`, and which numbers of the machine its expressions are.
 
+use super::any_unit::quantity;
 use super::reading::{Entry, FileTable, Reading, finite};
 use crate::check::problem_of_name;
 use crate::description::Description;
 use crate::elements::SECTIONS;
-use crate::kinds;
 use crate::named::{Expression, Named, NamedParameters};
 use crate::slots::slots;
 use std::collections::HashSet;
-use vibro_impact::quantities::{UNITS, split};
 
 /// Most named parameters.
 const MOST: usize = 1_000;
@@ -16,9 +15,6 @@ const MOST: usize = 1_000;
 /// What a parameter may be, in words.
 const VALUE: &str =
     "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
-
-/// Dimensions in whose SI unit a unit of several is read: angular velocities before frequencies.
-const FIRST: [&str; 2] = ["Hz", "rad/s"];
 
 /// Reads the named parameters; with problems there are none.
 pub(super) fn read(reading: &mut Reading, root: &FileTable) {
@@ -75,25 +71,6 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
             None
         }
     }
-}
-
-/// The value of a text in SI, with the SI unit of its unit's dimension.
-pub(super) fn quantity(text: &str, allowed: &str) -> Result<(f64, &'static str), String> {
-    let refused = || allowed.to_owned();
-    let (_, symbol) = split(text).ok_or_else(refused)?;
-    if symbol == "g" {
-        return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());
-    }
-    // Hz stays 1/s, and revolutions become rad.
-    let first = FIRST.into_iter().skip(usize::from(!symbol.ends_with("Hz")));
-    let dimensions = first.chain(UNITS.iter().map(|unit| unit.si));
-    let read =
-        |si| crate::parameters::read(kinds::named(si), crate::description::Dimension::Translation, text);
-    match symbol {
-        "" => read("1").map(|value| (value, "1")),
-        _ => dimensions.into_iter().find_map(|si| Some((read(si)?, si))),
-    }
-    .ok_or_else(refused)
 }
 
 /// Puts the expressions that were read into the machine, by the names of their numbers.

@@ -1,6 +1,7 @@
 //! The state of the file's reader: lines of keys and values, known keys, and the problems found.
 
 use super::Records;
+use super::any_unit::quantity;
 use crate::description::Dimension;
 use crate::kinds::{self, NumberKind};
 use crate::named::{Expression, NamedParameters};
@@ -313,7 +314,7 @@ impl<'a> Reading<'a> {
             return self.following(entry, expression?, kind);
         }
         if let (true, Some(text)) = (kind.any_unit, entry.value.as_str()) {
-            let found = super::named::quantity(text.trim(), &kind.allowed(dimension));
+            let found = quantity(text.trim(), &kind.allowed(dimension));
             return found.map_err(|text| self.refuse(entry, text)).ok().map(|own| own.0);
         }
         let found = number(entry.value, kind, dimension);

@@ -3,8 +3,8 @@
 //! work and memory grow with the number of segments (G. Bierman, Factorization Methods for Discrete
 //! Sequential Estimation, 1977, chapter 5).
 
-use super::Loss;
 use super::evaluated::{Change, Evaluated, Point, Rows};
+use super::loss::Loss;
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
 /// The rows that are left of a state once it is eliminated: R x + S y + T p = r with the next state

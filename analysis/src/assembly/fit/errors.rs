@@ -5,9 +5,9 @@
 //! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation
 //! asks for (D. Andrews, Econometrica 59, 1991).
 
-use super::Loss;
 use super::elimination::Triangle;
 use super::evaluated::{Evaluated, Point};
+use super::loss::Loss;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value, relative to the largest, below which a combination of numbers is not determined.

@@ -2,6 +2,10 @@
 
 use nalgebra::DMatrix;
 
+/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
+/// nothing: a derivative that is rounding would ask for a change without bound.
+const IDLE: f64 = 1e-12;
+
 /// Where a fit stands: the free numbers, and the states in which segments after the first begin.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
@@ -122,4 +126,23 @@ impl Evaluated {
         let all = self.0.iter().filter_map(|own| own.defect.as_ref());
         all.flat_map(|own| own.residuals.iter()).map(|r| r * r).sum()
     }
+}
+
+impl Evaluated {
+    /// Whether the motion stays as it is whatever a free number of some value does.
+    pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
+        let size = if value == 0.0 { 1.0 } else { value.abs() };
+        self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
+    }
+}
+
+/// A point reached.
+#[derive(Clone, Debug)]
+pub(super) struct Solved {
+    pub point: Point,
+    pub reach: Reach,
+    /// The sum of losses, without that of defects.
+    pub cost: f64,
+    /// Whether no segment misses the next one's start.
+    pub is_continuous: bool,
 }

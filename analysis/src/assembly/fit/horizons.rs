@@ -1,9 +1,9 @@
 //! Fits over horizons that grow as the fitted motion keeps near the record.
 
-use super::evaluated::{Point, Reach};
+use super::evaluated::{Point, Reach, Solved};
 use super::model::Model;
 use super::restarts::from_rest;
-use super::solver::{Bounds, Convergence, Solved, solve};
+use super::solver::{Bounds, Convergence, solve};
 use super::{CLOSE, Way};
 use crate::error::Result;
 

@@ -1,17 +1,15 @@
 //! A machine beside a record: how far its motion keeps near it, and what is fitted in the end.
 
 use super::beside::{Beside, Compared, Followed};
-use super::errors::Uncertainty;
-use super::evaluated::{Evaluated, Point, Reach};
-use super::solver::Solved;
+use super::evaluated::{Evaluated, Point, Reach, Solved};
+use super::loss::Loss;
 use super::statistics::{deviation, deviations, interval, noise, persistence, rms, rounding, size, typical};
-use super::unknowns::{Made, Unknowns};
-use super::verdict::Verdict;
-use super::{FitRequest, Fitted, Fresh, Loss, Measured, Way};
+use super::unknowns::Unknowns;
+use super::{FitRequest, Measured, Way};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
 use std::sync::Arc;
-use vibro_assembly::{Assembly, Start};
+use vibro_assembly::Assembly;
 
 /// Samples of which more than half may be outliers by chance.
 const FEW: usize = 8;
@@ -20,7 +18,7 @@ const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
 /// Noise of a column, and part of the interval between contacts, up to which a fit is done.
 const DONE: f64 = 2.5;
-const MET: f64 = 0.01;
+pub(super) const MET: f64 = 0.01;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.5;
 /// Residual of a column, in parts of its standard deviation, that is rounding.
@@ -34,7 +32,7 @@ pub(super) struct Model<'a> {
     times: Vec<f64>,
     pub loss: Loss,
     pub unknowns: Arc<Unknowns<'a>>,
-    compared: Arc<Compared<'a>>,
+    pub compared: Arc<Compared<'a>>,
     /// Standard deviation of each column, then of the contacts' times.
     sigma: Vec<f64>,
     /// Whether these are given.
@@ -182,7 +180,7 @@ impl<'a> Model<'a> {
         at.is_finite().then_some(at).ok_or_else(grows)
     }
 
-    fn evaluated(&self, beside: &Beside, point: &Point, reach: &Reach) -> Evaluated {
+    pub fn evaluated(&self, beside: &Beside, point: &Point, reach: &Reach) -> Evaluated {
         let of = |(k, own): (usize, &Followed)| {
             let states = if k > 0 { point.states[k - 1].len() } else { 0 };
             let joint = point.states.get(k).map(|next| (&next[..], &reach.weights[..]));
@@ -200,7 +198,7 @@ impl<'a> Model<'a> {
         beside.map_or_else(|_| self.first().max(from), |beside| self.near(&beside, from, way))
     }
 
-    fn near(&self, beside: &Beside, from: f64, way: Way) -> f64 {
+    pub fn near(&self, beside: &Beside, from: f64, way: Way) -> f64 {
         let (mut until, first) = (self.end(), self.measured.times.partition_point(|time| *time < from));
         for (k, (_, all)) in self.measured.columns.iter().enumerate() {
             let (own, whole, mut sum, mut far) = (deviations(all), deviation(all), 0.0, 0);
@@ -294,75 +292,5 @@ impl<'a> Model<'a> {
     /// Whether one motion keeps near the record from values on: there is but one way to it.
     pub fn is_near(&self, values: &[f64], way: Way) -> bool {
         self.near_until(&values.to_vec().into(), &[], way) >= self.end()
-    }
-
-    /// The machine fitted at a point.
-    pub fn finish(
-        &self,
-        request: &FitRequest,
-        point: &Point,
-        reach: &Reach,
-        cost: f64,
-        doubt: Option<String>,
-    ) -> Result<Fitted> {
-        let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
-        let Made { machine, start, .. } = self.unknowns.with(&point.values)?;
-        let columns = &self.measured.columns;
-        let of_column =
-            |(k, (name, _)): (usize, &(QuantityName, _))| (name.to_string(), rms(beside.residuals(k)));
-        let mut sizes: Vec<(String, f64)> = columns.iter().enumerate().map(of_column).collect();
-        let mut contacts = Vec::new();
-        for (k, (name, _)) in self.measured.contacts.iter().enumerate() {
-            let off = self.contacts_off(&beside, k);
-            sizes.push((name.clone(), rms(off.iter().copied())));
-            contacts.push((name.clone(), off));
-        }
-        let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
-        let at = self.evaluated(&beside, point, reach);
-        let residuals = beside.samples().map(|all| all.iter().map(|(residual, _)| *residual).collect());
-        let all = beside.0.iter().flat_map(|own| &own.events);
-        let named =
-            |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
-        let verdict = match (self.verdict(&beside), doubt) {
-            (Verdict::Fits, Some(doubt)) => Verdict::Undecided(doubt),
-            (found, _) => found,
-        };
-        Ok(Fitted {
-            verdict,
-            events: all.filter_map(named).collect(),
-            segments: self.segments(&beside, &machine, point, reach)?,
-            start,
-            uncertainty: Uncertainty::of(&at, &names, &point.values, (self.loss, self.has_sigma)),
-            values: names.into_iter().zip(point.values.iter().copied()).collect(),
-            machine,
-            rms: sizes,
-            residuals: residuals.collect(),
-            contacts,
-            // Outliers that count little do not end it.
-            near_until: match self.loss {
-                Loss::Linear => self.near(&beside, f64::NEG_INFINITY, super::WAYS[0]),
-                Loss::SoftL1 | Loss::Huber => reach.end,
-            },
-            lost: beside.lost(),
-            simulations: self.compared.simulations(),
-            cost,
-        })
-    }
-
-    /// Where segments begin anew, and by how much the ones before miss it.
-    fn segments(
-        &self,
-        beside: &Beside,
-        machine: &crate::assembly::Machine,
-        point: &Point,
-        reach: &Reach,
-    ) -> Result<Vec<Fresh>> {
-        let names = Start::names(&Assembly::new(machine.description.clone())?);
-        let fresh = |((time, state), before): ((&f64, &Vec<f64>), &Followed)| Fresh {
-            time: *time,
-            state: names.iter().cloned().zip(state.iter().copied()).collect(),
-            defect: before.end.iter().zip(state).map(|((end, _), next)| end - next).collect(),
-        };
-        Ok(reach.nodes.iter().zip(&point.states).zip(&beside.0).map(fresh).collect())
     }
 }

@@ -3,9 +3,9 @@
 
 use super::elimination::Triangle;
 use super::errors::scale;
-use super::evaluated::{Evaluated, Point};
+use super::evaluated::{Evaluated, Point, Solved};
 use super::model::Model;
-use super::solver::{Bounds, Convergence, Solved, solve};
+use super::solver::{Bounds, Convergence, solve};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -68,7 +68,7 @@ pub(super) fn from_rest(
 }
 
 /// What starts some standard errors beside a point lead to.
-pub(super) fn beside(
+pub(super) fn restarted(
     model: &Model,
     bounds: &Bounds,
     best: &Solved,

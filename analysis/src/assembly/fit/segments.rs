@@ -6,10 +6,10 @@
 //! may differ from the end of the segment before falls step by step, to rounding in the end.
 
 use super::beside::Followed;
-use super::evaluated::{Point, Reach};
+use super::evaluated::{Point, Reach, Solved};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
-use super::solver::{Bounds, Convergence, Solved, solve};
+use super::solver::{Bounds, Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::Result;
 use std::sync::Arc;

@@ -3,7 +3,8 @@
 //! published crates know neither bounds nor rows without a derivative.
 
 use super::elimination::Triangle;
-use super::evaluated::{Change, Evaluated, Point, Reach};
+use super::evaluated::{Change, Evaluated, Point, Reach, Solved};
+use super::loss::Loss;
 use super::model::Model;
 use super::{FitRequest, MOST_FREE};
 use crate::error::{Error, Result};
@@ -39,49 +40,11 @@ impl Convergence {
     }
 }
 
-/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
-/// nothing: a derivative that is rounding would ask for a change without bound.
-const IDLE: f64 = 1e-12;
 /// Part of a number by which a step moves it at most where contacts alone are matched, which come
 /// and go.
 const STEP: f64 = 0.2;
 /// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;
-
-/// How a residual counts, by its square z in units of the standard deviation's square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Loss {
-    /// z.
-    #[default]
-    Linear,
-    /// 2 (√(1 + z) - 1).
-    SoftL1,
-    /// z up to 1, then 2 √z - 1.
-    Huber,
-}
-
-impl Loss {
-    /// The loss of a residual and its derivative by z.
-    fn of(self, residual: f64) -> (f64, f64) {
-        let z = residual * residual;
-        match self {
-            Self::Linear => (z, 1.0),
-            Self::SoftL1 => (2.0 * ((1.0 + z).sqrt() - 1.0), 1.0 / (1.0 + z).sqrt()),
-            Self::Huber if z <= 1.0 => (z, 1.0),
-            Self::Huber => (2.0 * z.sqrt() - 1.0, 1.0 / z.sqrt()),
-        }
-    }
-
-    /// The sum over residuals.
-    pub fn sum(self, residuals: impl Iterator<Item = f64>) -> f64 {
-        residuals.map(|r| self.of(r).0).sum()
-    }
-
-    /// The factor of a residual and its row of derivatives in a step.
-    pub fn weight(self, residual: f64) -> f64 {
-        self.of(residual).1.sqrt()
-    }
-}
 
 /// Ranges of the free numbers, and where they begin.
 #[derive(Clone, Debug)]
@@ -181,25 +144,6 @@ impl Bounds {
     /// Whether a number lies at a bound beyond which a step would lead.
     fn holds(&self, i: usize, value: f64, step: f64) -> bool {
         (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
-    }
-}
-
-/// A point reached.
-#[derive(Clone, Debug)]
-pub(super) struct Solved {
-    pub point: Point,
-    pub reach: Reach,
-    /// The sum of losses, without that of defects.
-    pub cost: f64,
-    /// Whether no segment misses the next one's start.
-    pub is_continuous: bool,
-}
-
-impl Evaluated {
-    /// Whether the motion stays as it is whatever a free number of some value does.
-    pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
-        let size = if value == 0.0 { 1.0 } else { value.abs() };
-        self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether a fitted motion is the record's: its residuals beside the noise, and other minima.
 
 use super::beside::Beside;
-use super::model::Model;
+use super::model::{MET, Model};
 use super::statistics::{interval, persistence, size};
 use crate::significant;
 use std::fmt;
@@ -18,8 +18,6 @@ const FOLLOWS: f64 = 0.3;
 /// Least noise of a column, in parts of its size: differences of records without noise are
 /// rounding.
 const LEAST: f64 = 1e-6;
-/// Part of the interval between contacts up to which their times fit where no deviation is given.
-const MET: f64 = 0.01;
 
 /// Whether a fitted motion is the record's.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,36 @@
+//! How residuals count in a fit.
+
+/// How a residual counts, by its square z in units of the standard deviation's square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Loss {
+    /// z.
+    #[default]
+    Linear,
+    /// 2 (√(1 + z) - 1).
+    SoftL1,
+    /// z up to 1, then 2 √z - 1.
+    Huber,
+}
+
+impl Loss {
+    /// The loss of a residual and its derivative by z.
+    fn of(self, residual: f64) -> (f64, f64) {
+        let z = residual * residual;
+        match self {
+            Self::Linear => (z, 1.0),
+            Self::SoftL1 => (2.0 * ((1.0 + z).sqrt() - 1.0), 1.0 / (1.0 + z).sqrt()),
+            Self::Huber if z <= 1.0 => (z, 1.0),
+            Self::Huber => (2.0 * z.sqrt() - 1.0, 1.0 / z.sqrt()),
+        }
+    }
+
+    /// The sum over residuals.
+    pub fn sum(self, residuals: impl Iterator<Item = f64>) -> f64 {
+        residuals.map(|r| self.of(r).0).sum()
+    }
+
+    /// The factor of a residual and its row of derivatives in a step.
+    pub fn weight(self, residual: f64) -> f64 {
+        self.of(residual).1.sqrt()
+    }
+}

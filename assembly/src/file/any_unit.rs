@@ -1,0 +1,27 @@
+//! Numbers whose dimension their unit says: named parameters, signals that blocks read.
+
+use crate::description::Dimension;
+use crate::kinds;
+use crate::parameters::read;
+use vibro_impact::quantities::{UNITS, split};
+
+/// Dimensions in whose SI unit a unit of several is read: angular velocities before frequencies.
+const FIRST: [&str; 2] = ["Hz", "rad/s"];
+
+/// The value of a text in SI, with the SI unit of its unit's dimension.
+pub(super) fn quantity(text: &str, allowed: &str) -> Result<(f64, &'static str), String> {
+    let refused = || allowed.to_owned();
+    let (_, symbol) = split(text).ok_or_else(refused)?;
+    if symbol == "g" {
+        return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());
+    }
+    // Hz stays 1/s, and revolutions become rad.
+    let first = FIRST.into_iter().skip(usize::from(!symbol.ends_with("Hz")));
+    let dimensions = first.chain(UNITS.iter().map(|unit| unit.si));
+    let value = |si| read(kinds::named(si), Dimension::Translation, text);
+    match symbol {
+        "" => value("1").map(|value| (value, "1")),
+        _ => dimensions.into_iter().find_map(|si| Some((value(si)?, si))),
+    }
+    .ok_or_else(refused)
+}
