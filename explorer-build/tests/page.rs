@@ -2,9 +2,10 @@
 //! Chromium. Asked for, since it needs the target wasm32-unknown-unknown, node with npm, and
 //! Chromium; what is missing is said.
 
-use std::io::Write;
+mod common;
+
+use common::{node, workspace};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_impact::Simulator;
@@ -20,28 +21,10 @@ const ALIKE: f64 = 30.0;
 const PIECES: u32 = 120;
 const PERIODS: u32 = 20;
 
-fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is in the workspace")
-}
-
 /// The folder of what is built, with the page in it; built once.
 fn built() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let output = Command::new(env!("CARGO_BIN_EXE_explorer-build")).arg("--quick").output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let page = String::from_utf8(output.stdout).unwrap();
-        Path::new(page.trim()).parent().unwrap().to_owned()
-    })
-}
-
-/// Runs node and returns what it prints.
-fn node(arguments: &[&Path], input: &str) -> (bool, String) {
-    let mut node =
-        Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    node.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
-    let output = node.wait_with_output().unwrap();
-    (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
+    FOLDER.get_or_init(|| common::built("--quick"))
 }
 
 #[test]

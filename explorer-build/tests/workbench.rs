@@ -1,9 +1,10 @@
 //! The workbench: its numbers are those of the native library, and the page works in Chromium.
 
+mod common;
+
+use common::{node, workspace};
 use std::collections::HashMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::{Arc, OnceLock};
 use vibro_analysis::assembly::{columns, named, values};
 use vibro_assembly::motion::{Event, EventKind, Reached};
@@ -22,28 +23,10 @@ const ROWS: usize = 60;
 /// beyond [`MOST`].
 const COMPARED: f64 = 0.5;
 
-fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is in the workspace")
-}
-
 /// The folder of what is built, with the page in it; built once.
 fn built() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let built = Command::new(env!("CARGO_BIN_EXE_explorer-build")).args(["workbench"]).output().unwrap();
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let page = String::from_utf8(built.stdout).unwrap();
-        Path::new(page.trim()).parent().unwrap().to_owned()
-    })
-}
-
-/// Runs node and returns what it prints.
-fn node(arguments: &[&Path]) -> (bool, String) {
-    let mut node =
-        Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    node.stdin.take().unwrap().write_all(b"").unwrap();
-    let output = node.wait_with_output().unwrap();
-    (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
+    FOLDER.get_or_init(|| common::built("workbench"))
 }
 
 /// A native motion as the page makes it: to an event, over it, and on.
@@ -109,7 +92,7 @@ fn compared(told: &serde_json::Value) -> usize {
 #[ignore = "needs the target wasm32-unknown-unknown and node"]
 fn second_method_every_machine_of_the_gallery_moves_as_natively() {
     let script = workspace().join("workbench/page/test/core.mjs");
-    let (done, printed) = node(&[&script, &built().join("core"), Path::new(&ROWS.to_string())]);
+    let (done, printed) = node(&[&script, &built().join("core"), Path::new(&ROWS.to_string())], "");
     assert!(done, "{printed}");
     let mut all = 0;
     let lines: Vec<serde_json::Value> =
@@ -132,7 +115,7 @@ fn second_method_every_machine_of_the_gallery_moves_as_natively() {
 fn the_modules_keep_to_their_types() {
     let compiler = built().with_file_name("explorer").join("npm/node_modules/typescript/bin/tsc");
     let project = workspace().join("workbench/page/tsconfig.json");
-    let (done, printed) = node(&[&compiler, Path::new("-p"), &project]);
+    let (done, printed) = node(&[&compiler, Path::new("-p"), &project], "");
     assert!(done, "{printed}");
 }
 
@@ -147,7 +130,7 @@ fn chromium_opens_edits_shares_and_stops_the_workbench() {
     assert!(std::fs::metadata(&page).unwrap().len() <= LARGEST);
     let script = workspace().join("workbench/page/test/page.mjs");
     let npm = folder.with_file_name("explorer").join("npm");
-    let (done, printed) = node(&[&script, &npm, &page, &folder.join("shown")]);
+    let (done, printed) = node(&[&script, &npm, &page, &folder.join("shown")], "");
     println!("{printed}");
     assert!(done, "{printed}");
 }
