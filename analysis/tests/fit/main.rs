@@ -157,7 +157,7 @@ fn made_shift_and_offset_of_a_record() {
     }
 }
 
-/// What is made of a sound request, and what is said of it.
+/// A change that makes a sound request one that is refused, and words of the refusal.
 type Refused<'a> = (&'a dyn Fn(&mut FitRequest), &'a str);
 
 #[test]

@@ -9,7 +9,7 @@ fn said(line: &str) -> String {
     parse(&text, "m.toml", &no_records).map_or_else(|refusal| refusal.to_string(), |_| "read".into())
 }
 
-/// Each line, and what is said of it.
+/// Lines with a number whose size no motion can take, each with the words of its refusal.
 const SAID: [(&str, &str); 17] = [
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 1e-300 } }",

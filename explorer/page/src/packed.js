@@ -1,5 +1,6 @@
-// Bytes that lie in the page as text: seven bits a letter, an eighth more than the bytes themselves. What HTML would change
-// (NUL, carriage return, <) stands with the seven bits after it in one letter of two bytes. Their number stands first: `3:…`.
+// Bytes that lie in the page as text: seven bits a letter, an eighth more than the bytes
+// themselves. What HTML would change (NUL, carriage return, <) stands with the seven bits after it
+// in one letter of two bytes. Their number stands first: `3:…`.
 
 /** The letters that HTML would change, in the order of their numbers. */
 export const CHANGED = [0, 13, 60];

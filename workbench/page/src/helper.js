@@ -1,4 +1,5 @@
-// Workers that compute, each with a watch: one that takes too long is ended, and another takes its place.
+// Workers that compute, each with a watch: one that takes too long is ended, and another takes its
+// place.
 
 import { unpack } from "../../../explorer/page/src/packed.js";
 

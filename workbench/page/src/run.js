@@ -1,4 +1,5 @@
-// The run on show: rows of all columns from time 0 to its length, its events, and the place of the playhead.
+// The run on show: rows of all columns from time 0 to its length, its events, and the place of the
+// playhead.
 
 /** @typedef {{time: number, kind: string, element: string, value: number, stops: number, impulse: number}} Met */
 /** @typedef {{name: string, unit: string, meaning: string}} Column */

@@ -1,4 +1,5 @@
-// The sketch in motion. The library draws it, with its bodies moved; here it is shown, with light where something strikes.
+// The sketch in motion. The library draws it, with its bodies moved; here it is shown, with light
+// where something strikes.
 import { FONT, rgb, theme } from "../../../explorer/page/src/plot.js";
 import { columnOf, extent, run } from "./run.js";
 

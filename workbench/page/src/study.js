@@ -1,4 +1,5 @@
-// Studies over a number, in workers of their own: two directions of a bifurcation diagram side by side, and periodic orbits.
+// Studies over a number, in workers of their own: two directions of a bifurcation diagram side by
+// side, and periodic orbits.
 import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";

@@ -1,5 +1,6 @@
-// Motions of the gallery by the WebAssembly core, for a comparison with the native library: node core.mjs <folder of the core> <rows>.
-// A line for each machine, JSON: its file, the length of its default experiment, all columns at equal distances, and its events.
+// Motions of the gallery by the WebAssembly core, for a comparison with the native library: node
+// core.mjs <folder of the core> <rows>. A line for each machine, JSON: its file, the length of its
+// default experiment, all columns at equal distances, and its events.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";

@@ -1,4 +1,5 @@
-// FMUs that the page packs, downloaded in headless Chromium: node fmu.mjs <npm packages> <page with a kit> <folder> <example>….
+// FMUs that the page packs, downloaded in headless Chromium: node fmu.mjs <npm packages> <page with
+// a kit> <folder> <example>….
 import { join } from "node:path";
 import { open } from "../../../explorer/page/test/browser.mjs";
 

@@ -1,4 +1,5 @@
-// The workbench in headless Chromium: node page.mjs <npm packages> <page> <folder for what is downloaded and shown> [name of a test].
+// The workbench in headless Chromium: node page.mjs <npm packages> <page> <folder for what is
+// downloaded and shown> [name of a test].
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
