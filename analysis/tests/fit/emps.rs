@@ -1,10 +1,28 @@
-//! A record in the format of the EMPS benchmark, made by the machine of `examples/emps.toml`: the
-//! voltage is held between samples at 1 kHz. The public file is not in the repository.
+//! Records in the format of the EMPS benchmark, made by the machines of `examples/emps.toml` (the
+//! voltage is held between samples at 1 kHz) and `examples/emps_closed_loop.toml` (the voltage is
+//! made by sampled control). The public file is not in the repository.
 
 use super::*;
 
 const SAMPLES: u32 = 24_841;
 const NOISE: f64 = 5e-5;
+
+/// A machine of the folder examples whose one record has a text.
+fn example(name: &str, record: &str) -> Machine {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples"));
+    let text = std::fs::read_to_string(folder.join(name)).unwrap();
+    Machine::parse(&text, name, &|_| Ok(record.to_owned())).unwrap()
+}
+
+/// Asserts that a fit has found numbers within their errors, and the record's noise.
+fn assert_found(found: &Fitted, truths: &[(&str, f64)]) {
+    let errors = &found.uncertainty.errors;
+    for (((name, value), error), (_, truth)) in found.values.iter().zip(errors).zip(truths) {
+        assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}, true {truth}");
+    }
+    assert!((found.rms[0].1 / NOISE - 1.0).abs() < 0.03, "{:?} in {}", found.rms, found.simulations);
+    assert_eq!(found.verdict, Verdict::Fits);
+}
 
 #[test]
 fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
@@ -14,9 +32,7 @@ fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
         let u = 1.6 * (0.2 * TAU * t).sin() + 0.6 * (0.7 * TAU * t).sin();
         voltage += &format!("{t:?},{u:?}\n");
     }
-    let text =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/emps.toml")).unwrap();
-    let begin = Machine::parse(&text, "emps.toml", &|_| Ok(voltage.clone())).unwrap();
+    let begin = example("emps.toml", &voltage);
     let truths = [
         ("body.carriage.mass", 95.1),
         ("damper.viscous.damping", 203.5),
@@ -29,9 +45,27 @@ fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
     let until = 1e-3 * f64::from(SAMPLES - 1);
     let measured = record(&m, &[("carriage.s", NOISE)], until, SAMPLES as usize, &mut Noise(31));
     let found = fitted(&request(begin, measured, &truths.map(|own| own.0)));
-    for (((name, value), error), (_, truth)) in found.values.iter().zip(&found.uncertainty.errors).zip(truths)
-    {
-        assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}, true {truth}");
+    assert_found(&found, &truths);
+}
+
+/// In closed loop the controller makes up for friction, which reversals and limited voltages tell.
+#[test]
+fn made_record_of_a_drive_under_sampled_control_and_four_free_numbers() {
+    let mut reference = String::from("time,reference\n");
+    for i in 0..4_000 {
+        let t = 1e-3 * f64::from(i);
+        let s = 0.12 * (0.5 * TAU * t).sin().powi(3) + 0.02 * (0.25 * TAU * t).sin();
+        reference += &format!("{t:?},{s:?}\n");
     }
-    assert!((found.rms[0].1 / NOISE - 1.0).abs() < 0.03, "{:?} in {}", found.rms, found.simulations);
+    let begin = example("emps_closed_loop.toml", &reference);
+    let truths = [
+        ("body.carriage.mass", 95.1),
+        ("damper.viscous.damping", 203.5),
+        ("friction.guide.force", 20.4),
+        ("load.offset.constant", 3.2),
+    ];
+    let m = begin.with(truths).unwrap();
+    let measured = record(&m, &[("carriage.s", NOISE)], 3.999, 4_000, &mut Noise(37));
+    let found = fitted(&request(begin, measured, &truths.map(|own| own.0)));
+    assert_found(&found, &truths);
 }

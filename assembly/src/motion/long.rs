@@ -27,7 +27,7 @@ impl Motion {
         self.refill();
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         self.keep_contacts();
-        self.watch_again();
+        self.watch_again(true);
         true
     }
 }

@@ -215,7 +215,8 @@ impl Motion {
             self.by_series(goal, at_knot)
         };
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        if dt > PROGRESS * self.table().length {
+        let progresses = dt > PROGRESS * self.table().length;
+        if progresses {
             self.hybrid.chain = 0;
         }
         let knot = reaches && at_knot;
@@ -237,7 +238,7 @@ impl Motion {
             }
             return Ok(Some(Due::Passage(watch)));
         }
-        self.watch_again();
+        self.watch_again(progresses);
         Ok(knot.then_some(Due::Knot))
     }
 
@@ -333,16 +334,17 @@ impl Motion {
         Flown { place, dt, whole, reaches }
     }
 
-    /// Prepares the next sub-step, at whose start watched functionals are no longer at zero. Those
-    /// that are zero throughout the mode stay so unless they exceed their rounding.
+    /// Prepares the next sub-step, at whose start watched functionals are no longer at zero, unless
+    /// the last one was as short as the rounding of time: values are rounding there, whose sign says
+    /// nothing. Those that are zero throughout the mode stay so unless they exceed their rounding.
     #[inline(always)]
-    pub(super) fn watch_again(&mut self) {
+    pub(super) fn watch_again(&mut self, progresses: bool) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
         let mut any_leaves = false;
         for (order, w) in departing.iter_mut().zip(&self.tables.at(self.place).table.watched) {
             if *order == ORDERS {
                 any_leaves |= w.row.dot(z.as_slice()).abs() > LEAVES_ZERO * sizes.zero_of(&w.row);
-            } else {
+            } else if progresses {
                 *order = 0;
             }
         }
