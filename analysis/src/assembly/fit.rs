@@ -23,7 +23,7 @@ pub use errors::{Uncertainty, Undetermined};
 pub use loss::Loss;
 pub use verdict::Verdict;
 
-use self::evaluated::Solved;
+use self::evaluated::{Point, Solved};
 use self::horizons::over_horizons;
 use self::model::Model;
 use self::restarts::{Found, restarted};
@@ -45,9 +45,11 @@ const WAYS: [Way; 4] = [
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
+/// Starts of which these are the best of contacts alone.
+const LOOKED_AT: u32 = 128;
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
-/// Likewise where large residuals count less: outliers leave the deviation in steps.
+/// Times for losses under which large residuals count less: outliers leave the deviation in steps.
 const REWEIGHTED_ROBUST: u32 = 6;
 /// A motion that is close to the record throughout.
 const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
@@ -254,7 +256,7 @@ fn best_from(
     // Without stops a motion that keeps near the record from the start on has one valley.
     let is_regular = !model.has_stops() && model.is_near(start, WAYS[0]);
     let is_small = start.len() <= sobol::DIMENSIONS;
-    let beside = (1..=BESIDE.0).filter(|_| is_small).map(|k| bounds.beside(start, k, BESIDE.1));
+    let beside = std::iter::once(()).filter(|()| is_small).flat_map(|()| starts_beside(model, bounds, start));
     let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);
     let divided = |begin: &[f64], length: Option<f64>| {
         over_segments(&model.for_segments(), bounds, begin, length, go_on)
@@ -271,7 +273,7 @@ fn best_from(
     for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
         let Ok(mut found) = attempt() else { continue };
         found.cost = model.cost(&found)?;
-        let is_done = found.is_continuous && model.is_noise(&found.point, &found.reach)?
+        let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
             || is_regular && model.is_near(&found.point.values, CLOSE)
             || !go_on();
         let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
@@ -297,6 +299,20 @@ fn best_from(
         Some(_) if best.reach.nodes.is_empty() => divided(&best.point.values, length),
         _ => Ok(best),
     }
+}
+
+/// Starts around a given one; of contacts alone those whose motions keep near the record longest,
+/// since all that follow a contact which comes or goes are matched wrongly.
+fn starts_beside(model: &Model, bounds: &Bounds, start: &[f64]) -> Vec<Vec<f64>> {
+    let (count, part) = BESIDE;
+    let of = |count: u32| (1..=count).map(|k| bounds.beside(start, k, part));
+    if !model.is_of_contacts() {
+        return of(count).collect();
+    }
+    let near = |values: Vec<f64>| (model.near_until(&Point::from(values.clone()), &[], WAYS[1]), values);
+    let mut all: Vec<_> = of(LOOKED_AT).map(near).collect();
+    all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    all.into_iter().take(count as usize).map(|(_, values)| values).collect()
 }
 
 /// A way to a fit.

@@ -2,6 +2,7 @@
 
 use super::Measured;
 use super::evaluated::{Point, Reach, Rows, Segment, Varied};
+use super::statistics::interval;
 use super::unknowns::{Columns, Made, Unknowns};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
@@ -110,6 +111,12 @@ impl<'a> Compared<'a> {
         })
     }
 
+    /// The longest mean interval between contacts of a list, s; 0 without contacts.
+    pub fn longest_interval(&self) -> f64 {
+        let lists = self.measured.contacts.iter().map(|(_, times)| times);
+        lists.filter(|times| !times.is_empty()).fold(0.0, |most: f64, times| most.max(interval(times)))
+    }
+
     /// Number of motions that were followed.
     pub fn simulations(&self) -> u32 {
         self.simulations.load(Ordering::Relaxed)
@@ -189,6 +196,12 @@ impl<'a> Compared<'a> {
         }
         if (next.is_some() || !self.stops.is_empty()) && until + made.shift > motion.motion().time() {
             motion.advance_observed(until + made.shift, &mut note)?;
+        }
+        if next.is_none() && !self.stops.is_empty() {
+            // The motion's own contact may come later than the record's last one. A motion that
+            // cannot go on has covered the record.
+            let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
+            events.retain(|(time, _)| *time <= until);
         }
         let end = if next.is_some() { end_of(&motion, &columns) } else { Vec::new() };
         let lost =

@@ -3,8 +3,9 @@
 use super::beside::{Beside, Compared, Followed};
 use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
-use super::statistics::{deviation, deviations, interval, noise, persistence, rms, rounding, size, typical};
+use super::statistics::{deviation, deviations, interval, noise, rms, rounding, size, typical};
 use super::unknowns::Unknowns;
+use super::verdict::Verdict;
 use super::{FitRequest, Measured, Way};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
@@ -16,11 +17,6 @@ const FEW: usize = 8;
 /// Noise of a column above which it shows the motion, and up to which residuals are noise.
 const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
-/// Noise of a column, and part of the interval between contacts, up to which a fit is done.
-const DONE: f64 = 2.5;
-pub(super) const MET: f64 = 0.01;
-/// Correlation of a residual with the next one above which residuals are more than noise.
-const FOLLOWS: f64 = 0.5;
 /// Residual of a column, in parts of its standard deviation, that is rounding.
 const EXACT: f64 = 1e-12;
 
@@ -149,7 +145,7 @@ impl<'a> Model<'a> {
 
     /// Twice the longest mean interval between contacts: a contact before a time is as near.
     pub fn slack(&self) -> f64 {
-        self.measured.contacts.iter().fold(0.0, |most: f64, (_, times)| most.max(2.0 * interval(times)))
+        2.0 * self.compared.longest_interval()
     }
 
     /// The time of the row some rows after a time.
@@ -235,18 +231,9 @@ impl<'a> Model<'a> {
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
     }
 
-    /// Whether the residuals at a point are little more than the noise and do not follow each
-    /// other, and each contact has its own.
-    pub fn is_noise(&self, point: &Point, reach: &Reach) -> Result<bool> {
-        let beside = self.beside(point, reach)?;
-        let mut columns = self.noise.iter().enumerate();
-        let mut lists = self.measured.contacts.iter().enumerate();
-        let is_white = |k: usize| persistence(beside.residuals(k)) <= FOLLOWS;
-        Ok(columns.all(|(k, noise)| self.spread(beside.residuals(k)) <= DONE * noise && is_white(k))
-            && lists.all(|(k, (_, times))| {
-                let off = self.contacts_off(&beside, k);
-                off.len() == times.len() && self.spread(off.into_iter()) <= MET * interval(times)
-            }))
+    /// Whether the motion of a point is the record's.
+    pub fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        Ok(self.verdict(&self.beside(point, reach)?) == Verdict::Fits)
     }
 
     /// Noise of a column: what is given, else what its differences say.

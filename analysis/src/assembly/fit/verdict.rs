@@ -1,7 +1,7 @@
 //! Whether a fitted motion is the record's: its residuals beside the noise, and other minima.
 
 use super::beside::Beside;
-use super::model::{MET, Model};
+use super::model::Model;
 use super::statistics::{interval, persistence, size};
 use crate::significant;
 use std::fmt;
@@ -11,10 +11,12 @@ const FITS: f64 = 1.3;
 const MISSES: f64 = 2.5;
 /// Standard deviations of a root mean square, by which few residuals may be larger.
 const CHANCE: f64 = 3.0;
-/// Likewise of a noise that differences say, which is the least of several orders.
+/// Standard deviations where differences say the noise, which is the least of several orders.
 const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
+/// Noise of contacts' times, in parts of their interval, where it is not given.
+const MET: f64 = 0.01;
 /// Least noise of a column, in parts of its size: differences of records without noise are
 /// rounding.
 const LEAST: f64 = 1e-6;
