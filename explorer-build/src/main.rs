@@ -120,7 +120,9 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let page = arguments.out.clone().unwrap_or_else(|| folder.join(name).with_extension("html"));
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
-    compress(&doors.join("core_bg.wasm"), &doors.join("core.lzma"))?;
+    if arguments.page == Page::Workbench {
+        compress(&doors.join("core_bg.wasm"), &doors.join("core.lzma"))?;
+    }
     let npm = packages(&target.join("explorer"))?;
     let mut bundle = Command::new("node");
     bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(workspace().join(name).join("page"));
@@ -182,8 +184,8 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     flags.extend(
         home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
     );
-    // The pages ask for DecompressionStream. Every browser that has it (since 2023) also has these
-    // vectors.
+    // Both pages ask for streams that (de)compress. Every browser that has them (since 2023) also
+    // has these vectors.
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {

@@ -2,6 +2,7 @@
 import { createRequire } from "node:module";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import { dirname, join, resolve } from "node:path";
+import { gzipSync } from "node:zlib";
 import { CHANGED } from "./src/packed.js";
 
 const [here, core, packages, page, kit] = process.argv.slice(2).map((path) => resolve(path));
@@ -39,8 +40,10 @@ const worker = await bundled("worker.js", {});
 const script = await bundled("main.js", { WORKER: JSON.stringify(worker) });
 const style = (await build({ entryPoints: [join(here, "style.css")], bundle: true, minify: true, write: false })).outputFiles[0].text;
 const wasm = await readFile(join(core, "core_bg.wasm"));
+// What explorer-build has compressed more, and what browsers unpack themselves.
+const packed = await readFile(join(core, "core.lzma")).catch(() => gzipSync(wasm, { level: 9 }));
 const parts = {
-  style, core: asText(await readFile(join(core, "core.lzma"))),
+  style, core: asText(packed),
   kit: kit ? asText(await readFile(kit)) : "",
   // The end of the script's element must not stand in the script.
   script: script.replaceAll("</script", "<\\/script"),

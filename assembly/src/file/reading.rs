@@ -362,7 +362,10 @@ impl<'a> Reading<'a> {
         if entry.value.as_str() == Some(ASKED) {
             self.allowed.units.extend(units);
             self.allowed.names.extend(self.named.names().map(|name| format!("= {name}")));
-            self.allowed.words = words();
+            // Where a dimension is not known, the words are those of a length.
+            if self.allowed.words.is_empty() {
+                self.allowed.words = words();
+            }
         }
     }
 

@@ -33,7 +33,7 @@ function broken(text) {
 
 async function start() {
   if (typeof WebAssembly !== "object" || typeof DecompressionStream !== "function") {
-    return broken("This browser has no WebAssembly with vectors, which this page computes with. Browsers since 2023 have it: Chrome 91, Firefox 113, Safari 16.4. The command line vibro draws the same without a browser.");
+    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line vibro draws the same without a browser.");
   }
   let module;
   try {

@@ -1,7 +1,6 @@
 // Bytes that lie in the page as text: seven bits a letter, an eighth more than the bytes
 // themselves. What HTML would change (NUL, carriage return, <) stands with the seven bits after it
 // in one letter of two bytes. Their number stands first: `3:…`.
-import { decode } from "./lzma.js";
 
 /** The letters that HTML would change, in the order of their numbers. */
 export const CHANGED = [0, 13, 60];
@@ -23,7 +22,8 @@ export function bytesIn(id) {
   return bytes.subarray(0, begin > 0 ? Math.min(count, length) : 0);
 }
 
-/** The compressed module in the page. @returns {Promise<WebAssembly.Module>} */
+/** The module in the page, compressed by gzip. @returns {Promise<WebAssembly.Module>} */
 export async function unpack() {
-  return WebAssembly.compile(decode(bytesIn("core")));
+  const plain = new Blob([bytesIn("core")]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(plain).arrayBuffer());
 }

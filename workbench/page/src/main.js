@@ -397,7 +397,8 @@ async function pack(version) {
 
 function listen() {
   editor.listen(() => { select("example").value = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
-  completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE));
+  // With a worker that took too long the motion is lost, until the next text.
+  completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
   select("example").addEventListener("change", () => { const name = select("example").value; if (name) void adopt(gallery.get(name) ?? ""); });
   element("open").addEventListener("click", () => input("files").click());
   input("files").addEventListener("change", () => { void receive([...(input("files").files ?? [])]); input("files").value = ""; });

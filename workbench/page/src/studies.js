@@ -95,6 +95,7 @@ async function playFrom(px, py) {
   if (study.shown === "plane") { const place = cellAt(px, py); return place && playCell(place); }
   const found = nearest(px, py);
   if (!found) return;
+  if (!numberOf(study.parameter)) return say(`The machine has no ${study.parameter}: the diagram is that of another one.`);
   page.begin(found.start ?? "");
   const value = Number((valueAt(found.index) * study.factor).toPrecision(8));
   await page.change(study.parameter, String(value));
@@ -106,6 +107,7 @@ async function playFrom(px, py) {
 async function playCell(place) {
   const cell = cellOf(place), { x, y } = plane;
   if (!cell || !x || !y) return;
+  if (!numberOf(x.name) || !numberOf(y.name)) return say(`The machine has no ${x.name} or no ${y.name}: the plane is that of another one.`);
   plane.at = place;
   page.begin("");
   await page.change(x.name, String(cell.x));
