@@ -274,6 +274,21 @@ pub enum DampingLimit {
     UndampedRebound,
 }
 
+impl DampingLimit {
+    /// All, each with its word in a file.
+    pub const ALL: [(Self, &str); 4] = [
+        (Self::NoPull, "no-pull"),
+        (Self::Elastogap, "elastogap"),
+        (Self::Pull, "pull"),
+        (Self::UndampedRebound, "undamped-rebound"),
+    ];
+
+    /// Its word in a file.
+    pub fn word(self) -> &'static str {
+        Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
+    }
+}
+
 /// A freewheel: e' <= 0, by a force on its ends that is not negative and acts only while e' = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freewheel {

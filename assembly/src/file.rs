@@ -28,6 +28,7 @@
 mod any_unit;
 mod blocks;
 mod bodies;
+mod completion;
 mod elements;
 mod flexible;
 mod follows;
@@ -43,6 +44,7 @@ mod start;
 mod stepped;
 mod write;
 
+pub use completion::{Completion, completion};
 pub use records::{no_records, records_beside};
 
 use crate::check::check;
@@ -109,8 +111,12 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
     }
 }
 
+/// Keys of the whole file that have a value, and those that have tables beside [`SECTIONS`].
+const VALUES: [&str; 3] = ["name", "gravity", "start"];
+const TABLES: [&str; 2] = ["parameters", "body"];
+
 fn machine(reading: &mut Reading, root: &FileTable) -> Description {
-    let mut keys = vec!["name", "gravity", "start", "parameters", "body"];
+    let mut keys = [&VALUES[..], &TABLES[..]].concat();
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
     let mut machine = Description::default();
@@ -124,7 +130,9 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     if let Some(entry) = reading.optional(root, "start") {
         machine.starts_at_rest = entry.value.as_str() == Some("rest");
         if !machine.starts_at_rest {
-            reading.refuse(&entry, "allowed is \"rest\", or a body's own start");
+            let text = "allowed is \"rest\", or a body's own start";
+            reading.note_names(entry.value.as_str().unwrap_or_default(), ["rest"].into_iter());
+            reading.refuse(&entry, text);
         }
     }
     let bodies = reading.section(root, "body");

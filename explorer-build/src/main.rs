@@ -13,6 +13,8 @@
 //! packages of `explorer/page/package-lock.json` under the target folder.
 
 use clap::Parser;
+use lzma_rust2::{LzmaOptions, LzmaWriter};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use wasm_bindgen_cli_support::Bindgen;
@@ -118,6 +120,9 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let page = arguments.out.clone().unwrap_or_else(|| folder.join(name).with_extension("html"));
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
+    if arguments.page == Page::Workbench {
+        compress(&doors.join("core_bg.wasm"), &doors.join("core.lzma"))?;
+    }
     let npm = packages(&target.join("explorer"))?;
     let mut bundle = Command::new("node");
     bundle.arg(workspace().join("explorer/page/bundle.mjs")).arg(workspace().join(name).join("page"));
@@ -179,8 +184,8 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     flags.extend(
         home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
     );
-    // The page is unpacked by DecompressionStream. Every browser that has it (since 2023) also has
-    // these vectors.
+    // Both pages ask for streams that (de)compress. Every browser that has them (since 2023) also
+    // has these vectors.
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
@@ -199,6 +204,22 @@ fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     bindgen.input_path(core).out_name("core").typescript(true);
     bindgen.remove_name_section(true).remove_producers_section(true);
     bindgen.web(true).map_err(|e| problem(&e))?.generate(folder).map_err(|e| problem(&e))
+}
+
+/// Compresses the core for `lzma.js`: as `.lzma`, with its size.
+fn compress(core: &Path, packed: &Path) -> Result<(), Error> {
+    let file = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Error::File { path, source }
+    };
+    let bytes = std::fs::read(core).map_err(file(core))?;
+    // Code: many literals, which do not lie at multiples of anything.
+    let options = LzmaOptions { lc: 4, pb: 0, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
+    let out = std::fs::File::create(packed).map_err(file(packed))?;
+    let mut writer =
+        LzmaWriter::new_use_header(out, &options, Some(bytes.len() as u64)).map_err(file(packed))?;
+    writer.write_all(&bytes).map_err(file(packed))?;
+    writer.finish().map_err(file(packed)).map(drop)
 }
 
 /// Installs the npm packages of the lock file and returns their folder.

@@ -40,8 +40,10 @@ const worker = await bundled("worker.js", {});
 const script = await bundled("main.js", { WORKER: JSON.stringify(worker) });
 const style = (await build({ entryPoints: [join(here, "style.css")], bundle: true, minify: true, write: false })).outputFiles[0].text;
 const wasm = await readFile(join(core, "core_bg.wasm"));
+// What explorer-build has compressed more, and what browsers unpack themselves.
+const packed = await readFile(join(core, "core.lzma")).catch(() => gzipSync(wasm, { level: 9 }));
 const parts = {
-  style, core: asText(gzipSync(wasm, { level: 9 })),
+  style, core: asText(packed),
   kit: kit ? asText(await readFile(kit)) : "",
   // The end of the script's element must not stand in the script.
   script: script.replaceAll("</script", "<\\/script"),

@@ -7,8 +7,11 @@
 //! | module | what the page does with it |
 //! |---|---|
 //! | `file` | reads a machine, tells its problems by line, and edits its numbers in place |
+//! | `completion` | what may stand where one types |
 //! | `motion` | advances the motion, with rows of all columns, events and energies, and the sketch of any instant |
 //! | `diagram` | one direction of a bifurcation diagram, value by value |
+//! | `plane` | classes of motions over two parameters, row by row |
+//! | `fit` | numbers of a machine fitted to a record |
 //! | `orbits` | branches of periodic orbits over a parameter, unstable ones too |
 //! | `archive` | FMU archives around the libraries of a kit |
 //!
@@ -17,10 +20,13 @@
 #![allow(unsafe_code)] // written by the macro `wasm_bindgen` around each function; none is written by hand
 
 pub mod archive;
+pub mod completion;
 pub mod diagram;
 pub mod file;
+pub mod fit;
 pub mod motion;
 pub mod orbits;
+pub mod plane;
 
 use wasm_bindgen::prelude::*;
 

@@ -12,6 +12,7 @@ mod finished;
 mod horizons;
 mod loss;
 mod model;
+mod record;
 mod restarts;
 mod segments;
 mod solver;

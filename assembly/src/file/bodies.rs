@@ -12,6 +12,10 @@ use toml::de::DeValue;
 /// The keys of which a body has exactly one, in words.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
+/// Dimensions, each with its word in a file.
+pub(super) const DIMENSIONS: [(Dimension, &str); 2] =
+    [(Dimension::Translation, "translation"), (Dimension::Rotation, "rotation")];
+
 /// Names of the bodies in the file's order, with their dimensions where these are known.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
@@ -204,15 +208,7 @@ fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension:
 /// else a length.
 fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTable) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
-        let said = match entry.value.as_str() {
-            Some("translation") => Some(Dimension::Translation),
-            Some("rotation") => Some(Dimension::Rotation),
-            _ => None,
-        };
-        if said.is_none() {
-            reading.refuse(&entry, "allowed is \"translation\" or \"rotation\"");
-        }
-        return said;
+        return reading.word(&entry, &DIMENSIONS);
     }
     let motion = table.entries.get("motion").map(|motion| motion.get_ref());
     let unit = motion.and_then(unit_of);

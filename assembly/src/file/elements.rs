@@ -132,17 +132,7 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
     let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
     let limit = match reading.optional(table, "law") {
         None => Some(DampingLimit::NoPull),
-        Some(entry) => match entry.value.as_str() {
-            Some("no-pull") => Some(DampingLimit::NoPull),
-            Some("elastogap") => Some(DampingLimit::Elastogap),
-            Some("pull") => Some(DampingLimit::Pull),
-            Some("undamped-rebound") => Some(DampingLimit::UndampedRebound),
-            _ => {
-                let text = "allowed is \"no-pull\", \"elastogap\", \"pull\" or \"undamped-rebound\"";
-                reading.refuse(&entry, text);
-                None
-            }
-        },
+        Some(entry) => reading.word(&entry, &DampingLimit::ALL),
     };
     let (stiffness, stepped) = stiffness?;
     Some((StopLaw::Compliant { stiffness, damping: damping?, limit: limit? }, stepped))

@@ -1,6 +1,6 @@
 //! Reading of bodies with many coordinates, and of nodes on them.
 
-use super::bodies::Names;
+use super::bodies::{DIMENSIONS, Names};
 use super::matrices;
 use super::reading::{Entry, FileTable, Reading, finite};
 use crate::check::MOST_COORDINATES;
@@ -152,16 +152,10 @@ pub(super) fn node(
     let Some(entries) = own else { return (Some(Dimension::Translation), row(reading, entry, count)) };
     let table = FileTable { name: entry.name.clone(), line: entry.line, entries };
     reading.known(&table, &["row", "dimension"]);
-    let dimension =
-        match reading.optional(&table, "dimension").map(|own| (own.value.as_str().map(str::to_owned), own)) {
-            None => Some(Dimension::Translation),
-            Some((Some(word), _)) if word == "translation" => Some(Dimension::Translation),
-            Some((Some(word), _)) if word == "rotation" => Some(Dimension::Rotation),
-            Some((_, own)) => {
-                reading.refuse(&own, "allowed is \"translation\" or \"rotation\"");
-                None
-            }
-        };
+    let dimension = match reading.optional(&table, "dimension") {
+        None => Some(Dimension::Translation),
+        Some(entry) => reading.word(&entry, &DIMENSIONS),
+    };
     let found = reading.required(&table, "row", ROW).and_then(|entry| row(reading, &entry, count));
     (dimension, found)
 }

@@ -8,6 +8,7 @@ use crate::elements::SECTIONS;
 use crate::named::{Expression, Named, NamedParameters};
 use crate::slots::slots;
 use std::collections::HashSet;
+use vibro_impact::quantities::UNITS;
 
 /// Most named parameters.
 const MOST: usize = 1_000;
@@ -62,7 +63,10 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
         Some((text, None)) if names.iter().any(|name| name == text) => {
             Err(format!("is a parameter's name; allowed is \"= {text}\""))
         }
-        Some((text, None)) => quantity(text, VALUE).map(|(value, unit)| (value, unit, None)),
+        Some((text, None)) => {
+            reading.note_number(entry, UNITS.iter().map(|unit| unit.symbol), || VALUE.to_owned());
+            quantity(text, VALUE).map(|(value, unit)| (value, unit, None))
+        }
     };
     match found {
         Ok((value, unit, expression)) => Some(Named { name, unit, value, expression }),

@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
+use vibro_impact::quantities::symbols;
 
 /// Most letters of a value quoted in a message.
 const QUOTED: usize = 60;
@@ -124,6 +125,20 @@ struct Written {
     value: Option<String>,
 }
 
+/// The name and the value that are asked about: see [`Allowed`]. No machine's text has it.
+pub(super) const ASKED: &str = "\u{f8ff}";
+
+/// What the file's reader would take where it found [`ASKED`], collected where it refuses it.
+#[derive(Default)]
+pub(super) struct Allowed {
+    /// Keys, or names and words as values.
+    pub names: Vec<String>,
+    /// Units of a number.
+    pub units: Vec<&'static str>,
+    /// The allowed numbers in words.
+    pub words: String,
+}
+
 /// The state of the file's reader.
 pub(super) struct Reading<'a> {
     text: &'a str,
@@ -137,6 +152,7 @@ pub(super) struct Reading<'a> {
     pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
     pub problems: Vec<Problem>,
+    pub allowed: Allowed,
 }
 
 impl<'a> Reading<'a> {
@@ -150,6 +166,7 @@ impl<'a> Reading<'a> {
             follow: Vec::new(),
             records,
             problems: Vec::new(),
+            allowed: Allowed::default(),
         }
     }
 
@@ -180,6 +197,7 @@ impl<'a> Reading<'a> {
         said: &str,
         valid: impl Iterator<Item = &'n str> + Clone,
     ) {
+        self.note_names(name, valid.clone());
         let shown = self.problems.len() < SHOWN;
         let text = if shown { format!("{said}; {}", advice(name, valid)) } else { said.into() };
         self.refuse(entry, text);
@@ -271,9 +289,13 @@ impl<'a> Reading<'a> {
 
     /// Refuses all keys of a table except `keys`.
     pub fn known(&mut self, table: &FileTable, keys: &[&str]) {
+        // A key that has its value is no answer to what else may stand there; a table may grow.
+        let has_value = |key: &str| table.entries.get(key).is_some_and(|own| !own.get_ref().is_table());
+        let is_free = |key: &&str| !table.has(ASKED) || !has_value(key);
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
-                self.refuse_name(&entry, &entry.key, "no such key", keys.iter().copied());
+                let free = keys.iter().copied().filter(is_free);
+                self.refuse_name(&entry, &entry.key, "no such key", free);
             }
         }
     }
@@ -308,11 +330,52 @@ impl<'a> Reading<'a> {
         found
     }
 
+    /// A value that is one of some words.
+    pub fn word<T: Copy>(&mut self, entry: &Entry, words: &[(T, &str)]) -> Option<T> {
+        let said = entry.value.as_str();
+        self.note_names(said.unwrap_or_default(), words.iter().map(|own| own.1));
+        let found = words.iter().find(|own| said == Some(own.1)).map(|own| own.0);
+        if found.is_none() {
+            let quoted: Vec<String> = words.iter().map(|own| format!("{:?}", own.1)).collect();
+            let (last, others) = quoted
+                .split_last()
+                .map_or((String::new(), String::new()), |(last, others)| (last.clone(), others.join(", ")));
+            self.refuse(entry, format!("allowed is {others} or {last}"));
+        }
+        found
+    }
+
+    /// Notes the names that are allowed where one is [`ASKED`] about.
+    pub fn note_names<'n>(&mut self, name: &str, valid: impl Iterator<Item = &'n str>) {
+        if name == ASKED {
+            self.allowed.names.extend(valid.map(str::to_owned));
+        }
+    }
+
+    /// Notes what a number may be where it is [`ASKED`] about.
+    pub fn note_number(
+        &mut self,
+        entry: &Entry,
+        units: impl Iterator<Item = &'static str>,
+        words: impl Fn() -> String,
+    ) {
+        if entry.value.as_str() == Some(ASKED) {
+            self.allowed.units.extend(units);
+            self.allowed.names.extend(self.named.names().map(|name| format!("= {name}")));
+            // Where a dimension is not known, the words are those of a length.
+            if self.allowed.words.is_empty() {
+                self.allowed.words = words();
+            }
+        }
+    }
+
     /// A value as a number of a kind, in SI.
     pub fn number(&mut self, entry: &Entry, kind: NumberKind, dimension: Dimension) -> Option<f64> {
         if let Some(expression) = self.expression(entry) {
             return self.following(entry, expression?, kind);
         }
+        let units = symbols(kind.unit(dimension)).filter(|unit| *unit != "1");
+        self.note_number(entry, units, || kind.allowed(dimension));
         if let (true, Some(text)) = (kind.any_unit, entry.value.as_str()) {
             let found = quantity(text.trim(), &kind.allowed(dimension));
             return found.map_err(|text| self.refuse(entry, text)).ok().map(|own| own.0);

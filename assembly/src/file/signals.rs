@@ -154,14 +154,7 @@ fn sweep(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Swe
     let phase = reading.number_or(table, "phase", kinds::PHASE, values.dimension, 0.0);
     let law = match reading.optional(table, "law") {
         None => Some(SweepLaw::Linear),
-        Some(entry) => {
-            let said = entry.value.as_str();
-            let found = SweepLaw::ALL.iter().find(|own| said == Some(own.1)).map(|own| own.0);
-            if found.is_none() {
-                reading.refuse(&entry, "allowed is \"linear\" or \"logarithmic\"");
-            }
-            found
-        }
+        Some(entry) => reading.word(&entry, &SweepLaw::ALL),
     };
     Some(Sweep { amplitude: amplitude?, from: from?, to: to?, duration: duration?, phase: phase?, law: law? })
 }
@@ -228,12 +221,7 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
 
 fn interpolation(reading: &mut Reading, table: &FileTable) -> Option<Interpolation> {
     let Some(entry) = reading.optional(table, "interpolation") else { return Some(Interpolation::Straight) };
-    let said = entry.value.as_str();
-    let found = Interpolation::ALL.iter().find(|(_, word)| said == Some(*word)).map(|own| own.0);
-    if found.is_none() {
-        reading.refuse(&entry, "allowed is \"straight\", \"cubic\" or \"hold\"");
-    }
-    found
+    reading.word(&entry, &Interpolation::ALL)
 }
 
 /// The factor of a record's values, if it has one; the outer `None` stands for a problem.

@@ -1,8 +1,8 @@
 //! Writing of a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, DampingLimit, Description, Dimension, Feed, ForcePoint, Free, Friction,
-    Given, Level, MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
+    Arms, Block, Body, BodyKind, Description, Dimension, Feed, ForcePoint, Free, Friction, Given, Level,
+    MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::kinds;
@@ -326,13 +326,7 @@ impl Writing<'_> {
             StopLaw::Compliant { stiffness, damping, limit } => {
                 self.stiffness(text, of, stiffness, stop.stepped.as_ref());
                 self.line(text, of, "damping", damping);
-                let law = match limit {
-                    DampingLimit::NoPull => "no-pull",
-                    DampingLimit::Elastogap => "elastogap",
-                    DampingLimit::Pull => "pull",
-                    DampingLimit::UndampedRebound => "undamped-rebound",
-                };
-                line!(text, "law = {law:?}");
+                line!(text, "law = {:?}", limit.word());
             }
         }
     }

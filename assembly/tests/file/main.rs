@@ -1,6 +1,7 @@
 //! The file of a machine: refusals with their messages, round trips, damaged texts, parameters and
 //! examples.
 
+mod completion;
 mod damaged;
 mod examples;
 mod extremes;

@@ -22,7 +22,7 @@ export function bytesIn(id) {
   return bytes.subarray(0, begin > 0 ? Math.min(count, length) : 0);
 }
 
-/** The compressed module in the page. @returns {Promise<WebAssembly.Module>} */
+/** The module in the page, compressed by gzip. @returns {Promise<WebAssembly.Module>} */
 export async function unpack() {
   const plain = new Blob([bytesIn("core")]).stream().pipeThrough(new DecompressionStream("gzip"));
   return WebAssembly.compile(await new Response(plain).arrayBuffer());

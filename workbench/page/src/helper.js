@@ -1,13 +1,32 @@
 // Workers that compute, each with a watch: one that takes too long is ended, and another takes its
 // place.
 
-import { unpack } from "../../../explorer/page/src/packed.js";
+import { bytesIn } from "../../../explorer/page/src/packed.js";
+import { decoder } from "./lzma.js";
 
 /* global WORKER: the script of the workers, put in by the bundler */
 
 /** The module of the page, compiled once. @type {WebAssembly.Module | null} */
 let module = null;
 let script = "";
+
+/** Bytes that are unpacked at a time, while those before are compiled. */
+const PIECE = 1 << 19;
+
+/** The module in the page, compressed by LZMA. */
+function unpack() {
+  const { out, until } = decoder(bytesIn("core"));
+  let at = 0;
+  const pieces = new ReadableStream({
+    pull(to) {
+      const end = until(Math.min(out.length, at + PIECE));
+      to.enqueue(out.subarray(at, end));
+      at = end;
+      if (at >= out.length) to.close();
+    },
+  });
+  return WebAssembly.compileStreaming(new Response(pieces, { headers: { "Content-Type": "application/wasm" } }));
+}
 
 /** Compiles the module that lies in the page. */
 export async function begin() {

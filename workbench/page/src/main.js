@@ -1,6 +1,8 @@
 // The workbench: its parts, the clock, and events of mouse, touch and keys.
 import { readout, readTheme, Surface } from "../../../explorer/page/src/plot.js";
 import { enable, tick } from "../../../explorer/page/src/sound.js";
+import * as completion from "./completion.js";
+import * as fits from "./fit.js";
 import * as editor from "./editor.js";
 import { begin as compile, Helper, Refused } from "./helper.js";
 import { bytesIn } from "../../../explorer/page/src/packed.js";
@@ -9,7 +11,9 @@ import * as numbers from "./numbers.js";
 import { chosen, choose, drawEnergy, drawHistories, drawPortrait, drawTimeline, shownIn } from "./panels.js";
 import { begin, columnOf, eventsBetween, isWhole, run, take, valuesAt } from "./run.js";
 import { draw as drawSketch, fade, hold, look, places, scene, sizeIn, tagOf } from "./scene.js";
-import { diagram, drawStudy, halt, nearest, orbits, study, valueAt } from "./study.js";
+import * as studies from "./studies.js";
+import { plane } from "./plane.js";
+import { study, valueAt } from "./study.js";
 import { eventsCsv, png, runCsv, save, svg } from "./take.js";
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
@@ -25,7 +29,7 @@ const LARGEST = 2_000_000;
 let helper;
 /** @type {Helper | null} */
 let packer = null;
-/** @type {Record<"sketch" | "timeline" | "history" | "portrait" | "energy" | "diagram", Surface>} */
+/** @type {Record<"sketch" | "timeline" | "history" | "portrait" | "energy" | "diagram" | "fitted", Surface>} */
 let on;
 /** @type {Map<string, string>} */
 const gallery = new Map(), records = new Map();
@@ -55,7 +59,7 @@ async function boot() {
   }
   helper = new Helper();
   theme();
-  on = { sketch: new Surface("sketch"), timeline: new Surface("timeline"), history: new Surface("history"), portrait: new Surface("portrait"), energy: new Surface("energy"), diagram: new Surface("diagram") };
+  on = { sketch: new Surface("sketch"), timeline: new Surface("timeline"), history: new Surface("history"), portrait: new Surface("portrait"), energy: new Surface("energy"), diagram: new Surface("diagram"), fitted: new Surface("fitted") };
   for (const [name, content] of await helper.ask("examples")) gallery.set(name, content);
   const title = (/** @type {string} */ name) => name.replace(/\.toml$/, "").replaceAll("_", " ");
   select("example").replaceChildren(new Option("own machine", ""), ...[...gallery.keys()].filter((n) => n.endsWith(".toml")).map((n) => new Option(title(n), n)));
@@ -72,7 +76,7 @@ async function boot() {
   if (kit) setTimeout(() => { packer ??= new Helper(); }, 1000);
 }
 
-const theme = () => readTheme(["body", "spark-text"]);
+const theme = () => readTheme(["body", "spark-text", "error"]);
 
 /** Takes over the file in the address, an example's name in it, or the first example. */
 async function adoptLink() {
@@ -177,28 +181,12 @@ function show() {
       return label;
     }));
   }
-  const parameters = machine.numbers.map((n) => n.name);
-  if (select("parameter").dataset.names !== parameters.join()) {
-    select("parameter").dataset.names = parameters.join();
-    const drive = parameters.find((n) => n.endsWith(".frequency")) ?? parameters.find((n) => !n.startsWith("body.")) ?? parameters[0];
-    select("parameter").replaceChildren(...options(parameters, drive));
-    adoptRange();
-  }
+  studies.show();
+  fits.show();
   input("length").value = String(run.length);
   showPace();
   element("timeline").setAttribute("aria-valuemax", String(run.length));
   document.title = `${machine.name}: workbench`;
-}
-
-const numberOf = (/** @type {string} */ name) => run.machine?.numbers.find((n) => n.name === name);
-
-function adoptRange() {
-  const n = numberOf(select("parameter").value);
-  if (!n) return;
-  const [low, high] = [n.value * 0.5, n.value * 1.5].sort((a, b) => a - b);
-  const clipped = [Math.max(low, n.min ?? -Infinity), Math.min(high, n.max ?? Infinity)].map((x) => Number(x.toPrecision(4)));
-  input("from").value = String(clipped[0]); input("to").value = String(clipped[1] > clipped[0] ? clipped[1] : clipped[0] + 1);
-  element("studyUnit").textContent = n.unit;
 }
 
 let editing = false;
@@ -253,17 +241,23 @@ function showKit() {
 
 /** Files that were dropped or chosen. @param {Iterable<File>} files */
 async function receive(files) {
-  let main = null, more = false;
+  let main = null;
+  /** @type {[string, string][]} */
+  const tables = [];
   for (const file of files) {
     if (file.size > 64 * 2 ** 20) { editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed are ${64 * 2 ** 20}` }]); continue; }
     if (/\.zip$/i.test(file.name)) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
-    } else if (/\.(csv|mtx)$/i.test(file.name)) { records.set(file.name, await file.text()); more = true; }
+    } else if (/\.(csv|mtx)$/i.test(file.name)) tables.push([file.name, await file.text()]);
     else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }
-  if (main !== null) await adopt(main); else if (more) { showRecords(); await changed(); }
+  // A record that no line of the machine reads is one to fit to.
+  const reads = main ?? text(), measured = tables.filter(([name, own]) => !reads.includes(`"${name}"`) && fits.isRecord(own)), beside = tables.filter((own) => !measured.includes(own));
+  for (const [name, own] of beside) records.set(name, own);
+  if (main !== null) await adopt(main); else if (beside.length) { showRecords(); await changed(); }
+  for (const [name, own] of measured) await fits.receive(name, own);
 }
 
 const showPlaying = () => {
@@ -334,7 +328,8 @@ function paint(all) {
     if (pointed?.surface === surface) readout(surface.context, frames, pointed.x, pointed.y);
   }
   drawEnergy(energy.begin(), energy.width);
-  drawStudy(on.diagram.begin(), on.diagram.width, on.diagram.height, study.parameter ? numberOf(study.parameter)?.exact ?? NaN : NaN);
+  if (fits.fit.found) fits.drawFit(on.fitted.begin(), on.fitted.width, on.fitted.height);
+  studies.draw(on.diagram.begin(), on.diagram.width, on.diagram.height);
 }
 
 /** @param {number} time */
@@ -370,28 +365,6 @@ function toNextEvent() {
   say(`${met.kind} of ${met.element || "a signal"} at ${Number(met.time.toPrecision(6))} s${Number.isFinite(met.impulse) ? `, impulse ${Number(met.impulse.toPrecision(4))} N·s` : ""}.`);
 }
 
-/** Takes a click on the diagram: its value into the text, its motion into the run. @param {number} px @param {number} py */
-async function playFrom(px, py) {
-  const found = nearest(px, py);
-  if (!found) return;
-  start = found.start ?? "";
-  const value = Number((valueAt(found.index) * study.factor).toPrecision(8));
-  await change(study.parameter, String(value));
-  note("studyWords", `${study.parameter} = ${value} ${study.unit}: ${found.words}.`);
-  playing = !calm.matches; showPlaying();
-}
-
-async function compute(/** @type {typeof diagram | typeof orbits} */ what) {
-  const n = numberOf(select("parameter").value), of = run.machine?.columns.find((c) => c.name === select("of").value);
-  const ends = [input("from"), input("to")].map((field) => Number(field.value));
-  if (!n || !of) return;
-  if (!(ends[0] < ends[1])) return note("studyWords", `from ${input("from").value} to ${input("to").value}: allowed are two numbers, the first less than the second.`);
-  element("halt").hidden = element("progress").hidden = false;
-  await what(machineFile(), { parameter: n.name, range: [ends[0] / n.factor, ends[1] / n.factor], factor: n.factor, unit: n.unit, of: of.name, ofUnit: of.unit, count: Number(select("values").value) });
-  element("halt").hidden = element("progress").hidden = true;
-  dirty = true;
-}
-
 /** @param {string} what */
 async function takeAlong(what) {
   const name = run.machine?.name ?? "machine", size = (/** @type {Surface} */ s) => /** @type {[number, number]} */ ([s.width, s.height]);
@@ -403,7 +376,7 @@ async function takeAlong(what) {
   else if (what === "sketch-svg") save(`${name}-sketch.svg`, svg(...size(on.sketch), sketch));
   else if (what === "sketch-png") save(`${name}-sketch.png`, await png(...size(on.sketch), sketch));
   else if (what === "history-svg") save(`${name}-histories.svg`, svg(...size(on.history), (g) => drawHistories(g, ...size(on.history))));
-  else if (what === "diagram-svg") save(`${name}-diagram.svg`, svg(...size(on.diagram), (g) => drawStudy(g, ...size(on.diagram), NaN)));
+  else if (what === "diagram-svg") save(`${name}-diagram.svg`, svg(...size(on.diagram), (g) => studies.draw(g, ...size(on.diagram), false)));
   else if (what.startsWith("fmu")) return pack(what === "fmu2" ? 2 : 3);
   note("taken", "Saved.");
 }
@@ -424,6 +397,8 @@ async function pack(version) {
 
 function listen() {
   editor.listen(() => { select("example").value = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
+  // With a worker that took too long the motion is lost, until the next text.
+  completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
   select("example").addEventListener("change", () => { const name = select("example").value; if (name) void adopt(gallery.get(name) ?? ""); });
   element("open").addEventListener("click", () => input("files").click());
   input("files").addEventListener("change", () => { void receive([...(input("files").files ?? [])]); input("files").value = ""; });
@@ -440,13 +415,8 @@ function listen() {
     void changed();
   });
   for (const [id, key] of /** @type {const} */ ([["across", "across"], ["along", "along"]])) select(id).addEventListener("change", () => { chosen[key] = select(id).value; dirty = true; });
-  select("parameter").addEventListener("change", adoptRange);
-  element("compute").addEventListener("click", () => void compute(diagram));
-  element("orbits").addEventListener("click", () => void compute(orbits));
-  element("halt").addEventListener("click", () => { halt(); element("halt").hidden = element("progress").hidden = true; });
-  study.changed = () => { dirty = true; };
-  study.told = (part, words) => { if (Number.isFinite(part)) /** @type {HTMLProgressElement} */ (element("progress")).value = part; note("studyWords", words); };
-  on.diagram.canvas.addEventListener("click", (event) => void playFrom(event.offsetX, event.offsetY));
+  fits.listen({ machineFile, change, ask: (kind, what) => helper.ask(kind, what, PATIENCE) }, () => { dirty = true; });
+  studies.listen({ machineFile, change, begin: (from) => { start = from; }, play: () => { playing = !calm.matches; showPlaying(); } }, () => { dirty = true; });
   for (const button of document.querySelectorAll("[data-take]")) button.addEventListener("click", () => void takeAlong(/** @type {HTMLElement} */ (button).dataset.take ?? ""));
   const line = on.timeline.canvas, scrub = (/** @type {PointerEvent} */ e) => goTo(run.length * (e.offsetX - 8) / Math.max(1, line.clientWidth - 16));
   line.addEventListener("pointerdown", (e) => { line.setPointerCapture(e.pointerId); playing = false; showPlaying(); scrub(e); });
@@ -477,7 +447,7 @@ function listen() {
 }
 
 /** What tests and measurements look at. */
-const workbench = { run, study, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, whole: run.machine ? isWhole() : false }) };
+const workbench = { run, study, plane, fit: fits.fit, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, whole: run.machine ? isWhole() : false }) };
 /** @type {any} */ (window).workbench = workbench;
 
 void boot();

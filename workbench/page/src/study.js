@@ -13,6 +13,7 @@ export const study = {
   /** @type {Helper[]} */ helpers: [],
   /** @type {Frame | null} */ frame: null,
   running: false,
+  /** What the picture shows. */ shown: /** @type {"diagram" | "plane"} */ ("diagram"),
   changed: () => {},
   told: /** @type {(part: number, words: string) => void} */ (() => {}),
 };
@@ -30,7 +31,7 @@ export function halt(words = "Stopped; what was found stays.") {
 /** @param {{text: string, names: string[], texts: string[]}} machine @param {{parameter: string, range: [number, number], factor: number, unit: string, of: string, ofUnit: string, count: number}} asked */
 export async function diagram(machine, asked) {
   halt();
-  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], running: true });
+  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], running: true, shown: "diagram" });
   const begun = performance.now(), helpers = [new Helper(), new Helper()];
   study.helpers = helpers;
   study.told(0, "Begun.");
@@ -54,7 +55,7 @@ export async function orbits(machine, asked) {
   const isSame = asked.parameter === study.parameter && asked.of === study.of && String(asked.range) === String(study.range);
   halt();
   if (!isSame) study.found = { rising: [], falling: [] };
-  Object.assign(study, asked, { branches: [], running: true });
+  Object.assign(study, asked, { branches: [], running: true, shown: "diagram" });
   const begun = performance.now(), helper = new Helper();
   study.helpers = [helper];
   study.told(0, "Motions settle; then their orbits are followed over the range.");

@@ -6,8 +6,19 @@ let id = 0;
 /** @type {any} */ (globalThis).panicked = (/** @type {string} */ words) => post({ panicked: words });
 /** @type {any} */ (globalThis).progressed = (/** @type {number} */ done, /** @type {number} */ known) => post({ id, part: { done, known } });
 
+/** When a fit ends at the latest, how many steps it has made, when they were last told. */
+let until = 0, steps = 0, toldAt = 0;
+/** @type {any} */ (globalThis).goesOn = () => {
+  const now = performance.now();
+  steps++;
+  if (now - toldAt > 100) { toldAt = now; post({ id, part: { steps } }); }
+  return now < until;
+};
+
 /** @type {core.Bench | null} */
 let bench = null;
+/** @type {core.Plane | null} */
+let plane = null;
 
 /** Rows and events until a time, or until so many milliseconds have passed. @param {{to: number, step: number, time: number, most: number}} asked */
 function run({ to, step, time, most }) {
@@ -39,6 +50,7 @@ const answers = {
   run: (asked) => { const answer = run(asked); return { answer, moved: [answer.rows.buffer] }; },
   sketch: ({ shifts, openings }) => { const answer = bench ? bench.sketch(shifts, openings) : new Float32Array(0); return { answer, moved: [answer.buffer] }; },
   edit: ({ text, names, texts, name, value }) => ({ answer: core.edited(text, names, texts, name, value) }),
+  completion: ({ head, tail }) => ({ answer: JSON.parse(core.completion(head, tail)) }),
   pack: ({ text, names, texts, version, kit }) => { const answer = core.pack(text, names, texts, version, kit); return { answer, moved: [answer.buffer] }; },
   platforms: ({ kit }) => ({ answer: core.platforms(kit) }),
   diagram: ({ text, names, texts, parameter, range, count, of, atSection, discard, keep, upward }) => {
@@ -46,6 +58,16 @@ const answers = {
     for (let part = JSON.parse(diagram.further()); part; part = JSON.parse(diagram.further())) post({ id, part });
     diagram.free();
     return { answer: null };
+  },
+  plane: ({ text, names, texts, across, upwards, ranges, counts, discard }) => {
+    plane = new core.Plane(text, names, texts, across, upwards, Float64Array.from(ranges), Uint32Array.from(counts), discard);
+    return { answer: null };
+  },
+  row: ({ row }) => ({ answer: plane ? JSON.parse(plane.row(row)) : [] }),
+  recorded: ({ table }) => ({ answer: JSON.parse(core.recorded(table)) }),
+  fit: ({ text, names, texts, table, free, seconds }) => {
+    [until, steps, toldAt] = [performance.now() + 1000 * seconds, 0, 0];
+    return { answer: JSON.parse(core.fitted(text, names, texts, table, free)) };
   },
   orbits: ({ text, names, texts, parameter, range, of }) => ({ answer: JSON.parse(core.branches(text, names, texts, parameter, Float64Array.from(range), of)) }),
 };

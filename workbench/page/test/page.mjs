@@ -23,6 +23,8 @@ async function stillness(tab, what) {
 }
 /** A page that is still for longer than this is frozen, ms. */
 const FROZEN = 1500;
+/** By which numbers the record of docs/fit.md was made (vibro/tests/fit.rs). */
+const MADE = { stiffness: 1e4, force: 1 };
 
 /** @type {Record<string, () => Promise<void>>} */
 const tests = {
@@ -192,6 +194,158 @@ const tests = {
     await tab.click("#orbits");
     await tab.waitForFunction("!workbench.study.running && workbench.study.branches.length > 0", null, { timeout: 120_000 });
     assert.ok(await tab.evaluate("workbench.study.branches.some((b) => b.length > 3 && b.some((p) => p[2]))"));
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "completion offers tables, keys, names and units, by keys and pointer"() {
+    const { tab, wrong, close } = await browser.tab({}, "#example=bouncing_ball");
+    const offers = (/** @type {string} */ wanted) => tab.waitForFunction((/** @type {string} */ w) => { const list = document.querySelector("#offers"); return !list.hidden && [...list.querySelectorAll("li")].map((li) => li.textContent).join() === w; }, wanted, { timeout: 10_000 }).catch(async () => assert.fail(`${wanted}: ${await tab.textContent("#offers")} ${await text(tab)}`));
+    const type = (/** @type {string} */ keys) => tab.keyboard.type(keys, { delay: 5 });
+    const own = 'name = "Own"\n[body.ball]\nmass = 1.0\n[body.bat]\nmass = 1.0\n[spring.s]\nbetween = ["ground", "ball"]\nstiffness = 1.0\n';
+    await tab.fill("#text", own);
+    await settled(tab);
+    await tab.focus("#text");
+    await tab.keyboard.press("Control+End");
+    await type("[st");
+    await offers("stop");
+    assert.equal(await tab.getAttribute("#text", "aria-activedescendant"), "offer-0");
+    await tab.keyboard.press("Tab");
+    await type(".floor]");
+    // Enter is a new line where nothing was marked.
+    await tab.keyboard.press("Enter");
+    await type("betw");
+    await offers("between");
+    await tab.keyboard.press("Tab");
+    await type('["gro');
+    await offers("ground");
+    await tab.keyboard.press("Tab");
+    await type(', "ba');
+    await offers("ball,bat");
+    await tab.keyboard.press("ArrowDown");
+    await tab.keyboard.press("Enter");
+    await type("]\nga");
+    await offers("gap");
+    await tab.keyboard.press("Tab");
+    await tab.waitForFunction("/allowed is a finite number, in m, cm/.test(document.querySelector('#offersWords').textContent)");
+    await type("4 m");
+    await offers("m,mm");
+    await tab.click("#offers li:nth-child(2)");
+    await type("\nre");
+    await offers("restitution");
+    await tab.keyboard.press("Escape");
+    assert.ok(await tab.isHidden("#offers"));
+    await type("st");
+    await offers("restitution");
+    await tab.evaluate(axe);
+    const { violations } = await tab.evaluate("axe.run()");
+    assert.deepEqual(violations.map((/** @type {any} */ v) => `${v.id}: ${v.nodes.map((/** @type {any} */ n) => n.html).slice(0, 3)}`), []);
+    await tab.keyboard.press("Tab");
+    await type("0.5\n");
+    await settled(tab);
+    assert.equal(await text(tab), `${own}[stop.floor]\nbetween = ["ground", "bat"]\ngap = "4 mm"\nrestitution = 0.5\n`);
+    assert.ok(await tab.isHidden("#problems"), await tab.textContent("#problems"));
+    // Asked for at an empty line, keys that do not stand yet; Escape closes, undo takes back what was taken.
+    await tab.keyboard.press("Control+ ");
+    await offers("arms,stiffness,damping,law");
+    await tab.keyboard.press("Enter");
+    assert.match(await text(tab), /\narms = $/);
+    await tab.keyboard.press("Control+z");
+    assert.match(await text(tab), /0\.5\n$/);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a plane of classes is drawn with its legend, played and stopped by a click"() {
+    const { tab, wrong, close } = await browser.tab({}, "#example=damper_with_buffer");
+    const computed = async (/** @type {string} */ across, /** @type {string} */ upwards) => {
+      for (const [ids, name, [from, to]] of /** @type {[string[], string, string[]][]} */ ([[["parameter", "from", "to"], across, RANGES[across]], [["second", "from2", "to2"], upwards, RANGES[upwards]]])) {
+        await tab.selectOption(`#${ids[0]}`, name);
+        await tab.fill(`#${ids[1]}`, from); await tab.fill(`#${ids[2]}`, to);
+      }
+      await tab.click("#classes");
+      await tab.waitForFunction("!workbench.study.running && /144 motions in/.test(document.querySelector('#studyWords').textContent)", null, { timeout: 240_000 });
+      return tab.evaluate("workbench.plane");
+    };
+    /** @type {Record<string, string[]>} */
+    const RANGES = { "load.shaker.frequency": ["6", "13"], "stop.steel.restitution": ["0.3", "0.9"] };
+    await tab.selectOption("#cells", "12");
+    // The plane with its axes changed over is the same plane.
+    const other = await computed("stop.steel.restitution", "load.shaker.frequency");
+    const { rows, frame, x, y } = await computed("load.shaker.frequency", "stop.steel.restitution");
+    assert.ok(rows.length === 12 && rows.every((/** @type {any[]} */ row) => row.length === 12));
+    rows.forEach((/** @type {any[]} */ row, /** @type {number} */ j) => row.forEach((cell, i) => assert.deepEqual(cell, other.rows[i][j], `${i}, ${j}`)));
+    const classes = new Set(rows.flat().map((/** @type {any[]} */ cell) => cell[0]));
+    console.log(`    classes: ${[...classes].join(", ")}`);
+    assert.ok(classes.size >= 3 && classes.has("1T"), [...classes].join());
+    const legend = await tab.textContent("#legend");
+    assert.equal(/undecided/.test(legend ?? ""), classes.has("not settled"), legend);
+    const kinds = await tab.$$eval("#legend li", (/** @type {any[]} */ all) => all.map((li) => li.textContent));
+    // Shares of all kinds in the legend make the whole plane, each rounded to a tenth.
+    const shares = kinds.map((/** @type {string} */ words) => Number(words.match(/([\d.]+) %$/)?.[1]));
+    assert.ok(Math.abs(shares.reduce((/** @type {number} */ a, /** @type {number} */ b) => a + b, 0) - 100) <= 0.05 * kinds.length + 1e-9, kinds.join());
+    // A click writes the values of its cell into the text.
+    const at = (/** @type {number} */ i, /** @type {number} */ j) => ({ x: frame.box.left + (i + 0.5) * (frame.box.right - frame.box.left) / 12, y: frame.box.bottom - (j + 0.5) * (frame.box.bottom - frame.box.top) / 12 });
+    await tab.click("#diagram", { position: at(3, 8) });
+    await tab.waitForFunction("workbench.plane.at && !workbench.state().opening");
+    await settled(tab);
+    const numbers = await tab.evaluate("Object.fromEntries(workbench.run.machine.numbers.map((n) => [n.name, n.exact]))");
+    const value = (/** @type {any} */ axis, /** @type {number} */ i) => axis.range[0] + (axis.range[1] - axis.range[0]) * i / 11;
+    for (const [axis, i] of [[x, 3], [y, 8]]) assert.ok(Math.abs(numbers[axis.name] / value(axis, i) - 1) < 1e-7, `${axis.name}: ${numbers[axis.name]} ${value(axis, i)}`);
+    await tab.waitForFunction("/frequency = .* Hz, stop.steel.restitution = .*: /.test(document.querySelector('#studyWords').textContent)");
+    await tab.focus("#diagram");
+    await tab.keyboard.press("ArrowRight");
+    assert.deepEqual(await tab.evaluate("workbench.plane.at"), [4, 8]);
+    await tab.selectOption("#cells", "96");
+    await tab.click("#classes");
+    await tab.waitForFunction("workbench.plane.rows.some(Boolean)", null, { timeout: 60_000 });
+    assert.match(await tab.textContent("#studyWords"), /about \d+ s left/);
+    await tab.click("#halt");
+    assert.match(await tab.textContent("#studyWords"), /Stopped/);
+    assert.ok(await tab.isHidden("#halt"));
+    await tab.selectOption("#second", await tab.inputValue("#parameter"));
+    await tab.click("#classes");
+    assert.match(await tab.textContent("#studyWords"), /allowed are two different numbers/);
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a dropped record is fitted, and its numbers are taken over"() {
+    const { tab, wrong, close } = await browser.tab();
+    const guide = readFileSync(new URL("../../../docs/fit.md", import.meta.url), "utf8");
+    const [machine, record] = ["toml drive.toml", "csv record.csv"].map((kind) => guide.split(`\`\`\`${kind}\n`)[1].split("```")[0]);
+    await tab.fill("#text", machine);
+    await settled(tab);
+    await tab.setInputFiles("#files", [{ name: "record.csv", mimeType: "text/csv", buffer: Buffer.from(record) }]);
+    await tab.waitForFunction("/record.csv: 41 samples of slide.s, from 0 to 0.2 s/.test(document.querySelector('#fitWords').textContent)");
+    assert.ok(await tab.isDisabled("#fitBegin"));
+    for (const name of ["spring.mount.stiffness", "friction.guide.force"]) await tab.check(`#freeNumbers input[value='${name}']`);
+    await tab.click("#free summary");
+    await tab.click("#fitBegin");
+    await tab.waitForFunction("workbench.fit.found", null, { timeout: 60_000 }).catch(async (/** @type {Error} */ e) => { throw new Error(`${e.message}: ${await tab.textContent("#fitWords")}`); });
+    const { verdict, values, columns } = await tab.evaluate("workbench.fit.found");
+    assert.equal(verdict, "fits", await tab.textContent("#fitWords"));
+    // Within four standard errors of the numbers by which the record was made (docs/fit.md).
+    for (const [i, truth] of [[0, MADE.stiffness], [1, MADE.force]]) assert.ok(Math.abs(values[i].value - truth) < 4 * values[i].error && values[i].error < 0.05 * truth, JSON.stringify(values[i]));
+    assert.equal(columns[0].motion.length, 41);
+    assert.match(await tab.textContent("#fitTable"), /spring\.mount\.stiffness.*kN\/m8/);
+    await tab.click("#fitTake");
+    await tab.waitForFunction("/2 numbers stand in the text/.test(document.querySelector('#fitWords').textContent)");
+    await settled(tab);
+    const own = await tab.evaluate("Object.fromEntries(workbench.run.machine.numbers.map((n) => [n.name, n.exact]))");
+    for (const { name, value } of values) assert.ok(Math.abs(own[name] / value - 1) < 1e-8, name);
+    assert.ok((await text(tab)).includes('mass = "1 kg"'));
+    // A record of another machine is refused in words; a fit is stopped by a click.
+    await tab.setInputFiles("#files", [{ name: "other.csv", mimeType: "text/csv", buffer: Buffer.from("time,slide.s,box.s\n0,0,0\n0.1,0,0\n") }]);
+    await tab.click("#fitBegin");
+    await tab.waitForFunction("/box/.test(document.querySelector('#fitWords').textContent) && !workbench.fit.helper");
+    await tab.setInputFiles("#files", [{ name: "bad.csv", mimeType: "text/csv", buffer: Buffer.from("time,slide.s\n0,0\n0.1,none\n") }]);
+    await tab.waitForFunction("/row 2: slide.s = `none` is no finite number/.test(document.querySelector('#fitWords').textContent)");
+    const long = ["time,slide.s", ...Array.from({ length: 4000 }, (_, i) => `${i / 20},${(1e-3 * Math.sin(i * i)).toFixed(7)}`)].join("\n");
+    await tab.setInputFiles("#files", [{ name: "long.csv", mimeType: "text/csv", buffer: Buffer.from(long) }]);
+    await tab.waitForFunction("/long.csv: 4000 samples/.test(document.querySelector('#fitWords').textContent)");
+    await tab.click("#fitBegin");
+    await tab.waitForFunction("/\\d+ steps in/.test(document.querySelector('#fitWords').textContent)");
+    await tab.click("#fitHalt");
+    assert.match(await tab.textContent("#fitWords"), /Stopped/);
+    assert.ok(await tab.isHidden("#fitHalt"));
     assert.deepEqual(wrong, []);
     await close();
   },

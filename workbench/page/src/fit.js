@@ -1,0 +1,156 @@
+// A fit of the machine to a dropped record: which numbers are free, progress, verdict, values with
+// their errors, record and motion drawn, and the numbers taken over.
+import { Frame, reach, theme } from "../../../explorer/page/src/plot.js";
+import { Helper } from "./helper.js";
+import { shownIn } from "./panels.js";
+import { run } from "./run.js";
+
+/** @typedef {{name: string, value: number, error: number | null, unit: string}} Value */
+/** @typedef {{name: string, unit: string, record: number[], motion: number[]}} Column */
+/** @typedef {{verdict: "fits" | "misses" | "undecided", words: string, values: Value[], undetermined: string[], remarks: string[], times: number[], columns: Column[], simulations: number, segments: number, nearUntil: number}} Fitted */
+/** @typedef {{machineFile: () => {text: string, names: string[], texts: string[]}, change: (name: string, value: string) => Promise<void>, ask: (kind: string, what: any) => Promise<any>}} Page */
+
+const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (document.getElementById(id));
+
+export const fit = {
+  /** The record, and the name of its file. */ table: "", name: "", columns: /** @type {string[]} */ ([]),
+  found: /** @type {Fitted | null} */ (null),
+  helper: /** @type {Helper | null} */ (null),
+};
+/** @type {Page} */
+let page;
+let changed = () => {};
+const say = (/** @type {string} */ words) => { element("fitWords").textContent = words; };
+const numberOf = (/** @type {string} */ name) => run.machine?.numbers.find((n) => n.name === name);
+
+/** Whether a table's first line is that of a record: `time` and names of quantities, or `element`. @param {string} text */
+export const isRecord = (text) => { const names = text.slice(0, 5000).split("\n")[0].replace(/["\uFEFF\r]/g, "").split(",").map((name) => name.trim()); return names.includes("time") && names.some((name) => name === "element" || /^\S+\.\w+$/.test(name)); };
+
+/** Takes a record that was dropped. @param {string} name @param {string} table */
+export async function receive(name, table) {
+  stop("");
+  Object.assign(fit, { name, table, columns: [], found: null });
+  try {
+    const { samples, columns, contacts, from, to } = await page.ask("recorded", { table });
+    fit.columns = columns;
+    const what = columns.length ? columns.join(", ") : `contacts of ${contacts.join(", ")}`;
+    say(`${name}: ${samples} samples of ${what}, from ${Number(from.toPrecision(4))} to ${Number(to.toPrecision(4))} s. Choose the numbers that are fitted.`);
+    /** @type {HTMLDetailsElement} */ (element("free")).open = true;
+  } catch (error) { fit.table = ""; say(`${name}: ${/** @type {Error} */ (error).message}`); }
+  show();
+  element("fit").scrollIntoView({ block: "nearest" });
+}
+
+/** The names of what is free. */
+const free = () => [.../** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("#freeNumbers input:checked"))].map((box) => box.value);
+
+/** Brings list and buttons up to date with machine, record and result. */
+export function show() {
+  const names = [...(run.machine?.numbers.map((n) => n.name) ?? []), "record.shift", ...fit.columns.map((column) => `record.offset.${column}`)], list = element("freeNumbers");
+  if (list.dataset.names !== names.join()) {
+    const before = free();
+    list.dataset.names = names.join();
+    list.replaceChildren(...names.map((name) => {
+      const label = document.createElement("label"), box = Object.assign(document.createElement("input"), { type: "checkbox", value: name, checked: before.includes(name) });
+      box.addEventListener("change", show);
+      label.append(box, name);
+      if (name === "record.shift") label.title = "Time of the motion at the record's time 0";
+      else if (name.startsWith("record.offset.")) label.title = "What the column shows above the quantity";
+      return label;
+    }));
+  }
+  const { found } = fit, count = free().length;
+  /** @type {HTMLButtonElement} */ (element("fitBegin")).disabled = !fit.table || !count;
+  element("freeCount").textContent = count ? `${count} chosen` : "none chosen";
+  element("fitBegin").hidden = fit.helper !== null;
+  element("fitHalt").hidden = element("fitProgress").hidden = fit.helper === null;
+  element("fitted").hidden = element("fitColumn").hidden = !found?.columns.length;
+  element("fitTable").hidden = element("fitTake").hidden = !found;
+  changed();
+}
+
+/** @param {string} words */
+function stop(words) {
+  fit.helper?.stop();
+  fit.helper = null;
+  if (words) say(words);
+}
+
+async function begin() {
+  const names = free(), seconds = Number(select("fitTime").value), begun = performance.now(), helper = new Helper();
+  Object.assign(fit, { found: null, helper });
+  const progress = /** @type {HTMLProgressElement} */ (element("fitProgress"));
+  progress.value = 0;
+  say("Begun.");
+  show();
+  try {
+    const told = (/** @type {{steps: number}} */ { steps }) => { const passed = (performance.now() - begun) / 1000; progress.value = Math.min(1, passed / seconds); say(`${steps} steps in ${passed.toFixed(0)} s; ends by itself, at the latest after about ${seconds} s.`); };
+    fit.found = await helper.ask("fit", { ...page.machineFile(), table: fit.table, free: names, seconds }, 0, told);
+    tell((performance.now() - begun) / 1000);
+  } catch (error) { if (fit.helper === helper) say(/** @type {Error} */ (error).message); }
+  if (fit.helper === helper) stop("");
+  show();
+}
+
+/** A value in the unit in which the file writes it, with as many digits as its error leaves. @param {Value} own */
+function shown({ name, value, error, unit }) {
+  const n = numberOf(name), factor = n?.factor ?? 1, symbol = n?.unit ?? (unit === "1" ? "" : unit), v = value * factor, e = (error ?? 0) * factor;
+  const digits = e > 0 && v !== 0 ? Math.max(1, Math.min(12, Math.ceil(Math.log10(Math.abs(v) / e)) + 2)) : 6;
+  return { value: String(Number(v.toPrecision(digits))), error: error === null ? "not determined" : String(Number(e.toPrecision(2))), unit: symbol, before: n ? String(n.value) : "" };
+}
+
+/** Says and lists what was found. @param {number} seconds */
+function tell(seconds) {
+  const { found } = fit;
+  if (!found) return;
+  const verdict = { fits: "It fits", misses: `It does not fit: ${found.words}`, undecided: `Undecided: ${found.words}` }[found.verdict];
+  const more = [found.verdict === "fits" ? "" : "Errors hold only where it fits.", ...found.undetermined.map((words) => `Not determined, in parts of the values: ${words}.`), found.segments ? `In ${found.segments + 1} segments.` : "", ...found.remarks.map((words) => `${words}; differences stand there.`)];
+  say([`${verdict}. ${found.simulations} simulations in ${seconds.toFixed(1)} s.`, ...more].filter(Boolean).join(" "));
+  const row = (/** @type {string} */ tag, /** @type {string[]} */ cells) => { const line = document.createElement("tr"); line.append(...cells.map((words, i) => { const cell = Object.assign(document.createElement(i ? tag : "th"), { textContent: words }); if (tag === "th") cell.setAttribute("scope", "col"); else if (!i) cell.setAttribute("scope", "row"); return cell; })); return line; };
+  element("fitTable").replaceChildren(row("th", ["number", "fitted", "error", "unit", "before"]), ...found.values.map((own) => { const { value, error, unit, before } = shown(own); return row("td", [own.name, value, error, unit, before]); }));
+  select("fitColumn").replaceChildren(...found.columns.map((column, i) => new Option(column.name, String(i))));
+}
+
+/** Writes the fitted numbers into the text. */
+async function takeOver() {
+  const own = (fit.found?.values ?? []).filter(({ name }) => numberOf(name));
+  for (const one of own) {
+    const n = numberOf(one.name);
+    await page.change(one.name, String(Number((one.value * n.factor).toPrecision(9))));
+  }
+  say(`${own.length} numbers stand in the text.`);
+}
+
+/** Record and fitted motion above, their difference below. @param {any} g @param {number} w @param {number} h */
+export function drawFit(g, w, h) {
+  const { found } = fit, column = found?.columns[Number(select("fitColumn").value) || 0];
+  if (!found || !column) return;
+  const { times } = found, { name, unit, record, motion } = column, residual = motion.map((x, i) => x - record[i]);
+  const ends = /** @type {[number, number]} */ ([times[0], times[times.length - 1]]), floor = Math.round(0.62 * h);
+  const part = (/** @type {number[]} */ all, /** @type {number} */ top, /** @type {number} */ bottom, /** @type {string} */ x, /** @type {string} */ words) => {
+    const [f, u] = shownIn(unit, Math.max(...all.map(Math.abs)));
+    const frame = new Frame(ends, reach(all.map((y) => y * f)), { left: 56, right: w - 10, top, bottom });
+    frame.axes(g, { x, y: `${words}${u && ` in ${u}`}`, xTicks: x !== "" });
+    return { frame, f };
+  };
+  const line = (/** @type {Frame} */ frame, /** @type {number[]} */ all, /** @type {number} */ f, /** @type {string} */ colour) => frame.inside(g, () => {
+    g.strokeStyle = colour; g.lineWidth = 1.5; g.beginPath();
+    all.forEach((y, i) => { if (i) g.lineTo(frame.px(times[i]), frame.py(y * f)); else g.moveTo(frame.px(times[i]), frame.py(y * f)); });
+    g.stroke();
+  });
+  const above = part([...record, ...motion], 22, floor - 12, "", `${name}: record (dots) and motion`);
+  above.frame.inside(g, () => { g.fillStyle = theme.soft; const every = Math.max(1, Math.ceil(record.length / 4000)); for (let i = 0; i < record.length; i += every) g.fillRect(above.frame.px(times[i]) - 1.5, above.frame.py(record[i] * above.f) - 1.5, 3, 3); });
+  line(above.frame, motion, above.f, theme.box);
+  const below = part(residual, floor + 18, h - 22, "t in s", "motion less record");
+  line(below.frame, residual, below.f, theme.block);
+}
+
+/** Begins to listen. @param {Page} of @param {() => void} told */
+export function listen(of, told) {
+  page = of; changed = told;
+  element("fitBegin").addEventListener("click", () => void begin());
+  element("fitHalt").addEventListener("click", () => { stop("Stopped; the numbers are as they were."); show(); });
+  element("fitTake").addEventListener("click", () => void takeOver());
+  select("fitColumn").addEventListener("change", changed);
+}
