@@ -8,6 +8,7 @@ mod knots;
 mod motions;
 mod paper;
 mod series;
+mod steps;
 
 use super::*;
 use std::path::Path;
