@@ -1,9 +1,8 @@
 //! Orbits over knots at which a stiffness or a contact changes.
 
 use super::*;
-use nalgebra::{DMatrix, Matrix2, Vector2};
-use vibro_assembly::derivative::By;
-use vibro_assembly::{Differentiated, Motion, Start};
+use nalgebra::{Matrix2, Vector2};
+use vibro_assembly::{Motion, Start};
 
 /// Rounding of numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;
@@ -71,20 +70,6 @@ fn closed_form_the_boundary_of_meissners_equation() {
     assert!(nearest(&own, from) < SPECIAL, "{own:?} {from}");
 }
 
-/// Eigenvalues of the motion's own transition over a period, largest first.
-fn by_motion(orbit: &Orbit) -> Vec<f64> {
-    let (assembly, (time, state)) = (orbit.place().assembly.clone(), orbit.middle_state());
-    let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
-    let mut motion = Differentiated::from_state(assembly, time, &state, &columns).unwrap();
-    motion.advance_to(time + orbit.period()).unwrap();
-    let column = |p: usize| motion.state_derivative(p).unwrap_or_else(|| panic!("{:?}", motion.lost(p)));
-    let all: Vec<f64> = (0..state.len()).flat_map(|p| column(p)[..state.len()].to_vec()).collect();
-    let map = DMatrix::from_vec(state.len(), state.len(), all);
-    let mut own: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
-    own.sort_by(|a, b| b.total_cmp(a));
-    own
-}
-
 #[test]
 fn second_method_a_gear_mesh_has_the_orbit_and_multipliers_of_its_motion() {
     let orbit = Orbit::settled(&example("gear_mesh.toml"), &Start::default(), 800).unwrap();
@@ -92,7 +77,7 @@ fn second_method_a_gear_mesh_has_the_orbit_and_multipliers_of_its_motion() {
     assert!(words.contains("step drive_flank"), "{words}");
     assert!(orbit.is_certified(), "{:?}", orbit.violation());
     assert!(orbit.check_by_motion().unwrap() < ROUNDING * orbit.period());
-    let own = by_motion(&orbit);
+    let own = moduli_by_motion(&orbit);
     for mu in orbit.multipliers() {
         assert!(own.iter().any(|own| (own - mu.norm()).abs() < 1e-7), "{:?} {own:?}", orbit.multipliers());
     }
@@ -124,10 +109,78 @@ fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
     let rate = 0.2 * (push - 1.0) / 2.0;
     let stops = rate / (0.5 / 2.0);
     for (k, time) in orbit.times().iter().enumerate() {
-        let exact = (k / 2) as f64 + if k % 2 == 0 { 0.0 } else { 0.2 + stops };
-        assert!((time - exact).abs() < ROUNDING, "{:?}", orbit.times());
+        let exact = if k % 2 == 0 { 0.0 } else { 0.2 + stops };
+        assert!((time % 1.0 - exact).abs() < ROUNDING, "{:?}", orbit.times());
     }
     let way = orbit.measure(&"peak_to_peak.a.s".parse().unwrap()).unwrap();
     assert!((way - 0.5 * rate * (0.2 + stops)).abs() < ROUNDING, "{way}");
     assert!(Motion::from_state(orbit.place().assembly.clone(), 0.1, orbit.state()).is_ok());
+}
+
+/// What differences of the equations leave: a stiff mesh magnifies rounding over a period.
+const COLUMN: f64 = 1e-5;
+
+#[test]
+fn second_method_columns_by_stiffness_and_times_of_steps_are_those_of_differences() {
+    let mesh = example("gear_mesh.toml");
+    let orbit = Orbit::settled(&mesh, &Start::default(), 800).unwrap();
+    for by in [
+        ("stop.drive_flank.stiffness.constant", 2e7),
+        ("stop.drive_flank.stiffness.steps[0].time", 5e-5),
+        ("stop.drive_flank.stiffness.repeat", 5e-5),
+        ("load.engine.constant", 10.0),
+    ] {
+        let apart = column_apart(&mesh, &orbit, by);
+        assert!(apart < COLUMN, "{}: {apart:e}", by.0);
+    }
+    let slider = slider(1.6);
+    let orbit = Orbit::settled(&slider, &Start::default(), 20).unwrap();
+    for by in [("friction.f.force", 0.1), ("load.p.steps[0].height", 0.1), ("load.p.steps[1].time", 0.1)] {
+        let apart = column_apart(&slider, &orbit, by);
+        assert!(apart < COLUMN, "{}: {apart:e}", by.0);
+    }
+}
+
+/// Distance from P = F at which the rate of the slip, which vanishes there, is rounding.
+const VANISHES: f64 = 1e-6;
+
+/// The slider slips at the step where its push exceeds friction: up to P = F it does not move.
+#[test]
+fn closed_form_a_branch_ends_where_a_step_ceases_to_make_a_friction_slip() {
+    let text = |push: &str| {
+        format!(
+            "name = \"Slider\"\nbody.a = {{ mass = 2.0 }}\nfriction.f = {{ between = [\"ground\", \"a\"], force = 1.0 }}\n\
+             load.p = {{ on = \"a\", steps = [[0.0, \"= push\"], [0.2, \"= -push\"], [1.0, \"= -push\"], [1.2, \"= push\"]], repeat = 2.0 }}\n\
+             [parameters]\npush = {push}\n"
+        )
+    };
+    let family = Family::new(&machine(&text("1.5")), "push", (0.5, 2.0)).unwrap();
+    let orbit = Orbit::settled(&family.machine, &Start::default(), 20).unwrap();
+    assert_eq!(orbit.word().in_words(&orbit.place().assembly), "step p + slip f, stick f, step p + slip f, stick f");
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    let end = found.points.iter().min_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
+    let special = end.special.as_ref().unwrap();
+    assert_eq!((special.kind.name(), special.element.as_str()), ("ST", "friction.f"));
+    assert!((end.value - 1.0).abs() < VANISHES, "{}", end.value);
+}
+
+#[test]
+fn second_method_branches_over_a_gear_mesh_are_motions_at_any_step() {
+    let family =
+        Family::new(&example("gear_mesh.toml"), "load.engine.constant", (40.0, 70.0)).unwrap();
+    let orbit = Orbit::settled(&family.machine, &Start::default(), 800).unwrap();
+    let values = [1.0, 0.5].map(|part| {
+        let mut options = crate::path::PathOptions::default();
+        options.longest_step *= part;
+        let found = branch(&family, &orbit, &options).unwrap();
+        for point in found.points.iter().filter(|p| p.special.is_none()).step_by(4) {
+            let apart = found.orbit(point).unwrap().check_by_motion().unwrap();
+            assert!(apart < ROUNDING * point.period, "{}: {apart}", point.value);
+        }
+        found.points.iter().filter_map(|p| Some((p.special.as_ref()?.kind.name(), p.value))).collect::<Vec<_>>()
+    });
+    assert!(values[0].len() >= 2 && values[0].len() == values[1].len(), "{values:?}");
+    for (one, other) in values[0].iter().zip(&values[1]) {
+        assert!(one.0 == other.0 && (one.1 - other.1).abs() < 1e-6, "{values:?}");
+    }
 }
