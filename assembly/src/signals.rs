@@ -6,10 +6,12 @@ mod builder;
 mod integral;
 mod phase;
 mod pieces;
+mod repeated;
 mod sweep;
 mod tangent;
 
 pub use builder::{Builder, Layout};
+pub use repeated::{Repeated, RepeatedKnot};
 pub use tangent::{SignalTangent, StepTime};
 
 use crate::description::{BodyKind, Harmonic, Signal};
@@ -145,6 +147,8 @@ pub struct Signals {
     knots: Knots,
     /// Those of repeated signals.
     repeated: Vec<Knots>,
+    /// The index of the signal of each of them.
+    repeated_of: Vec<usize>,
     /// Length of the augmented state.
     pub size: usize,
     /// Number of signals with an input.

@@ -17,7 +17,7 @@ mod stiff;
 
 pub(crate) use blocks::starts as starts_of_blocks;
 pub use blocks::{
-    BlockRows, Combination, CombinationTangent, OutputLimit, SampleAction, SampleKind, SampledVariation,
+    BlockRows, Combination, CombinationTangent, LimitedValue, OutputLimit, SampleAction, SampleKind, SampledVariation,
     Sampler, SamplerTangent,
 };
 pub(crate) use first_order::in_series;

@@ -27,14 +27,22 @@ fn end_of_instant(time: f64) -> f64 {
 }
 
 impl Sampler {
-    /// The time of a sample, rounded once.
-    fn read_at(&self, count: u64) -> f64 {
-        self.period * count as f64
+    /// The time of a sample by its number, rounded once.
+    pub fn time_of_sample(&self, number: i64) -> f64 {
+        self.period * number as f64
     }
 
-    /// The time at which its outputs act, rounded once.
+    /// The time at which a sample's outputs act, rounded once.
+    pub fn time_of_acting(&self, number: i64) -> f64 {
+        DoubleDouble::new(self.period).times(DoubleDouble::new(number as f64)).plus(self.delay).value()
+    }
+
+    fn read_at(&self, count: u64) -> f64 {
+        self.time_of_sample(count as i64)
+    }
+
     fn act_at(&self, count: u64) -> f64 {
-        DoubleDouble::new(self.period).times(DoubleDouble::new(count as f64)).plus(self.delay).value()
+        self.time_of_acting(count as i64)
     }
 
     /// The clock at a time at which its samples are done or, with `fresh`, still to come.

@@ -36,6 +36,7 @@ impl Builder {
             sweeps: Vec::new(),
             knots: Knots::default(),
             repeated: Vec::new(),
+            repeated_of: Vec::new(),
             size: 0,
             inputs: 0,
             integrals: 0,
@@ -104,7 +105,10 @@ impl Builder {
         let knots = steps.iter().map(|steps| steps.changes(repeat.is_none()));
         for knots in knots.chain(table.iter().map(|table| table.changes(!holds))) {
             match repeat {
-                Some(_) => self.signals.repeated.push(knots),
+                Some(_) => {
+                    self.signals.repeated.push(knots);
+                    self.signals.repeated_of.push(self.signals.parts.len());
+                }
                 None => self.signals.knots.times.extend(knots.times),
             }
         }

@@ -3,8 +3,10 @@
 //! (docs/assembly-law.md, section 19).
 
 mod samples;
+mod sided;
 
 pub use samples::{CombinationTangent, SampleAction, SampleKind, SampledVariation, SamplerTangent};
+pub use sided::LimitedValue;
 
 use super::{Elongation, FirstOrder, Functional, Part, StateRow, StopRows, System};
 use crate::description::{Block, BlockInput, DampingLimit, Description, OutputPlace, StopLaw};

@@ -1,14 +1,14 @@
 //! Branches of orbits of described machines as plain data.
 
 use super::conditions::Condition;
-use super::orbit::{Orbit, Stability, element_of};
+use super::orbit::{Orbit, Stability, name_of_output};
 use super::place::Place;
 use super::problem::Problem;
-use super::word::Word;
+use super::word::{Letter, Word};
 use crate::branch::Label;
 use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DVector};
-use vibro_assembly::mode::{Contact, Watch};
+use vibro_assembly::mode::Contact;
 
 /// Kind of a special point of a described machine's branch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +19,8 @@ pub enum Kind {
     Stick,
     /// CC: two events of different elements change places.
     Crossing,
+    /// SA: an output of a block comes to a limit or leaves it, at a sample or between.
+    Saturation,
 }
 
 impl Kind {
@@ -28,6 +30,7 @@ impl Kind {
             Self::As(label) => label.name(),
             Self::Stick => "ST",
             Self::Crossing => "CC",
+            Self::Saturation => "SA",
         }
     }
 }
@@ -48,32 +51,49 @@ impl Special {
 
     /// The special point at which a condition ceases to hold.
     pub(super) fn of_condition(condition: Condition, word: &Word, place: &Place) -> Self {
-        let of = |watch: Watch| {
-            let kind = match watch.contact() {
+        let system = place.assembly.system();
+        let of = |contact: Contact| {
+            let limit = if let Contact::Stop(i) = contact { system.stops[i].limit } else { None };
+            if let Some(limit) = limit {
+                let element = name_of_output(place, (limit.block, limit.output));
+                return Self { kind: Kind::Saturation, element };
+            }
+            let kind = match contact {
                 Contact::Stop(_) => Kind::As(Label::Grazing),
                 Contact::Friction(_) | Contact::Slider(_) => Kind::Stick,
             };
-            Self { kind, element: element_of(place, watch) }
+            Self { kind, element: place.assembly.name_of_contact(contact) }
         };
+        let element_of = |letter: &Letter| match (letter.watch(), letter.timed()) {
+            (Some(watch), _) => of(watch.contact()).element,
+            (None, timed) => timed.map_or_else(String::new, |own| own.owners(&place.assembly).join(" ")),
+        };
+        let crossing = |element: String| Self { kind: Kind::Crossing, element };
         match condition {
-            Condition::Rises { letter } => of(word.letters[letter].watch),
-            Condition::Stays { watch, .. } => of(watch),
+            // A letter of a fixed time has no functional that rises.
+            Condition::Rises { letter } => match word.letters[letter].watch() {
+                Some(watch) => of(watch.contact()),
+                None => crossing(element_of(&word.letters[letter])),
+            },
+            Condition::Stays { watch, .. } => of(watch.contact()),
+            Condition::Changes { contact, .. } => of(contact),
+            Condition::Limited { output, .. } => {
+                Self { kind: Kind::Saturation, element: name_of_output(place, output) }
+            }
             Condition::Together { letter, stop } => {
-                let first = element_of(place, word.letters[letter].watch);
-                let element = format!("{first} {}", place.assembly.name_of_stop(stop));
-                Self { kind: Kind::Crossing, element }
+                let first = element_of(&word.letters[letter]);
+                crossing(format!("{first} {}", place.assembly.name_of_stop(stop)))
             }
             Condition::Lasts { letter } if word.letters[letter].chatter.is_some() => {
-                let element = element_of(place, word.letters[letter].watch);
+                let element = element_of(&word.letters[letter]);
                 Self { kind: Kind::As(Label::Chatter), element }
             }
             Condition::Lasts { letter } => {
-                let [first, next] = [letter, (letter + 1) % word.len()].map(|k| word.letters[k].watch);
-                if first.contact() == next.contact() {
-                    of(next)
-                } else {
-                    let element = format!("{} {}", element_of(place, first), element_of(place, next));
-                    Self { kind: Kind::Crossing, element }
+                let [first, next] = [letter, (letter + 1) % word.len()].map(|k| &word.letters[k]);
+                let contacts = [first, next].map(|own| own.watch().map(|watch| watch.contact()));
+                match contacts {
+                    [Some(first), Some(next)] if first == next => of(next),
+                    _ => crossing(format!("{} {}", element_of(first), element_of(next))),
                 }
             }
         }

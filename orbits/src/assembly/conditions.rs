@@ -3,9 +3,10 @@
 
 use super::cycle::{Cycle, Leg};
 use super::place::Place;
+use super::timed::beyond;
 use super::word::{Letter, Word};
 use vibro_analysis::assembly::flight::{Series, coefficients, turning_points};
-use vibro_assembly::mode::Watch;
+use vibro_assembly::mode::{Contact, Mode, StopState, Watch};
 use vibro_assembly::system::System;
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
@@ -33,6 +34,22 @@ pub enum Condition {
         /// The stop.
         stop: usize,
     },
+    /// At a fixed time the contacts that change could not stay as they were.
+    Changes {
+        /// Its place in the word.
+        letter: usize,
+        /// The first of them.
+        contact: Contact,
+    },
+    /// What a sample limits is on its side of the limits.
+    Limited {
+        /// The sample's place in the word.
+        letter: usize,
+        /// Its place among what the sample limits.
+        place: usize,
+        /// The block and its output.
+        output: (usize, usize),
+    },
     /// No other functional is reached in the flight after event `letter`.
     Stays {
         /// Its place in the word.
@@ -57,11 +74,11 @@ impl Condition {
     /// Whether it ceases to hold where a rigid stop is touched with speed zero.
     pub(super) fn touches_rigid_stop(&self, word: &Word, system: &System) -> bool {
         let watch = match *self {
-            Self::Rises { letter } => word.letters[letter].watch,
-            Self::Stays { watch, .. } => watch,
-            Self::Lasts { .. } | Self::Together { .. } => return false,
+            Self::Rises { letter } => word.letters[letter].watch(),
+            Self::Stays { watch, .. } => Some(watch),
+            _ => None,
         };
-        matches!(watch, Watch::Meets(stop) if system.stops[stop].keeps_gap())
+        matches!(watch, Some(Watch::Meets(stop)) if system.stops[stop].keeps_gap())
     }
 }
 
@@ -90,6 +107,8 @@ impl Cycle {
             Condition::Stays { letter, .. } => self.add_peaks(letter, word, &mut all),
             Condition::Rises { letter }
             | Condition::Lasts { letter }
+            | Condition::Changes { letter, .. }
+            | Condition::Limited { letter, .. }
             | Condition::Together { letter, .. } => self.add_event(letter, place, word, &mut all),
         }
         all.into_iter().find(|(own, _)| *own == condition).map(|(_, value)| value)
@@ -97,15 +116,18 @@ impl Cycle {
 
     /// Adds the conditions of event `letter` and the duration of the flight after it.
     fn add_event(&self, letter: usize, place: &Place, word: &Word, all: &mut Vec<(Condition, f64)>) {
-        let period: f64 = self.legs.iter().map(|leg| leg.span).sum();
+        let period = self.period();
+        all.push((Condition::Lasts { letter }, self.legs[letter].span / period));
+        if word.letters[letter].timed().is_some() {
+            return self.add_fixed(letter, place, word, all);
+        }
         let before = self.before(letter);
         let row = before.ending.map(|place| before.flow.watched[place].1.as_slice()).unwrap_or(&[]);
         let size: f64 = row.iter().zip(&before.states[1]).map(|(a, x)| (a * x).abs()).sum();
         all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
-        all.push((Condition::Lasts { letter }, self.legs[letter].span / period));
         let own = &word.letters[letter];
         let system = place.assembly.system();
-        let is_met = |stop: &usize| own.watch != Watch::Meets(*stop) && !system.stops[*stop].is_freewheel;
+        let is_met = |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
         for stop in own.hits().filter(is_met) {
             let row = system.stops[stop].excess.terms();
             let end = &before.states[1];
@@ -115,6 +137,42 @@ impl Cycle {
             let off = value.abs() / size.max(f64::MIN_POSITIVE);
             all.push((Condition::Together { letter, stop }, TOUCHING - off));
         }
+    }
+
+    /// Duration of the period, s.
+    fn period(&self) -> f64 {
+        let [first, last] = [&self.legs[0], &self.legs[self.legs.len() - 1]];
+        last.time + last.span - first.run.as_ref().map_or(first.time, |run| run.0)
+    }
+
+    /// Adds the conditions of a letter of a fixed time.
+    fn add_fixed(&self, letter: usize, place: &Place, word: &Word, all: &mut Vec<(Condition, f64)>) {
+        let (own, system, leg) = (&word.letters[letter], place.assembly.system(), self.before(letter));
+        let Some(timed) = own.timed() else { return };
+        let arrived = own.arrived(system, leg.time + leg.span, &leg.states[1]);
+        if !timed.sides.is_empty() {
+            let mut struck = arrived.clone();
+            own.strike(system, [&mut struck[..]]);
+            let margins = timed.margins(system, &struck).into_iter().enumerate();
+            all.extend(margins.map(|(place, (output, margin))| {
+                (Condition::Limited { letter, place, output }, margin)
+            }));
+        }
+        let kept = with_levels(system, own);
+        let changed: Vec<Contact> = changes(&kept, &own.modes[1]).collect();
+        let Some(&contact) = changed.first() else { return };
+        let after = match self.legs.get(letter) {
+            Some(next) if letter > 0 => next.entered(),
+            _ => &self.back,
+        };
+        let flow = place.flow(&kept);
+        let functionals = flow.watched.iter().filter(|(watch, _)| changed.contains(&watch.contact()));
+        let passed = functionals.map(|(_, row)| beyond(row.as_slice(), after));
+        // A contact that keeps its rate at zero cannot stay where the rate has jumped.
+        let held = changed.iter().filter(|contact| kept.contacts().any(|own| own == **contact));
+        let rates = held.map(|&own| beyond(system.elongation_of(own).rate.as_slice(), after).abs());
+        let most = passed.chain(rates.filter(|rate| *rate > TOUCHING)).reduce(f64::max);
+        all.extend(most.map(|value| (Condition::Changes { letter, contact }, value)));
     }
 
     /// Adds how far each functional of a flight stays below zero: minus its largest value within
@@ -161,6 +219,34 @@ impl Cycle {
             all.push((Condition::Stays { letter, watch: watched[place].0, place }, value));
         }
     }
+}
+
+/// The mode before a letter with the levels of stiffness after it: parts that begin to act are in
+/// the states of those that cease to.
+fn with_levels(system: &System, letter: &Letter) -> Mode {
+    let [before, after] = &letter.modes;
+    let mut mode = before.clone();
+    for (i, state) in before.stops.iter().enumerate() {
+        if (*state == StopState::Off) == (after.stops[i] == StopState::Off) {
+            continue;
+        }
+        mode.stops[i] = match state {
+            StopState::Off => before.stops[system.present(system.stop_of(i), &before.stops)],
+            _ => StopState::Off,
+        };
+    }
+    mode
+}
+
+/// The contacts whose states differ in two modes, but for how they stick.
+fn changes<'a>(before: &'a Mode, after: &'a Mode) -> impl Iterator<Item = Contact> + 'a {
+    let stops = before.stops.iter().zip(&after.stops).enumerate();
+    let stops = stops.filter(|(_, (a, b))| a != b).map(|(i, _)| Contact::Stop(i));
+    let frictions = before.frictions.iter().zip(&after.frictions).enumerate();
+    let frictions = frictions.filter(|(_, (a, b))| a != b && !(a.sticks() && b.sticks()));
+    let sliders = before.sliders.iter().zip(&after.sliders).enumerate();
+    let sliders = sliders.filter(|(_, (a, b))| a != b).map(|(i, _)| Contact::Slider(i));
+    stops.chain(frictions.map(|(i, _)| Contact::Friction(i))).chain(sliders)
 }
 
 /// Size of a functional's terms in a flight.

@@ -4,11 +4,12 @@
 //! velocities, so that the motion over a word follows from its start and its event times. It is an
 //! orbit if it returns to its start and if each event's functional is zero at the event's time. The
 //! derivatives by start and times are carried along with the motion. Instability does not reach
-//! them: a change of the state does not move the times. Knots of signals have fixed times and are
-//! no events of the word.
+//! them: a change of the state does not move the times. Fixed times of the word, at which a knot
+//! changes a contact or a block is sampled, have no functional; other knots of signals are no
+//! events of it.
 
 use super::place::Place;
-use super::word::{Chatter, Letter, Word};
+use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVectorView};
 use std::sync::Arc;
@@ -53,10 +54,11 @@ pub struct Cycle {
     pub(super) arrivals: Vec<Vec<f64>>,
 }
 
-/// Derivatives of a cycle by the states at its nodes, then by the times of its events.
+/// Derivatives of a cycle by the states at its nodes, then by the times of its events that are not
+/// fixed.
 pub(super) struct Derivatives {
-    /// Of each leg's end functional.
-    pub ends: Vec<Vec<f64>>,
+    /// Of each functional at the end of a leg, with the place of its event among those not fixed.
+    pub ends: Vec<(usize, Vec<f64>)>,
     /// Of the state after the last event's law.
     pub back: DMatrix<f64>,
     /// Of the states that arrive at the other nodes.
@@ -69,10 +71,11 @@ pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
     system.signals.fill(DoubleDouble::new(time), &inputs, z);
 }
 
-/// The place among a flow's functionals of a letter's own.
-fn ending(flow: &Flow, letter: &Letter) -> Result<usize, Obstacle> {
-    let own = flow.watched.iter().enumerate().filter(|(_, (watch, _))| *watch == letter.watch);
-    own.map(|(place, _)| place).nth(letter.place).ok_or(Obstacle::Order)
+/// The place among a flow's functionals of a letter's own; `None` for a letter of a fixed time.
+fn ending(flow: &Flow, letter: &Letter) -> Result<Option<usize>, Obstacle> {
+    let Cause::Passes { watch, place } = letter.cause else { return Ok(None) };
+    let own = flow.watched.iter().enumerate().filter(|(_, (own, _))| *own == watch);
+    own.map(|(place, _)| place).nth(place).map(Some).ok_or(Obstacle::Order)
 }
 
 /// A knot of signals within a flight: time, s, and augmented states before and after it.
@@ -104,7 +107,8 @@ impl Leg {
     }
 }
 
-/// Augmented state at the end of a flight and the knots of signals within it.
+/// Augmented state at the end of a flight and the knots of signals within it. A flight that ends at
+/// a fixed time keeps the signals before it.
 ///
 /// A knot changes the signals alone, whose rows of the linear system are those of every piece, so
 /// that derivatives by states go on by the propagator of the whole flight.
@@ -112,7 +116,7 @@ fn flown(
     system: &System,
     flow: &Flow,
     (z, propagator): (&[f64], &DMatrix<f64>),
-    [mut time, until]: [f64; 2],
+    ([mut time, until], is_timed): ([f64; 2], bool),
 ) -> (Vec<f64>, Vec<KnotWithin>) {
     let mut knots: Vec<KnotWithin> = Vec::new();
     while let Some(knot) = system.signals.next_knot(time).filter(|knot| *knot < until) {
@@ -127,30 +131,36 @@ fn flown(
         Some((_, states)) => flow.stretches(&states[1], until - time, &mut |_, _| ()),
         None => (propagator * DVectorView::from_slice(z, z.len())).as_slice().to_vec(),
     };
-    with_signals(system, until, &mut end);
+    if !is_timed {
+        with_signals(system, until, &mut end);
+    }
     (end, knots)
 }
 
 impl Cycle {
     /// The motion from the states (q, v) at the nodes of a word, each to the next node, with events
-    /// at `times`, s, of which the first is the time of the start, until the period is over; with
-    /// derivatives on request.
+    /// at `times`, s, of which the first is the time of the start, until the start's time a period
+    /// later; with derivatives on request.
     pub(super) fn follow(
         place: &Place,
         word: &Word,
         starts: &[Vec<f64>],
-        times: &[f64],
-        period: f64,
+        (times, last): (&[f64], f64),
         with_derivatives: bool,
     ) -> Result<(Self, Option<Derivatives>), Obstacle> {
         let system = place.assembly.system();
         let (own, size, m) = (starts[0].len(), system.signals.size, word.len());
-        let (nodes, first_time) = (word.nodes(), own * starts.len());
+        if own != system.states() {
+            return Err(Obstacle::Order);
+        }
+        word.letters.iter().filter_map(Letter::timed).try_for_each(|timed| timed.check(place))?;
+        let (nodes, first_time, period) = (word.nodes(), own * starts.len(), last - times[0]);
+        let column_of = |k: usize| word.free().binary_search(&k).ok();
         let stay = Letter::staying(word);
         let mut z = vec![0.0; size];
         z[..own].copy_from_slice(&starts[0]);
         with_signals(system, times[0], &mut z);
-        let columns = if with_derivatives { first_time + m } else { 0 };
+        let columns = if with_derivatives { first_time + word.free().len() } else { 0 };
         let mut c = DMatrix::zeros(size, columns);
         if with_derivatives {
             (0..own).for_each(|i| c[(i, i)] = 1.0);
@@ -160,12 +170,12 @@ impl Cycle {
         let (mut arrivals, mut arriving) = (Vec::new(), Vec::new());
         for k in 0..m.max(1) {
             let flow = place.flow(word.mode_after(k));
-            if with_derivatives && k == 0 && m > 0 && place.period.is_some() {
+            if with_derivatives && k == 0 && column_of(0).is_some() && place.period.is_some() {
                 let rate = place.flow(&word.letters[0].modes[1]).derivative(&z);
                 (0..own).for_each(|i| c[(i, first_time)] = -rate[i]);
             }
             let time = times[k];
-            let until = times.get(k + 1).copied().unwrap_or(times[0] + period);
+            let until = times.get(k + 1).copied().unwrap_or(last);
             let mut run = None;
             let mut time = time;
             if let Some(chatter) = word.letters.get(k).and_then(|letter| letter.chatter.as_ref()) {
@@ -174,25 +184,27 @@ impl Cycle {
             }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
             let propagator = flow.propagator(until - time);
-            let (end, knots) = flown(system, &flow, (&z, &propagator), [time, until]);
-            let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?;
+            let is_timed = letter.is_some_and(|letter| letter.timed().is_some());
+            let (end, knots) = flown(system, &flow, (&z, &propagator), ([time, until], is_timed));
+            let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?.flatten();
+            let by_time = column_of(next).filter(|_| with_derivatives && m > 0);
             let rate = flow.derivative(&end);
             if with_derivatives {
                 multiply(&propagator, &c, 1.0, &mut next_c);
                 std::mem::swap(&mut c, &mut next_c);
-                if let Some(place) = place_of {
+                if let (Some(place), Some(column)) = (place_of, by_time) {
                     let row = &flow.watched[place].1;
                     let mut by: Vec<f64> =
                         c.column_iter().map(|column| dot(row.as_slice(), column.as_slice())).collect();
-                    by[first_time + next] += dot(row.as_slice(), &rate);
-                    ends.push(by);
+                    by[first_time + column] += dot(row.as_slice(), &rate);
+                    ends.push((column, by));
                 }
             }
             let letter = letter.unwrap_or(&stay);
-            let (mut after, mut jumped) = (end.clone(), rate.clone());
+            let (mut after, mut jumped) = (letter.arrived(system, until, &end), rate.clone());
             letter.apply(system, c.as_mut_slice().chunks_mut(size).chain([&mut after[..], &mut jumped[..]]));
-            if with_derivatives && m > 0 {
-                (0..own).for_each(|i| c[(i, first_time + next)] += jumped[i]);
+            if let Some(column) = by_time {
+                (0..own).for_each(|i| c[(i, first_time + column)] += jumped[i]);
             }
             if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
                 arrivals.push(after[..own].to_vec());
@@ -203,9 +215,9 @@ impl Cycle {
                     (0..own).for_each(|i| c[(i, node * own + i)] = 1.0);
                 }
             }
-            if with_derivatives && next > 0 {
+            if let Some(column) = by_time.filter(|_| next > 0) {
                 let leaving = place.flow(&letter.modes[1]).derivative(&after);
-                (0..own).for_each(|i| c[(i, first_time + next)] -= leaving[i]);
+                (0..own).for_each(|i| c[(i, first_time + column)] -= leaving[i]);
             }
             let states = [z, end];
             legs.push(Leg {
@@ -260,6 +272,10 @@ impl Cycle {
             std::mem::swap(&mut c, &mut next_c);
             let next = (k + 1) % self.legs.len();
             let letter = word.letters.get(next).unwrap_or(&stay);
+            if letter.timed().is_some() {
+                letter.apply(system, c.as_mut_slice().chunks_mut(size));
+                continue;
+            }
             let state = match self.legs.get(k + 1) {
                 Some(leg) => leg.entered(),
                 None => &self.back,

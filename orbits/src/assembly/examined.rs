@@ -12,6 +12,9 @@ use vibro_assembly::motion::{Event, EventKind, Reached};
 use vibro_assembly::system::{Part, System};
 use vibro_assembly::{Motion, Quantity};
 
+/// Difference of times of one instant, relative to the time: rounding.
+const SAME_INSTANT: f64 = 1e-14;
+
 /// Largest multiplier with which a motion stays on its orbit for a period, but for rounding.
 const STAYS: f64 = 1e6;
 
@@ -39,21 +42,31 @@ impl Orbit {
                 return Err(self.differs(time, "is in another mode"));
             }
             let mut reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
-            while reached == Reached::Event && motion.due().is_none() {
+            let is_fixed = |motion: &Motion| motion.due().is_none() && letter.timed().is_some();
+            let is_there = |time: f64| (time - end).abs() <= SAME_INSTANT * end.abs();
+            while reached == Reached::Event
+                && motion.due().is_none()
+                && !(is_fixed(&motion) && is_there(motion.time()))
+            {
                 // A knot of a signal.
                 motion.apply_event(&mut |_| ())?;
                 reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
             }
             // Of functionals that are one, rounding chooses.
             let row = |watch| leg.flow.watched.iter().find(|own| Some(own.0) == watch).map(|own| &own.1);
-            let is_due = motion.due() == Some(letter.watch)
-                || row(motion.due()).is_some_and(|due| row(Some(letter.watch)) == Some(due));
+            let is_due = motion.due() == letter.watch()
+                || row(motion.due()).is_some_and(|due| row(letter.watch()) == Some(due));
             if reached != Reached::Event || !is_due {
                 return Err(self.differs(end, "has another event"));
             }
             largest = largest.max((motion.time() - end).abs());
             let mut events: Vec<Event> = Vec::new();
             motion.apply_event(&mut |event| events.push(event.clone()))?;
+            // Knots and samples of one instant are one letter.
+            while letter.timed().is_some() && motion.next_time_event().is_some_and(is_there) {
+                motion.advance_before_event(end.max(motion.time()), &mut |_| ())?;
+                motion.apply_event(&mut |event| events.push(event.clone()))?;
+            }
             if motion.mode() != &letter.modes[1] || (Letter { events, ..letter.clone() }) != *letter {
                 return Err(self.differs(end, "goes on otherwise"));
             }
@@ -96,10 +109,10 @@ impl Orbit {
             let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);
             let flow = &self.legs()[(k + 1) % count].flow;
             let time = leg.time + leg.span;
-            let events = present(letter, system, &leg.states[1], time);
+            let events = present(letter, system, [&letter.arrived(system, time, &leg.states[1]), after], time);
             let passage = Passage {
                 time,
-                watch: Some(letter.watch),
+                watch: letter.watch(),
                 flows: [&leg.flow, flow],
                 states: [&leg.states[1], after],
                 events: &events,
@@ -114,7 +127,9 @@ impl Orbit {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         let at = |(k, letter): (usize, &Letter)| {
             let before = &self.legs()[(k + count - 1) % count];
-            present(letter, system, &before.states[1], self.numbers.times[k])
+            let (time, own) = (self.numbers.times[k], &self.legs()[k]);
+            let after = if k == 0 { &self.cycle.back[..] } else { own.entered() };
+            present(letter, system, [&letter.arrived(system, time, &before.states[1]), after], time)
         };
         self.word().letters.iter().enumerate().flat_map(at).collect()
     }
@@ -197,8 +212,8 @@ pub fn check_measure(measure: &Measure, d: &Description) -> Result<()> {
     measure.check(d)
 }
 
-/// The reports of a letter with the speeds and impulses of a state before it.
-fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<Event> {
+/// The reports of a letter with the speeds and impulses of the states before and after it.
+fn present(letter: &Letter, system: &System, [before, after]: [&[f64]; 2], time: f64) -> Vec<Event> {
     let mut z = before.to_vec();
     let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
     let (mut events, mut left) = (Vec::new(), 0);
@@ -215,7 +230,7 @@ fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<E
                 if left == 0 {
                     let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };
                     z = before.to_vec();
-                    own.apply(system, [&mut z[..]]);
+                    own.strike(system, [&mut z[..]]);
                 }
                 EventKind::Impact { stop, speed, impulse, stops }
             }
@@ -226,6 +241,11 @@ fn present(letter: &Letter, system: &System, before: &[f64], time: f64) -> Vec<E
             }
             EventKind::Hold { slider, .. } => {
                 EventKind::Hold { slider, force: system.branches[slider].force.at(&z) }
+            }
+            EventKind::Limit { block, output, side, stop, .. } => {
+                let states = &letter.modes[1].stops;
+                let row = system.blocks[block].outputs[output].row_in(&system.stops, states);
+                EventKind::Limit { block, output, side, value: dot(row.as_slice(), after), stop }
             }
             kind => kind,
         };

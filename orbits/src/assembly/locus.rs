@@ -61,7 +61,7 @@ impl Branch {
         let special = at.special.clone()?;
         let is_start = match special.kind {
             Kind::As(label) => Label::STARTS.contains(&label),
-            Kind::Stick | Kind::Crossing => true,
+            Kind::Stick | Kind::Crossing | Kind::Saturation => true,
         };
         is_start.then(|| LocusStart { special, problem: self.problem.clone(), u: at.u.clone() })
     }

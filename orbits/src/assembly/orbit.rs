@@ -18,8 +18,6 @@ use vibro_assembly::motion::keep;
 const STEPS: usize = 60;
 /// Longest Newton step, in the units of the unknowns.
 const LONGEST_STEP: f64 = 1.0;
-/// Largest part of a flight by which a step may shorten it.
-const SHORTENING: f64 = 0.5;
 /// Distance of a multiplier from the unit circle that leaves stability undecided.
 const MARGIN: f64 = 1e-6;
 /// Relative singular value of the equations below which there is a family of orbits.
@@ -105,7 +103,7 @@ pub(super) fn newton(
     guess: &DVector<f64>,
 ) -> std::result::Result<DVector<f64>, (Obstacle, f64)> {
     let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
-    let (first, m, size) = (problem.first_time(), problem.word.len(), problem.size());
+    let size = problem.size();
     for _ in 0..STEPS {
         let at = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
         let (value, matrix) = (at.value, at.matrix);
@@ -114,16 +112,7 @@ pub(super) fn newton(
         let step = least_step(matrix, &value).ok_or((Obstacle::Singular, residual))?;
         let length = step.norm();
         let mut part = (LONGEST_STEP / length).min(1.0);
-        let is_autonomous = place.period.is_none();
-        // Events keep their order.
-        let time = |u: &DVector<f64>, k: usize| if is_autonomous && k == 0 { 0.0 } else { u[first + k] };
-        let moved = |k: usize| if is_autonomous && k == 0 { 0.0 } else { step[first + k] };
-        for k in 1..m {
-            let (span, change) = (time(&u, k) - time(&u, k - 1), moved(k) - moved(k - 1));
-            if span > 0.0 && change < 0.0 {
-                part = part.min(SHORTENING * span / -change);
-            }
-        }
+        part = part.min(problem.orderly(place, &u, &step));
         u.rows_mut(0, size).axpy(part, &step, 1.0);
         let is_done = length < problem.rounding() * (1.0 + u.norm());
         let has_stalled = length < problem.stalled() && length > 0.5 * before;
@@ -337,13 +326,13 @@ impl Orbit {
             let turns = self.place.period.map_or(0.0, |p| (self.legs()[k].time - other.legs()[0].time) / p);
             apart < SAME && (turns - turns.round()).abs() < SAME
         };
-        m == 0 || (0..m).any(|k| self.word().rotated(k) == *other.word() && is_near(k))
+        m == 0 || (0..m).any(|k| self.word().is_from(k, other.word()) && is_near(k))
     }
 }
 
 /// Whether two words have the same events, from some event on.
 pub(super) fn same_word(a: &Word, b: &Word) -> bool {
-    (a.len(), a.periods) == (b.len(), b.periods) && (a == b || (0..a.len()).any(|k| a.rotated(k) == *b))
+    (0..a.len().max(1)).any(|k| a.is_from(k, b))
 }
 
 /// Time and augmented state in the middle of a flight, on the contacts that are held.
@@ -367,7 +356,8 @@ pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
 /// Whether anything takes energy from a machine.
 fn has_losses(place: &Place) -> bool {
     let system = place.assembly.system();
-    system.springs.iter().any(|spring| spring.damping != 0.0)
+    !system.blocks.is_empty()
+        || system.springs.iter().any(|spring| spring.damping != 0.0)
         || !system.frictions.is_empty()
         || system.stops.iter().any(|stop| match stop.restitution() {
             Some(restitution) => restitution < 1.0,
@@ -388,8 +378,16 @@ impl Condition {
                 let words = word.letters[letter].in_words(assembly);
                 format!("{} is not at its gap at {words}", assembly.name_of_stop(stop))
             }
+            Self::Changes { letter, contact } => {
+                let words = word.letters[letter].in_words(assembly);
+                format!("{} need not change at {words}", assembly.name_of_contact(contact))
+            }
+            Self::Limited { letter, output, .. } => {
+                let words = word.letters[letter].in_words(assembly);
+                format!("{} is on another side of its limits at {words}", name_of_output(place, output))
+            }
             Self::Stays { letter, watch, .. } => {
-                let element = element_of(place, watch);
+                let element = assembly.name_of_contact(watch.contact());
                 match word.letters.get(letter) {
                     Some(letter) => {
                         format!("{element} has a further event after {}", letter.in_words(assembly))
@@ -401,12 +399,7 @@ impl Condition {
     }
 }
 
-/// Dotted name of a functional's element.
-pub(super) fn element_of(place: &Place, watch: vibro_assembly::mode::Watch) -> String {
-    use vibro_assembly::mode::Contact;
-    match watch.contact() {
-        Contact::Stop(i) => place.assembly.name_of_stop(i),
-        Contact::Friction(i) => place.assembly.name_of_friction(i),
-        Contact::Slider(i) => place.assembly.name_of_branch(i),
-    }
+/// Dotted name of an output of a block.
+pub(super) fn name_of_output(place: &Place, output: (usize, usize)) -> String {
+    format!("block.{}", place.assembly.description.name_of_output(output))
 }

@@ -8,7 +8,7 @@
 use super::cycle::{Cycle, Leg, close, with_signals};
 use super::place::Place;
 use super::problem::{Numbers, Problem};
-use super::word::{Chatter, Letter};
+use super::word::{Chatter, Letter, Word};
 use crate::curve::slope;
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
@@ -50,6 +50,13 @@ impl Beside {
         Ok(is_alike.then_some(Self { places, width }))
     }
 
+    /// Whether the fixed times of a word are those of both machines.
+    fn keeps_times(&self, word: &Word) -> bool {
+        let mut fixed = word.letters.iter().filter_map(Letter::timed);
+        let [below, above] = self.places.each_ref().map(|place| place.assembly.system());
+        fixed.all(|timed| timed.time(below) == timed.time(above))
+    }
+
     /// Rate by which a number of the machine changes.
     fn rate(&self, of: impl Fn(&Place) -> f64) -> f64 {
         (of(&self.places[1]) - of(&self.places[0])) / self.width
@@ -84,13 +91,13 @@ impl Problem {
         matrix: &DMatrix<f64>,
     ) -> Result<DVector<f64>, Obstacle> {
         let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
-        let (nodes, first) = (self.word.nodes(), self.first_time());
+        let (nodes, first, free) = (self.word.nodes(), self.first_time(), self.word.free());
         let Numbers { times, period, .. } = self.numbers(place, u);
         let step = if self.has_run() { CHATTER_STEP } else { STEP };
         // Knots may move with the parameter.
         let has_knots = cycle.legs.iter().any(|leg| !leg.knots.is_empty());
         let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
-        let Some(beside) = beside else {
+        let Some(beside) = beside.filter(|beside| beside.keeps_times(&self.word)) else {
             return self.by_whole_motions(u, cycle, step);
         };
         let mut carried = Carried {
@@ -105,7 +112,8 @@ impl Problem {
         for k in 0..cycle.legs.len() {
             let next = if m == 0 { 0 } else { (k + 1) % m };
             if let Some(moved) = carried.over_flight(cycle, k, next)? {
-                column[first + next] = moved / self.scale(cycle, next);
+                let own = free.binary_search(&next).unwrap_or_default();
+                column[first + own] = moved / self.scale(cycle, next);
             }
             carried.over_event(&cycle.legs[k], next)?;
             if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
@@ -128,7 +136,7 @@ impl Problem {
         if self.driven_period(place).is_some() {
             let radian = self.radian(place);
             let slower = beside.rate(|place| self.radian(place)) / radian;
-            (0..m).for_each(|k| column.axpy(slower * u[first + k], &matrix.column(first + k), 1.0));
+            (0..free.len()).for_each(|k| column.axpy(slower * u[first + k], &matrix.column(first + k), 1.0));
         }
         Ok(column)
     }
@@ -143,8 +151,8 @@ impl Problem {
             let mut moved = u.clone();
             moved[self.size()] += by;
             let mut there = self.residual(&self.place(&moved)?, &moved, false)?;
-            for k in 0..self.word.len() {
-                there.value[first + k] *= self.scale(&there.cycle, k) / self.scale(cycle, k);
+            for (i, &k) in self.word.free().iter().enumerate() {
+                there.value[first + i] *= self.scale(&there.cycle, k) / self.scale(cycle, k);
             }
             Ok(there.value.as_slice().to_vec())
         })
@@ -191,8 +199,9 @@ impl Carried<'_> {
             v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += *longer * rate);
         }
         letter.apply(place.assembly.system(), [&mut v[..]]);
+        let arrived = letter.arrived(place.assembly.system(), leg.time + leg.span, &leg.states[1]);
         beside.add(&mut v[..problem.units.state.len()], |place| {
-            let mut after = leg.states[1].clone();
+            let mut after = arrived.clone();
             letter.apply(place.assembly.system(), [&mut after[..]]);
             Ok(after)
         })

@@ -18,16 +18,17 @@ pub struct Place {
     flows: Mutex<Flows>,
 }
 
-/// Why a machine's blocks have no orbits yet: samples and limits are letters of no word.
-fn blocks_in_words(d: &Description) -> Option<String> {
-    let why = |block: &Block| match (&block.sampling, block.limits.iter().any(Option::is_some)) {
-        (Some(_), _) => Some(format!("block.{} is sampled", block.name)),
-        (None, true) => Some(format!("block.{} has limits", block.name)),
-        (None, false) => None,
+/// Why a machine's blocks have no orbits: what rounds its inputs jumps.
+fn rounded_input(d: &Description) -> Option<String> {
+    let rounds = |block: &&Block| {
+        let sampling = block.sampling.as_ref();
+        sampling.is_some_and(|own| own.quanta.iter().flatten().any(|quantum| *quantum > 0.0))
     };
-    let why = d.blocks.iter().find_map(why)?;
+    let block = d.blocks.iter().find(rounds)?;
     Some(format!(
-        "{why}: its orbits are followed by motions alone (run, bifurcation, lyapunov); allowed are continuous blocks without limits"
+        "block.{} rounds an input to a quantum: its motion jumps with the state, so that no derivative tells of an orbit; allowed is \
+         the file without `quantum`, or motions alone (run, bifurcation)",
+        block.name
     ))
 }
 
@@ -48,7 +49,7 @@ impl Place {
                  slowest: the machine has no periodic orbit; allowed are frequencies in ratios of integers"
                     .into()
             }
-            None => blocks_in_words(d).unwrap_or_default(),
+            None => rounded_input(d).unwrap_or_default(),
         };
         if !problem.is_empty() {
             return Err(Error::Described { problem });

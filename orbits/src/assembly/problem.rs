@@ -1,15 +1,15 @@
 //! The equations of an orbit with a given word, along a parameter.
 //!
 //! Unknowns, all of size one: the state after the first event and at each further node of the word,
-//! the times of the events in radians of the drive (the period in place of the first one where the
-//! machine is autonomous), a drift by period along each neutral direction, and the parameter.
+//! the times of the events that are not fixed, in radians of the drive (the period in place of the
+//! first one where the machine is autonomous), a drift by period along each neutral direction, and the parameter.
 //! Equations: the state returns but for the drift, the motion from each node arrives at the next,
 //! each event's functional is zero at its time, and the state has a given place along each neutral
 //! direction.
 
 use super::cycle::{Cycle, Derivatives, with_signals};
 use super::place::{Family, Place};
-use super::word::Word;
+use super::word::{Letter, Word};
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
 use crate::orbit::STEP_ROUNDING;
@@ -26,6 +26,8 @@ const CHATTER_ROUNDING: f64 = 1e-10;
 const STALLED: f64 = 1e-7;
 /// Largest difference of the times of passages of one orbit, rad.
 const REPETITION: f64 = 1e-6;
+/// Largest part of a flight by which a Newton step may shorten it.
+const SHORTENING: f64 = 0.5;
 /// Change of a signal over a period, relative to its values, that is rounding.
 const EXACT: f64 = 1e-9;
 
@@ -77,11 +79,11 @@ pub(super) struct Residual {
 impl Problem {
     /// Number of unknowns beside the parameter.
     pub fn size(&self) -> usize {
-        self.first_time() + self.word.len() + self.neutral.len()
+        self.first_time() + self.word.free().len() + self.neutral.len()
     }
 
-    /// Place of the first event's time among the unknowns, and of its functional among the
-    /// equations.
+    /// Place of the first event's time that is not fixed among the unknowns, and of its functional
+    /// among the equations.
     pub fn first_time(&self) -> usize {
         self.units.state.len() * self.word.nodes().len()
     }
@@ -108,19 +110,48 @@ impl Problem {
 
     /// The numbers of a point.
     pub fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
-        let (first, m, radian) = (self.first_time(), self.word.len(), self.radian(place));
+        let (first, radian, free) = (self.first_time(), self.radian(place), self.word.free());
         let scaled = |node: &[f64]| node.iter().zip(&self.units.state).map(|(x, unit)| unit * x).collect();
         let states = u.as_slice()[..first].chunks(self.units.state.len().max(1)).map(scaled).collect();
-        let mut times: Vec<f64> = (0..m).map(|k| radian * u[first + k]).collect();
+        let system = place.assembly.system();
+        let mut unknown = u.as_slice()[first..].iter().map(|time| radian * time);
+        let time = |letter: &Letter| match letter.timed() {
+            Some(timed) => timed.time(system),
+            None => unknown.next().unwrap_or_default(),
+        };
+        let mut times: Vec<f64> = self.word.letters.iter().map(time).collect();
         let period = match self.driven_period(place) {
             Some(period) => period,
             None => std::mem::replace(&mut times[0], 0.0),
         };
-        if m == 0 {
+        if self.word.is_empty() {
             times.push(self.origin);
         }
-        let drifts = (0..self.neutral.len()).map(|k| u[first + m + k]).collect();
+        let first = first + free.len();
+        let drifts = (0..self.neutral.len()).map(|k| u[first + k]).collect();
         Numbers { states, times, period, drifts }
+    }
+
+    /// The time of the start a period later, s.
+    pub(super) fn end(&self, place: &Place, start: f64, period: f64) -> f64 {
+        let first = self.word.letters.first().and_then(Letter::timed);
+        let turns = i64::from(self.word.periods.unwrap_or(0));
+        first.map_or(start + period, |first| first.later(turns).time(place.assembly.system()))
+    }
+
+    /// The largest part of a step, up to 1, after which all events have their order.
+    pub(super) fn orderly(&self, place: &Place, u: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        let (first, m, radian) = (self.first_time(), self.word.len(), self.radian(place));
+        let Numbers { times, period, .. } = self.numbers(place, u);
+        let is_autonomous = self.driven_period(place).is_none();
+        let mut moved = vec![0.0; m];
+        let own = self.word.free().iter().enumerate().filter(|(_, k)| !(is_autonomous && **k == 0));
+        own.for_each(|(i, &k)| moved[k] = radian * step[first + i]);
+        let spans = (1..m).map(|k| (times[k] - times[k - 1], moved[k] - moved[k - 1]));
+        // The next period begins with a fixed time.
+        let last = self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
+        let shrinking = spans.chain(last).filter(|(span, change)| *span > 0.0 && *change < 0.0);
+        shrinking.fold(1.0, |part: f64, (span, change)| part.min(SHORTENING * span / -change))
     }
 
     /// The point with given numbers.
@@ -132,7 +163,7 @@ impl Problem {
         let state = numbers.states.iter().flat_map(scaled);
         let is_driven = self.driven_period(place).is_some();
         let time = |k: usize| if k == 0 && !is_driven { numbers.period } else { numbers.times[k] };
-        let times = (0..self.word.len()).map(|k| time(k) / radian);
+        let times = self.word.free().iter().map(|k| time(*k) / radian);
         let all = state.chain(times).chain(numbers.drifts.iter().copied());
         DVector::from_iterator(self.size() + 1, all.chain([value / self.family.unit()]))
     }
@@ -140,7 +171,8 @@ impl Problem {
     /// The motion at a point.
     pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
         let Numbers { states, times, period, .. } = self.numbers(place, u);
-        Ok(Cycle::follow(place, &self.word, &states, &times, period, false)?.0)
+        let end = self.end(place, times[0], period);
+        Ok(Cycle::follow(place, &self.word, &states, (&times, end), false)?.0)
     }
 
     /// Values of the equations, with their derivatives by all unknowns but the parameter on
@@ -151,10 +183,11 @@ impl Problem {
         u: &DVector<f64>,
         with_derivatives: bool,
     ) -> Result<Residual, Obstacle> {
-        let (own, m, size, first) = (self.units.state.len(), self.word.len(), self.size(), self.first_time());
+        let (own, size, first) = (self.units.state.len(), self.size(), self.first_time());
         let Numbers { states, times, period, drifts } = self.numbers(place, u);
+        let end = self.end(place, times[0], period);
         let (cycle, derivatives) =
-            Cycle::follow(place, &self.word, &states, &times, period, with_derivatives)?;
+            Cycle::follow(place, &self.word, &states, (&times, end), with_derivatives)?;
         let state = &states[0];
         let along = self.carried(place, times[0], period)?;
         let mut value = DVector::zeros(size);
@@ -169,12 +202,14 @@ impl Problem {
                 value[(node + 1) * own + i] = (state[i] - arrival[i]) / self.units.state[i];
             }
         }
-        let scales: Vec<f64> = (0..m).map(|k| self.scale(&cycle, k)).collect();
-        for k in 0..m {
+        let free = self.word.free();
+        let scales: Vec<f64> = free.iter().map(|&k| self.scale(&cycle, k)).collect();
+        for (i, &k) in free.iter().enumerate() {
             let leg = cycle.before(k);
             let row = leg.ending.map(|place| leg.flow.watched[place].1.as_slice()).unwrap_or(&[]);
-            value[first + k] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[k];
+            value[first + i] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[i];
         }
+        let m = free.len();
         for (k, n) in self.neutral.iter().enumerate() {
             let at: f64 = n.iter().zip(state).map(|(n, x)| n * x).sum();
             value[first + m + k] = (at - self.fixed[k]) / self.length(n);
@@ -186,7 +221,7 @@ impl Problem {
     /// The way by which uniformly moving bodies carry the state along in a period from a time.
     pub(super) fn carried(&self, place: &Place, time: f64, period: f64) -> Result<Vec<f64>, Obstacle> {
         let (system, own) = (place.assembly.system(), self.units.state.len());
-        let [before, after] = [time, time + period].map(|time| {
+        let [before, after] = [time, self.end(place, time, period)].map(|time| {
             let mut z = vec![0.0; system.signals.size];
             with_signals(system, time, &mut z);
             z
@@ -226,7 +261,7 @@ impl Problem {
         (along, period): (&[f64], f64),
     ) -> DMatrix<f64> {
         let (own, m, size, radian) =
-            (self.units.state.len(), self.word.len(), self.size(), self.radian(place));
+            (self.units.state.len(), self.word.free().len(), self.size(), self.radian(place));
         let first = self.first_time();
         let unit = |j: usize| if j < first { self.units.state[j % own] } else { radian };
         let mut matrix = DMatrix::zeros(size, size);
@@ -236,10 +271,8 @@ impl Problem {
                     matrix[(node * own + i, j)] = -arriving[(i, j)] * unit(j) / self.units.state[i];
                 }
             }
-            for (k, ends) in by.ends.iter().enumerate() {
-                // The first leg ends with the second event.
-                let event = (k + 1) % m;
-                matrix[(first + event, j)] = ends[j] * unit(j) / scales[event];
+            for (event, ends) in &by.ends {
+                matrix[(first + event, j)] = ends[j] * unit(j) / scales[*event];
             }
         }
         (0..first).for_each(|i| matrix[(i, i)] += 1.0);
@@ -301,17 +334,7 @@ impl Problem {
 
     /// The equations of a part of the word, where it has the same events `times` times.
     pub fn part(&self, times: u32) -> Option<Self> {
-        let (count, letters) = (times as usize, &self.word.letters);
-        let is_whole = letters.len().is_multiple_of(count)
-            && self.word.periods.is_none_or(|periods| periods.is_multiple_of(times));
-        let part = letters.len() / count;
-        if !is_whole || part == 0 || (part..letters.len()).any(|k| letters[k] != letters[k - part]) {
-            return None;
-        }
-        let letters: Vec<_> = letters[..part].to_vec();
-        let periods = self.word.periods.map(|periods| periods / times);
-        let word = Word::new(letters.into(), self.word.mode.clone(), periods);
-        Some(Self { word, ..self.clone() })
+        Some(Self { word: self.word.part(times)?, ..self.clone() })
     }
 
     /// The difference of an orbit's halves: the event times of the second half less those of the
@@ -362,8 +385,13 @@ impl Problem {
                 let drifts = drifts.iter().map(|x| x / f64::from(times)).collect();
                 states.truncate(part.word.nodes().len());
                 let own = Numbers { states, times: all[..count].to_vec(), period, drifts };
-                let u = part.point(&place, &own, self.value(u));
-                return Ok((part, u));
+                let at = part.point(&place, &own, self.value(u));
+                // Fixed times alone do not tell whether the state returns earlier.
+                let returns =
+                    !part.word.is_timed() || part.residual(&place, &at, false)?.value.amax() < REPETITION;
+                if returns {
+                    return Ok((part, at));
+                }
             }
         }
         Ok((self.clone(), u.clone()))
@@ -388,7 +416,11 @@ impl Problem {
 
     /// The neutral directions of a machine, as changes of a state.
     pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
-        Neutral::of(place.assembly.system()).states()
+        let system = place.assembly.system();
+        let mut all = Neutral::of(system).states();
+        // What blocks keep does not change along them.
+        all.iter_mut().for_each(|own| own.resize(system.states(), 0.0));
+        all
     }
 }
 

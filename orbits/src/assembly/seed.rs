@@ -5,7 +5,8 @@ use super::cycle::with_signals;
 use super::orbit::{Obstructed, Orbit, newton};
 use super::place::Family;
 use super::problem::{Numbers, Problem, Units};
-use super::word::{Chatter, Letter, Word};
+use super::timed::Timed;
+use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -22,6 +23,10 @@ use vibro_assembly::{Motion, Start};
 const WHOLE: f64 = 1e-9;
 /// Least unit of a state's number relative to the largest of its kind.
 const LEAST: f64 = 1e-3;
+/// Most events and samples of an orbit: each has a matrix of the state's size.
+const MOST_LETTERS: usize = 20_000;
+/// Difference of times of one instant, relative to the time: rounding.
+const INSTANT: f64 = 4.0 * f64::EPSILON;
 /// Samples of a flight for the sizes of states.
 const SAMPLES: usize = 8;
 
@@ -32,7 +37,9 @@ struct Record {
     times: Vec<f64>,
     /// The state after each event.
     states: Vec<Vec<f64>>,
-    /// Time of a knot at which more than a signal changed, s.
+    /// The drive's common period, s.
+    period: f64,
+    /// Time of a knot at which prescribed bodies move others at once, s.
     jump: Option<f64>,
     /// Least and largest value of each number of the state.
     extents: Vec<(f64, f64)>,
@@ -83,24 +90,24 @@ impl Record {
 
     /// Makes each run of impacts that accumulates one letter. The record begins after the last
     /// closing, so that no run goes on over its end.
-    fn with_runs(&mut self, period: f64) {
+    fn with_runs(&mut self, period: f64, periods: Option<u32>) {
         let closings = self.closings();
         let Some((last, _)) = closings.last() else { return };
-        let first = (last + 1) % self.letters.len();
-        self.letters.rotate_left(first);
-        self.states.rotate_left(first);
-        let later = self.times.len() - first;
-        self.times.rotate_left(first);
-        self.times.iter_mut().skip(later).for_each(|time| *time += period);
+        self.begin_with((last + 1) % self.letters.len(), period, periods);
         let mut from = self.letters.len();
         while let Some((end, stop)) = self.closings().into_iter().rev().find(|(k, _)| *k < from) {
             from = end;
             let hits: Vec<usize> =
                 (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
-            // The run begins with the impact after which all intervals shrink.
+            // The run begins with the impact after which all intervals shrink. Fixed times lie in no
+            // run.
             let mut begin = hits.len() - 1;
             while begin >= 1 {
                 let interval = |k: usize| self.times[hits[k + 1]] - self.times[hits[k]];
+                let is_timed = |letter: &Letter| letter.timed().is_some();
+                if self.letters[hits[begin - 1]..=end].iter().any(is_timed) {
+                    break;
+                }
                 let shrinks = begin + 1 >= hits.len() || interval(begin - 1) > interval(begin);
                 if !shrinks {
                     break;
@@ -121,6 +128,63 @@ impl Record {
     }
 }
 
+impl Record {
+    /// Begins the record with another letter; those before it come a period later.
+    fn begin_with(&mut self, first: usize, period: f64, periods: Option<u32>) {
+        let later = self.times.len() - first;
+        self.letters.rotate_left(first);
+        self.states.rotate_left(first);
+        self.times.rotate_left(first);
+        self.times.iter_mut().skip(later).for_each(|time| *time += period);
+        let turns = i64::from(periods.unwrap_or(0));
+        self.letters.iter_mut().skip(later).for_each(|letter| *letter = letter.later(turns));
+    }
+
+    /// Begins the record with a fixed time, if it has one.
+    fn begin_with_fixed_time(&mut self, period: f64, periods: Option<u32>) {
+        if let Some(first) = self.letters.iter().position(|letter| letter.timed().is_some()) {
+            self.begin_with(first, period, periods);
+        }
+    }
+
+    /// Takes what happens at a fixed time: knots and samples of one instant are one letter.
+    fn fix(&mut self, system: &System, passage: Passage<'_>) {
+        let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
+        let mut timed = Timed::at(system, self.period, passage.time, passage.events);
+        timed.sides = timed.sides_in(system, passage.states[0]);
+        let (time, events, after) = (passage.time, passage.events.to_vec(), passage.states[1].to_vec());
+        let last = self.letters.last_mut().zip(self.times.last()).zip(self.states.last_mut());
+        if let Some(((last, &at), state)) = last
+            && let Cause::Timed(own) = &mut last.cause
+            && time - at <= INSTANT * time
+        {
+            own.join(timed);
+            last.modes[1] = modes[1].clone();
+            last.events.extend(events);
+            *state = after;
+            return;
+        }
+        self.letters.push(Letter { modes, cause: Cause::Timed(timed), events, chatter: None });
+        self.times.push(time);
+        self.states.push(after);
+    }
+
+    /// Leaves out knots that change signals alone.
+    fn leave_plain_knots_out(&mut self) {
+        let is_plain = |letter: &Letter| {
+            let is_knot = letter.events.iter().all(|event| event.kind == EventKind::Knot);
+            letter.timed().is_some() && is_knot && letter.modes[0] == letter.modes[1]
+        };
+        let kept: Vec<bool> = self.letters.iter().map(|letter| !is_plain(letter)).collect();
+        let mut of = kept.iter();
+        self.letters.retain(|_| of.next().copied().unwrap_or(true));
+        let mut of = kept.iter();
+        self.times.retain(|_| of.next().copied().unwrap_or(true));
+        let mut of = kept.iter();
+        self.states.retain(|_| of.next().copied().unwrap_or(true));
+    }
+}
+
 impl Observer for Record {
     fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         let part = flight.span / SAMPLES as f64;
@@ -135,15 +199,16 @@ impl Observer for Record {
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {
         let Some(watch) = passage.watch else {
-            let (own, [before, after]) = (system.states(), passage.states);
-            let is_rounding = |(a, b): (&f64, &f64)| (a - b).abs() <= WHOLE * (a.abs() + b.abs());
-            let goes_on = passage.flows[0].mode == passage.flows[1].mode
-                && passage.events.iter().all(|event| event.kind == EventKind::Knot)
-                && before[..own].iter().zip(&after[..own]).all(is_rounding);
-            if !goes_on {
+            let (n, [before, after]) = (system.coordinates, passage.states);
+            let is_rounding = |i: &usize| (before[*i] - after[*i]).abs() <= WHOLE * (before[*i].abs() + after[*i].abs());
+            // Impacts alone change rates, samples alone what blocks keep.
+            let has_impact = passage.events.iter().any(|e| matches!(e.kind, EventKind::Impact { .. }));
+            let inner = 2 * n..2 * n + system.branches.len();
+            let rates = (n..2 * n).filter(|_| !has_impact);
+            if !(0..n).chain(rates).chain(inner).all(|i| is_rounding(&i)) {
                 self.jump = Some(passage.time);
             }
-            return;
+            return self.fix(system, passage);
         };
         let own: Vec<f64> = passage.flows[0]
             .watched
@@ -155,7 +220,7 @@ impl Observer for Record {
         let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
         self.states.push(passage.states[1].to_vec());
         let events = passage.events.to_vec();
-        self.letters.push(Letter { modes, watch, place, events, chatter: None });
+        self.letters.push(Letter { modes, cause: Cause::Passes { watch, place }, events, chatter: None });
         self.times.push(passage.time);
     }
 }
@@ -179,14 +244,16 @@ pub(super) fn seed(
     let place = family.place(value)?;
     let (assembly, from) = (motion.assembly().clone(), motion.time());
     let (begin, mode) = (motion.state().as_slice().to_vec(), motion.mode().clone());
-    let (mut record, mut flows) = (Record::default(), Flows::default());
+    let period = place.period.unwrap_or_default();
+    let (mut record, mut flows) = (Record { period, ..Record::default() }, Flows::default());
     for _ in 0..returns {
         section.follow(motion, &mut flows, &mut [&mut record])?;
     }
+    record.leave_plain_knots_out();
     let span = motion.time() - from;
     if let Some(time) = record.jump {
         let problem = format!(
-            "at t = {time} s a knot of a signal moves a contact, a state or a stiffness at once: its orbits are not sought; allowed are knots of forces and motions between which contacts change"
+            "at t = {time} s a knot of a signal moves bodies at once: its orbits are not sought; allowed are knots of forces, stiffness and motions that go on from their place"
         );
         return Err(Error::Described { problem });
     }
@@ -211,23 +278,37 @@ pub(super) fn seed(
         let problem = "the motion has no events and nothing drives it: it rests, or swings freely; allowed are motions with events or a drive";
         return Err(Error::Described { problem: problem.into() });
     }
-    record.with_runs(period);
+    record.with_runs(period, periods);
+    record.begin_with_fixed_time(period, periods);
+    if record.letters.len() > MOST_LETTERS {
+        let problem = format!(
+            "the motion has {} events and samples a period; allowed for an orbit are up to {MOST_LETTERS}",
+            record.letters.len()
+        );
+        return Err(Error::Described { problem });
+    }
     let radian = place.period.unwrap_or(span) / TAU;
     let units = record.units(system, radian);
     let mut times = if is_empty { vec![from] } else { std::mem::take(&mut record.times) };
     let own_states = if is_empty { vec![begin] } else { std::mem::take(&mut record.states) };
-    // Times count from within the first period of the drive.
-    let whole = place.period.map_or(times[0], |period| (times[0] / period).floor() * period);
     let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word::new(record.letters.into(), mode, periods);
+    // Times count from within the first period of the drive; fixed ones are those of the word.
+    let fixed = |k: usize| word.letters.get(k).and_then(Letter::timed).map(|own| own.time(place.assembly.system()));
+    let whole = match (place.period, fixed(0)) {
+        (Some(period), Some(first)) => ((times[0] - first) / period).round() * period,
+        (Some(period), None) => (times[0] / period).floor() * period,
+        (None, _) => times[0],
+    };
+    let own_times: Vec<f64> = (0..times.len()).map(|k| fixed(k).unwrap_or(times[k] - whole)).collect();
     let mut states = Vec::new();
     for &k in word.nodes() {
         let mut state = own_states[k].clone();
-        move_back(system, &mut state, times[k], whole)?;
+        move_back(system, &mut state, own_times[k])?;
         state.truncate(own);
         states.push(state);
     }
-    times.iter_mut().for_each(|time| *time -= whole);
+    times = own_times;
     let neutral = Problem::neutral_of(&place);
     let fixed = neutral.iter().map(|n| n.iter().zip(&states[0]).map(|(n, x)| n * x).sum()).collect();
     let drifts = vec![0.0; neutral.len()];
@@ -248,9 +329,9 @@ pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> V
 }
 
 /// The state that uniformly moving bodies have at an earlier time, with what they carry along.
-fn move_back(system: &System, state: &mut [f64], time: f64, by: f64) -> Result<()> {
+fn move_back(system: &System, state: &mut [f64], time: f64) -> Result<()> {
     let mut earlier = state.to_vec();
-    with_signals(system, time - by, &mut earlier);
+    with_signals(system, time, &mut earlier);
     let own = system.states();
     let change: Vec<f64> =
         (0..state.len()).map(|i| if i < own { 0.0 } else { earlier[i] - state[i] }).collect();

@@ -8,7 +8,7 @@ use super::path::Departure;
 use super::place::Place;
 use super::problem::{Numbers, Problem};
 use super::seed::seed;
-use super::word::{Letter, Word};
+use super::word::{Cause, Letter, Word};
 use crate::branch::Label;
 use crate::curve::{Equations, least_vectors, tangent};
 use crate::obstacle::Obstacle;
@@ -149,8 +149,7 @@ fn with_impact(
     let kind = EventKind::Impact { stop, speed: 0.0, impulse: 0.0, stops: 1 };
     let own = Letter {
         modes: [mode.clone(), mode],
-        watch: Watch::Meets(stop),
-        place: 0,
+        cause: Cause::Passes { watch: Watch::Meets(stop), place: 0 },
         events: vec![Event { time, kind }],
         chatter: None,
     };
@@ -182,7 +181,7 @@ fn without_impact(
     let own = &problem.word.letters[letter];
     let is_simple =
         own.chatter.is_none() && own.is_impact() && own.modes[0] == own.modes[1] && own.hits().count() == 1;
-    let Watch::Meets(stop) = own.watch else { return Err(Obstacle::NoConvergence) };
+    let Some(Watch::Meets(stop)) = own.watch() else { return Err(Obstacle::NoConvergence) };
     if !is_simple {
         return Err(Obstacle::NoConvergence);
     }

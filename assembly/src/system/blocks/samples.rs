@@ -137,7 +137,7 @@ impl System {
     }
 
     /// Lets the first outputs under way of a block act.
-    fn act(&self, block: usize, z: &mut [f64]) {
+    pub(super) fn act(&self, block: usize, z: &mut [f64]) {
         let own = &self.blocks[block];
         let (first, count) = (own.place_of_output(None, 0), own.outputs.len());
         let end = own.first + own.kept();
