@@ -140,6 +140,9 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     (folder / "00000.part").write_text(json.dumps([]))
     with pytest.raises(ValueError, match="00000.part has 0 rows: it is damaged"):
         vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
+    (folder / "00000.part").write_text("[{")
+    with pytest.raises(ValueError, match="00000.part: Expecting .*: it is damaged"):
+        vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").write_text("")
     with pytest.raises(ValueError, match="no manifest.toml"):

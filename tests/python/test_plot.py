@@ -160,5 +160,7 @@ def test_other_results_are_refused_with_the_kinds_that_are_drawn():
         wrong = run if "Run" not in kinds else vi.Machine()
         with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: allowed is {kinds}$"):
             function(wrong)
+    with pytest.raises(TypeError, match="axes is of type str: allowed is Axes"):
+        plot.history(run, "box.s")
     with pytest.raises(ValueError, match="the nearest is 'box.s'"):
         plot.portrait(run, of="box.v")

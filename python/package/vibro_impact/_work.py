@@ -151,7 +151,10 @@ class _Folder:
         """A finished part."""
         if not self._file(k).exists():
             return None
-        rows: list[Any] = json.loads(self._file(k).read_text(encoding="utf-8"))
+        try:
+            rows: list[Any] = json.loads(self._file(k).read_text(encoding="utf-8"))
+        except ValueError as problem:
+            raise ValueError(f"{self._file(k)}: {problem}: it is damaged; allowed is to delete it") from problem
         if len(rows) != min(self.size, self.count - k * self.size):
             raise ValueError(f"{self._file(k)} has {len(rows)} rows: it is damaged; allowed is to delete it")
         return rows

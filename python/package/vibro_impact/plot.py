@@ -88,6 +88,14 @@ def _require(what: str, result: object, *kinds: type) -> None:
         raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
 
 
+def _axes(axes: Optional[Axes]) -> Axes:
+    """The axes to draw into: the current ones unless given."""
+    if axes is None:
+        return plt.gca()
+    _require("axes", axes, Axes)
+    return axes
+
+
 def _unit(machine: AssemblyDescription, column: str) -> str:
     """The SI unit of a column of a machine of your own."""
     return machine.measures[f"maximum.{column}"].split(":")[0]
@@ -108,7 +116,7 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
         For another kind of result, and names that it has not.
     """
     _require("run", run, Run, AssemblyRun)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     given = [of] if isinstance(of, str) else of
     if isinstance(run, AssemblyRun):
         return _history_of_assembly(run, axes, _displacements(run) if given is None else list(given))
@@ -177,7 +185,7 @@ def forces(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Uni
         For another kind of result, names that it has not, and an assembly without such elements.
     """
     _require("run", run, Run, AssemblyRun)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     given = [of] if isinstance(of, str) else of
     if isinstance(run, AssemblyRun):
         all_forces = [name for name in run.columns if name.endswith(".f")]
@@ -213,7 +221,7 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
         For another kind of result, and names that it has not.
     """
     _require("run", run, Run, AssemblyRun)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     if isinstance(run, AssemblyRun):
         return _portrait_of_assembly(run, axes, _displacements(run)[0] if of is None else of)
     of = "x2" if of is None else of
@@ -246,7 +254,7 @@ def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = Non
         For another kind of result, and names that it has not.
     """
     _require("section", section, Section, AssemblySection)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     if isinstance(section, AssemblySection):
         place, rate = _section_of_assembly(section, axes, of)
         return _points(axes, place, rate, "C0")
@@ -309,7 +317,7 @@ def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] =
         For another kind of result, and another direction.
     """
     _require("diagram", diagram, Diagram, AssemblyDiagram)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     choice("direction", direction, ("up", "down", "both"))
     if isinstance(diagram, AssemblyDiagram):
         colour, unit = "C0", diagram.machine.units[diagram.name]
@@ -351,7 +359,7 @@ def basins(basins: Union[Basins, AssemblyBasins], axes: Optional[Axes] = None) -
     Of a machine of your own cells whose motion was not decided are grey, and those whose motion ends are black.
     """
     _require("basins", basins, Basins, AssemblyBasins)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     if isinstance(basins, AssemblyBasins):
         return _basins_of_assembly(basins, axes)
     colours, handles = ["white"], []
@@ -427,7 +435,7 @@ def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -
     It is the largest maximum; of a machine of your own the branch's measure, in SI.
     """
     _require("branch", branch, Branch, AssemblyBranch)
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     if isinstance(branch, AssemblyBranch):
         machine, colour, top = branch.machine, "C0", branch.measure
         unit, parameter = machine.measures[branch.of].split(":")[0] if branch.of in machine.measures else "", machine.units[branch.name]
@@ -480,7 +488,7 @@ def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[A
         raise TypeError(f"branches is of type {type(branches).__name__}: allowed is a list of Branch or AssemblyBranch")
     if not branches:
         raise ValueError("branches is empty: allowed is one branch or more")
-    axes = axes or plt.gca()
+    axes = _axes(axes)
     for index, one in enumerate(branches):
         _require(f"branches[{index}]", one, Branch, AssemblyBranch)
         branch(one, axes)
