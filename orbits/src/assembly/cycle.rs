@@ -202,7 +202,9 @@ impl Cycle {
             }
             let letter = letter.unwrap_or(&stay);
             let (mut after, mut jumped) = (letter.arrived(system, until, &end), rate.clone());
-            letter.apply(system, c.as_mut_slice().chunks_mut(size).chain([&mut after[..], &mut jumped[..]]));
+            // Most derivatives by nodes and times before the last node are zero.
+            let own_columns = c.as_mut_slice().chunks_mut(size).filter(|v| v.iter().any(|x| *x != 0.0));
+            letter.apply(system, own_columns.chain([&mut after[..], &mut jumped[..]]));
             if let Some(column) = by_time {
                 (0..own).for_each(|i| c[(i, first_time + column)] += jumped[i]);
             }

@@ -40,7 +40,7 @@ pub use locus::{LocusPoint, LocusStart, check_second, locus};
 pub use orbit::{Orbit, Stability};
 pub use place::{Family, Place};
 pub use search::{WantedPeriod, WordSearch};
+pub use timed::{Source, Tick, Timed};
 pub use tree::{TreeOptions, branch, tree};
 pub use wanted::WantedWord;
-pub use timed::{Source, Tick, Timed};
 pub use word::{Cause, Letter, Word};

@@ -149,7 +149,8 @@ impl Problem {
         own.for_each(|(i, &k)| moved[k] = radian * step[first + i]);
         let spans = (1..m).map(|k| (times[k] - times[k - 1], moved[k] - moved[k - 1]));
         // The next period begins with a fixed time.
-        let last = self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
+        let last =
+            self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
         let shrinking = spans.chain(last).filter(|(span, change)| *span > 0.0 && *change < 0.0);
         shrinking.fold(1.0, |part: f64, (span, change)| part.min(SHORTENING * span / -change))
     }

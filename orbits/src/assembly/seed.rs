@@ -147,6 +147,20 @@ impl Record {
         }
     }
 
+    /// Whether a knot moves bodies at once. Impacts alone change rates there, samples alone what
+    /// blocks keep.
+    fn is_moved(&self, system: &System, passage: &Passage<'_>) -> bool {
+        let (n, [before, after]) = (system.coordinates, passage.states);
+        let has_impact = passage.events.iter().any(|e| matches!(e.kind, EventKind::Impact { .. }));
+        let inner = 2 * n..2 * n + system.branches.len();
+        let kinds = [0..n, if has_impact { n..n } else { n..2 * n }, inner];
+        kinds.into_iter().any(|places| {
+            let extents = self.extents.get(places.clone()).unwrap_or(&[]);
+            let size = extents.iter().fold(0.0, |most, (least, largest)| largest.max(-least).max(most));
+            places.into_iter().any(|i| (before[i] - after[i]).abs() > WHOLE * size.max(before[i].abs()))
+        })
+    }
+
     /// Takes what happens at a fixed time: knots and samples of one instant are one letter.
     fn fix(&mut self, system: &System, passage: Passage<'_>) {
         let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
@@ -199,13 +213,7 @@ impl Observer for Record {
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {
         let Some(watch) = passage.watch else {
-            let (n, [before, after]) = (system.coordinates, passage.states);
-            let is_rounding = |i: &usize| (before[*i] - after[*i]).abs() <= WHOLE * (before[*i].abs() + after[*i].abs());
-            // Impacts alone change rates, samples alone what blocks keep.
-            let has_impact = passage.events.iter().any(|e| matches!(e.kind, EventKind::Impact { .. }));
-            let inner = 2 * n..2 * n + system.branches.len();
-            let rates = (n..2 * n).filter(|_| !has_impact);
-            if !(0..n).chain(rates).chain(inner).all(|i| is_rounding(&i)) {
+            if self.is_moved(system, &passage) {
                 self.jump = Some(passage.time);
             }
             return self.fix(system, passage);
@@ -294,7 +302,8 @@ pub(super) fn seed(
     let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word::new(record.letters.into(), mode, periods);
     // Times count from within the first period of the drive; fixed ones are those of the word.
-    let fixed = |k: usize| word.letters.get(k).and_then(Letter::timed).map(|own| own.time(place.assembly.system()));
+    let fixed =
+        |k: usize| word.letters.get(k).and_then(Letter::timed).map(|own| own.time(place.assembly.system()));
     let whole = match (place.period, fixed(0)) {
         (Some(period), Some(first)) => ((times[0] - first) / period).round() * period,
         (Some(period), None) => (times[0] / period).floor() * period,
