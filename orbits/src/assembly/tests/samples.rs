@@ -257,12 +257,14 @@ fn closed_form_curves_of_limits_over_two_parameters() {
         (drive, "signal.wanted.amplitude", "block.pi.limits.u[0]", [-1.3, -1.1], 0),
     ] {
         let present = machine.description.get(first).unwrap();
-        let family = Family::new(&machine, first, (0.2 * present, 3.0 * present)).unwrap();
-        let branches = grown(&family, 6, 0);
+        let family = Family::new(&machine, first, (0.05 * present, 3.0 * present)).unwrap();
+        let branches = grown(&family, 12, 0);
         let second = Family::new(&machine, second, (range[0], range[1])).unwrap();
         let own = branches.iter().filter(|b| b.word().len() == events);
-        let starts = own.flat_map(|b| (0..b.points.len()).filter_map(move |k| b.locus_start(k)));
-        let start = starts.into_iter().find(|start| start.special.kind == Kind::Saturation).unwrap();
+        let all = own.flat_map(|b| b.points.iter().enumerate().map(move |(k, p)| (b, k, p)));
+        let is_limit = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind == Kind::Saturation);
+        let least = all.filter(|own| is_limit(own.2)).min_by(|a, b| a.2.value.total_cmp(&b.2.value));
+        let start = least.and_then(|(branch, k, _)| branch.locus_start(k)).unwrap();
         let points = locus(&start, &second).unwrap();
         assert!(points.len() > 4, "{points:?}");
         let slope = points[0].values[0] / points[0].values[1];
