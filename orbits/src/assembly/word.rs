@@ -1,6 +1,6 @@
 //! Words of orbits: the events of a period, each with the modes before and after it.
 
-use super::cycle::with_signals;
+use super::place::with_signals;
 use super::timed::Timed;
 use std::sync::Arc;
 use vibro_analysis::assembly::named;
