@@ -17,8 +17,8 @@ mod stiff;
 
 pub(crate) use blocks::starts as starts_of_blocks;
 pub use blocks::{
-    BlockRows, Combination, CombinationTangent, LimitedValue, OutputLimit, SampleAction, SampleKind, SampledVariation,
-    Sampler, SamplerTangent,
+    BlockRows, Combination, CombinationTangent, LimitedValue, OutputLimit, SampleAction, SampleKind,
+    SampledVariation, Sampler, SamplerTangent,
 };
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};

@@ -50,7 +50,7 @@ impl AssemblyOrbit {
             let own = named(assembly, &event.kind);
             (event.time, own.kind, own.element)
         };
-        self.orbit.events().iter().map(told).collect()
+        self.orbit.events().iter().filter(|event| event.is_listed()).map(told).collect()
     }
 
     /// The multipliers that are not 1 by theory, largest first.

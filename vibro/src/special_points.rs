@@ -23,7 +23,7 @@ use vibro_orbits::{Label, LocusStart, OrbitWord};
 const LAST_DIGIT: f64 = 0.51;
 
 /// Labels that only points of described machines have.
-const FURTHER: [&str; 2] = ["ST", "CC"];
+const FURTHER: [&str; 3] = ["ST", "CC", "SA"];
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
 #[derive(Clone, Debug, PartialEq)]

@@ -350,7 +350,8 @@ pub fn follow(
     let assembly = motion.assembly().clone();
     let system = assembly.system();
     let mut events = Vec::new();
-    while motion.time() < end {
+    // At a knot at the end samples are still to come.
+    while motion.time() < end || motion.next_time_event().is_some_and(|time| time <= end) {
         let (start, from) = (own(motion.state()), motion.time());
         let flow = flows.of(system, motion.mode());
         events.clear();

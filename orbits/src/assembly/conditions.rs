@@ -127,7 +127,8 @@ impl Cycle {
         all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
         let own = &word.letters[letter];
         let system = place.assembly.system();
-        let is_met = |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
+        let is_met =
+            |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
         for stop in own.hits().filter(is_met) {
             let row = system.stops[stop].excess.terms();
             let end = &before.states[1];
@@ -154,9 +155,10 @@ impl Cycle {
             let mut struck = arrived.clone();
             own.strike(system, [&mut struck[..]]);
             let margins = timed.margins(system, &struck).into_iter().enumerate();
-            all.extend(margins.map(|(place, (output, margin))| {
-                (Condition::Limited { letter, place, output }, margin)
-            }));
+            all.extend(
+                margins
+                    .map(|(place, (output, margin))| (Condition::Limited { letter, place, output }, margin)),
+            );
         }
         let kept = with_levels(system, own);
         let changed: Vec<Contact> = changes(&kept, &own.modes[1]).collect();

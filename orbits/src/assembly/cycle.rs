@@ -8,7 +8,7 @@
 //! changes a contact or a block is sampled, have no functional; other knots of signals are no
 //! events of it.
 
-use super::place::Place;
+use super::place::{Place, with_signals};
 use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVectorView};
@@ -18,7 +18,6 @@ use vibro_assembly::Motion;
 use vibro_assembly::mode::StopState;
 use vibro_assembly::motion::{Crossing, Reached};
 use vibro_assembly::system::System;
-use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// The flight after an event, or after the run of impacts that begins with it.
 #[derive(Clone, Debug)]
@@ -63,12 +62,6 @@ pub(super) struct Derivatives {
     pub back: DMatrix<f64>,
     /// Of the states that arrive at the other nodes.
     pub arrivals: Vec<DMatrix<f64>>,
-}
-
-/// The augmented state with the signals of a time.
-pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
-    let inputs = system.signals.no_inputs();
-    system.signals.fill(DoubleDouble::new(time), &inputs, z);
 }
 
 /// The place among a flow's functionals of a letter's own; `None` for a letter of a fixed time.
@@ -202,7 +195,9 @@ impl Cycle {
             }
             let letter = letter.unwrap_or(&stay);
             let (mut after, mut jumped) = (letter.arrived(system, until, &end), rate.clone());
-            letter.apply(system, c.as_mut_slice().chunks_mut(size).chain([&mut after[..], &mut jumped[..]]));
+            // Most derivatives by nodes and times before the last node are zero.
+            let own_columns = c.as_mut_slice().chunks_mut(size).filter(|v| v.iter().any(|x| *x != 0.0));
+            letter.apply(system, own_columns.chain([&mut after[..], &mut jumped[..]]));
             if let Some(column) = by_time {
                 (0..own).for_each(|i| c[(i, first_time + column)] += jumped[i]);
             }

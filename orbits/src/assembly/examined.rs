@@ -109,7 +109,8 @@ impl Orbit {
             let after = next.map_or(&self.cycle.back, |leg| &leg.states[0]);
             let flow = &self.legs()[(k + 1) % count].flow;
             let time = leg.time + leg.span;
-            let events = present(letter, system, [&letter.arrived(system, time, &leg.states[1]), after], time);
+            let events =
+                present(letter, system, [&letter.arrived(system, time, &leg.states[1]), after], time);
             let passage = Passage {
                 time,
                 watch: letter.watch(),

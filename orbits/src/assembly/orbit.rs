@@ -2,8 +2,8 @@
 //! multipliers.
 
 use super::conditions::Condition;
-use super::cycle::{Cycle, Leg, with_signals};
-use super::place::Place;
+use super::cycle::{Cycle, Leg};
+use super::place::{Place, with_signals};
 use super::problem::{Numbers, Problem};
 use super::word::Word;
 use crate::curve::Equations;

@@ -5,8 +5,8 @@
 //! those of the times, which follow the drive's period. Differences of whole motions would not do:
 //! at given event times a stiff contact magnifies rounding, and each contact of a period once more.
 
-use super::cycle::{Cycle, Leg, close, with_signals};
-use super::place::Place;
+use super::cycle::{Cycle, Leg, close};
+use super::place::{Place, with_signals};
 use super::problem::{Numbers, Problem};
 use super::word::{Chatter, Letter, Word};
 use crate::curve::slope;

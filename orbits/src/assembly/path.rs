@@ -13,6 +13,9 @@ use nalgebra::{Complex, DVector};
 
 /// Least step; a branch that needs a smaller one ends with MX.
 const LEAST_STEP: f64 = 1e-7;
+/// Part of the period before a fixed time at which a run of impacts that cannot be followed on ends
+/// there.
+const NEAR_END: f64 = 1e-5;
 /// Steps that are tried where shorter ones fail.
 const JUMPS: [f64; 4] = [1e-3, 3e-3, 1e-2, 3e-2];
 /// Least cosine of the angle by which the tangent turns in a step.
@@ -124,7 +127,7 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
                 let mut jumps = JUMPS.iter().filter(|_| !is_first);
                 match jumps.find_map(|jump| follower.step(&last, *jump, false).ok()) {
                     Some(next) => next,
-                    None => return Ok(ended(points, Label::NoConvergence)),
+                    None => return Ok(follower.stopped(points, &last)),
                 }
             }
         };
@@ -173,6 +176,23 @@ struct Step {
 }
 
 impl Follower<'_> {
+    /// The path that cannot be followed on from its last position. A run of impacts that has not
+    /// accumulated when a fixed time comes is another motion, so that no equation holds beyond.
+    fn stopped(&self, mut points: Vec<OrbitPoint>, last: &Position) -> Path {
+        let is_run =
+            |letter: usize| self.problem.word.letters.get(letter).is_some_and(|own| own.chatter.is_some());
+        let own = last.conditions.iter().find(|(condition, value)| match condition {
+            Condition::Lasts { letter } => is_run(*letter) && *value < NEAR_END,
+            _ => false,
+        });
+        let place = self.problem.place(&last.u);
+        if let (Some((condition, _)), Ok(place), Some(point)) = (own, place, points.last_mut()) {
+            point.special = Some(Special::of_condition(*condition, &self.problem.word, &place));
+            return Path { points, end: PathEnd::Broken(*condition) };
+        }
+        ended(points, Label::NoConvergence)
+    }
+
     pub fn point(&self, at: &Position, special: Option<Special>) -> OrbitPoint {
         OrbitPoint {
             value: self.problem.value(&at.u),

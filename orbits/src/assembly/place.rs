@@ -7,6 +7,8 @@ use vibro_analysis::{Error, Result};
 use vibro_assembly::Assembly;
 use vibro_assembly::description::{Block, Description};
 use vibro_assembly::mode::Mode;
+use vibro_assembly::system::System;
+use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// A machine whose numbers are fixed, with the linear systems of the modes met so far.
 #[derive(Debug)]
@@ -30,6 +32,12 @@ fn rounded_input(d: &Description) -> Option<String> {
          the file without `quantum`, or motions alone (run, bifurcation)",
         block.name
     ))
+}
+
+/// The augmented state with the signals of a time.
+pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
+    let inputs = system.signals.no_inputs();
+    system.signals.fill(DoubleDouble::new(time), &inputs, z);
 }
 
 impl Place {

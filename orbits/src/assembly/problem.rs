@@ -7,8 +7,8 @@
 //! each event's functional is zero at its time, and the state has a given place along each neutral
 //! direction.
 
-use super::cycle::{Cycle, Derivatives, with_signals};
-use super::place::{Family, Place};
+use super::cycle::{Cycle, Derivatives};
+use super::place::{Family, Place, with_signals};
 use super::word::{Letter, Word};
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
@@ -24,8 +24,6 @@ const CHATTER_ROUNDING: f64 = 1e-10;
 /// Size of a Newton step below which it may be rounding: an event whose functional hardly rises has
 /// half of the digits.
 const STALLED: f64 = 1e-7;
-/// Largest difference of the times of passages of one orbit, rad.
-const REPETITION: f64 = 1e-6;
 /// Largest part of a flight by which a Newton step may shorten it.
 const SHORTENING: f64 = 0.5;
 /// Change of a signal over a period, relative to its values, that is rounding.
@@ -149,7 +147,8 @@ impl Problem {
         own.for_each(|(i, &k)| moved[k] = radian * step[first + i]);
         let spans = (1..m).map(|k| (times[k] - times[k - 1], moved[k] - moved[k - 1]));
         // The next period begins with a fixed time.
-        let last = self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
+        let last =
+            self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
         let shrinking = spans.chain(last).filter(|(span, change)| *span > 0.0 && *change < 0.0);
         shrinking.fold(1.0, |part: f64, (span, change)| part.min(SHORTENING * span / -change))
     }
@@ -295,123 +294,6 @@ impl Problem {
     /// Whether impacts accumulate in the word.
     pub(super) fn has_run(&self) -> bool {
         self.word.letters.iter().any(|letter| letter.chatter.is_some())
-    }
-
-    /// The point with the same numbers in the equations of the word passed `times` times. Requires
-    /// a point with an orbit.
-    pub fn repeated(
-        &self,
-        place: &Place,
-        u: &DVector<f64>,
-        times: u32,
-    ) -> Result<(Self, DVector<f64>), Obstacle> {
-        let Numbers { states, times: events, period, drifts } = self.numbers(place, u);
-        let cycle = self.cycle(place, u)?;
-        let turns = |k: usize| (k / events.len(), k % events.len());
-        let problem = Self { word: self.word.repeated(times), ..self.clone() };
-        // Each turn begins where the one before has drifted to.
-        let drift = |i: usize| cycle.back[i] - states[0][i];
-        let state = |&k: &usize| {
-            let (turn, k) = turns(k);
-            let entered = cycle.legs[k].entered().iter().take(states[0].len()).enumerate();
-            entered.map(|(i, x)| x + turn as f64 * drift(i)).collect()
-        };
-        let all = (0..times).flat_map(|turn| events.iter().map(move |t| t + f64::from(turn) * period));
-        let longer = Numbers {
-            states: problem.word.nodes().iter().map(state).collect(),
-            times: all.collect(),
-            period: f64::from(times) * period,
-            drifts: drifts.iter().map(|x| x * f64::from(times)).collect(),
-        };
-        let u = problem.point(place, &longer, self.value(u));
-        Ok((problem, u))
-    }
-
-    /// The equations of half the word, where its halves have the same events.
-    pub fn half(&self) -> Option<Self> {
-        self.part(2)
-    }
-
-    /// The equations of a part of the word, where it has the same events `times` times.
-    pub fn part(&self, times: u32) -> Option<Self> {
-        Some(Self { word: self.word.part(times)?, ..self.clone() })
-    }
-
-    /// The difference of an orbit's halves: the event times of the second half less those of the
-    /// first, half a period later, in radians.
-    pub fn halves(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
-        let place = self.place(u)?;
-        let Numbers { times, period, .. } = self.numbers(&place, u);
-        let (half, radian) = (times.len() / 2, self.radian(&place));
-        Ok(DVector::from_fn(half, |k, _| (times[half + k] - times[k] - 0.5 * period) / radian))
-    }
-
-    /// The point of half the word at the mean of both halves of a point's times.
-    pub fn halved(&self, half: &Self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
-        let place = self.place(u)?;
-        let numbers = self.numbers(&place, u);
-        let cycle = self.cycle(&place, u)?;
-        let (count, period) = (half.word.len(), 0.5 * numbers.period);
-        let mean = |&k: &usize| {
-            let pair = cycle.legs[k].entered().iter().zip(cycle.legs[count + k].entered());
-            pair.take(self.units.state.len()).map(|(a, b)| 0.5 * (a + b)).collect()
-        };
-        let states = half.word.nodes().iter().map(mean).collect();
-        let time = |k: usize| 0.5 * (numbers.times[k] + numbers.times[count + k] - period);
-        let times = (0..count).map(time).collect();
-        let drifts = numbers.drifts.iter().map(|x| 0.5 * x).collect();
-        Ok(half.point(&place, &Numbers { states, times, period, drifts }, self.value(u)))
-    }
-
-    /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
-    /// shorter one several times.
-    pub fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
-        if let Some(once) = self.once(u)? {
-            return Ok(once);
-        }
-        let most = self.word.len() as u32;
-        for times in (2..=most).rev() {
-            let Some(part) = self.part(times) else { continue };
-            let place = self.place(u)?;
-            let numbers = self.numbers(&place, u);
-            let count = part.word.len();
-            let period = numbers.period / f64::from(times);
-            let is_same = (count..numbers.times.len()).all(|k| {
-                let apart = numbers.times[k] - numbers.times[k - count] - period;
-                (apart / self.radian(&place)).abs() < REPETITION
-            });
-            if is_same {
-                let Numbers { mut states, times: all, drifts, .. } = numbers;
-                let drifts = drifts.iter().map(|x| x / f64::from(times)).collect();
-                states.truncate(part.word.nodes().len());
-                let own = Numbers { states, times: all[..count].to_vec(), period, drifts };
-                let at = part.point(&place, &own, self.value(u));
-                // Fixed times alone do not tell whether the state returns earlier.
-                let returns =
-                    !part.word.is_timed() || part.residual(&place, &at, false)?.value.amax() < REPETITION;
-                if returns {
-                    return Ok((part, at));
-                }
-            }
-        }
-        Ok((self.clone(), u.clone()))
-    }
-
-    /// The orbit without events that returns after each of several periods of the drive, in the
-    /// equations of one.
-    fn once(&self, u: &DVector<f64>) -> Result<Option<(Self, DVector<f64>)>, Obstacle> {
-        let Some(times) = self.word.periods.filter(|n| self.word.is_empty() && *n > 1) else {
-            return Ok(None);
-        };
-        let place = self.place(u)?;
-        let mut numbers = self.numbers(&place, u);
-        numbers.period /= f64::from(times);
-        numbers.drifts.iter_mut().for_each(|drift| *drift /= f64::from(times));
-        let word = Word::new(self.word.letters.clone(), self.word.mode.clone(), Some(1));
-        let once = Self { word, ..self.clone() };
-        let at = once.point(&place, &numbers, self.value(u));
-        let returns = once.residual(&place, &at, false)?.value.amax() < REPETITION;
-        Ok(returns.then_some((once, at)))
     }
 
     /// The neutral directions of a machine, as changes of a state.

@@ -112,8 +112,7 @@ impl Timed {
     /// What happens at a time that a motion reaches, with the events that it reports there.
     pub fn at(system: &System, period: f64, time: f64, events: &[Event]) -> Self {
         let actions: Vec<SampleAction> = events.iter().filter_map(Event::sample).collect();
-        let tick =
-            |source, number| Tick { source, number, per_period: per_period(source, system, period) };
+        let tick = |source, number| Tick { source, number, per_period: per_period(source, system, period) };
         let mut ticks = Vec::new();
         if events.iter().any(|event| event.kind == EventKind::Knot) {
             let knots = system.signals.repeated_knots_at(time);

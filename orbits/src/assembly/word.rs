@@ -1,6 +1,6 @@
 //! Words of orbits: the events of a period, each with the modes before and after it.
 
-use super::cycle::with_signals;
+use super::place::with_signals;
 use super::timed::Timed;
 use std::sync::Arc;
 use vibro_analysis::assembly::named;
@@ -51,9 +51,7 @@ pub struct Chatter {
 impl PartialEq for Letter {
     /// Whether two events have the same law: modes, functional, and impacts in their order.
     fn eq(&self, other: &Self) -> bool {
-        self.modes == other.modes
-            && self.cause == other.cause
-            && self.has_impacts_of(other)
+        self.modes == other.modes && self.cause == other.cause && self.has_impacts_of(other)
     }
 }
 
@@ -198,7 +196,8 @@ impl Word {
     /// which the first one lies, if the word begins with it.
     pub(super) fn new(letters: Arc<[Letter]>, mode: Mode, periods: Option<u32>) -> Self {
         let first = letters.first().and_then(Letter::timed).map_or(0, Timed::turn);
-        let letters = if first == 0 { letters } else { letters.iter().map(|own| own.later(-first)).collect() };
+        let letters =
+            if first == 0 { letters } else { letters.iter().map(|own| own.later(-first)).collect() };
         let later = (1..letters.len()).filter(|k| letters[*k].opens_compliant());
         let nodes = std::iter::once(0).chain(later).collect();
         let free = (0..letters.len()).filter(|k| letters[*k].timed().is_none()).collect();
@@ -256,7 +255,10 @@ impl Word {
             && self.periods.is_none_or(|periods| periods.is_multiple_of(times));
         let part = letters.len() / count;
         let by = self.turns() / i64::from(times);
-        if !is_whole || part == 0 || (part..letters.len()).any(|k| !letters[k - part].is_later(&letters[k], by)) {
+        if !is_whole
+            || part == 0
+            || (part..letters.len()).any(|k| !letters[k - part].is_later(&letters[k], by))
+        {
             return None;
         }
         let periods = self.periods.map(|periods| periods / times);
@@ -266,7 +268,8 @@ impl Word {
     /// Whether another word is this one from letter `first` on.
     pub(super) fn is_from(&self, first: usize, other: &Self) -> bool {
         let m = self.len();
-        let turn = |letters: &[Letter], k: usize| letters.get(k).and_then(Letter::timed).map_or(0, Timed::turn);
+        let turn =
+            |letters: &[Letter], k: usize| letters.get(k).and_then(Letter::timed).map_or(0, Timed::turn);
         let by = turn(&other.letters, 0) - turn(&self.letters, first);
         let is_own = |k: usize| {
             let (turn, own) = ((first + k) / m, (first + k) % m);
@@ -288,7 +291,8 @@ impl Word {
                 None => words.push((word, 1)),
             }
         }
-        let told = |(word, count): (String, usize)| if count > 1 { format!("{word} ×{count}") } else { word };
+        let told =
+            |(word, count): (String, usize)| if count > 1 { format!("{word} ×{count}") } else { word };
         words.into_iter().map(told).collect::<Vec<_>>().join(", ")
     }
 }

@@ -30,6 +30,7 @@ ASSEMBLY_LABELS = {
     "GR": "a stop is touched with speed zero",
     "ST": "a friction begins or ceases to stick, or slips once more",
     "CC": "two events of different elements change places",
+    "SA": "an output of a block comes to a limit or leaves it",
     "CH": "impacts cease to accumulate",
     "EP": "end of the parameter's range",
     "MX": "the branch could not be followed on",

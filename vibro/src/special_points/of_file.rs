@@ -46,7 +46,7 @@ impl PointRow<'_> {
     fn point_of_file(&self) -> Result<Option<PointOfFile>> {
         let label = self.cell("label")?;
         let known = Label::STARTS.into_iter().find(|known| known.name() == label).map(Kind::As);
-        let further = FURTHER.into_iter().zip([Kind::Stick, Kind::Crossing]);
+        let further = FURTHER.into_iter().zip([Kind::Stick, Kind::Crossing, Kind::Saturation]);
         let further = || further.clone().find(|(name, _)| *name == label).map(|(_, kind)| kind);
         let Some(kind) = known.or_else(further) else { return Ok(None) };
         let special = Special { kind, element: self.cell("element")?.to_owned() };

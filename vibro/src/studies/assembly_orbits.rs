@@ -23,8 +23,11 @@ const SMALL: f64 = 0.1;
 const SAMPLES: u32 = 800;
 
 /// Marks of the special points that the 3-DOF machine does not have.
-const FURTHER: [(Kind, &str, Mark); 2] =
-    [(Kind::Stick, "ST stick", Mark::Diamond), (Kind::Crossing, "CC events change places", Mark::Ring)];
+const FURTHER: [(Kind, &str, Mark); 3] = [
+    (Kind::Stick, "ST stick", Mark::Diamond),
+    (Kind::Crossing, "CC events change places", Mark::Ring),
+    (Kind::Saturation, "SA limit of an output", Mark::Square),
+];
 
 /// The study of a machine's branches over a parameter: tables of points and special points, and a
 /// picture of a measure.
@@ -314,7 +317,7 @@ pub fn assembly_orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<St
 fn event_table(orbit: &Orbit) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["time", "kind", "element", "value"])?;
     let assembly = &orbit.place().assembly;
-    for event in orbit.events() {
+    for event in orbit.events().iter().filter(|event| event.is_listed()) {
         let named = named(assembly, &event.kind);
         let value = match event.kind {
             EventKind::Impact { speed, .. } | EventKind::Press { speed, .. } => exact(speed),

@@ -115,7 +115,8 @@ fn second_method_gradients_by_gains_and_times_of_samples_are_those_of_difference
     for (name, step) in [("kp", 1e-4), ("kd", 1e-4), ("T", 1e-6), ("late", 1e-6), ("push", 1e-4)] {
         let own = gradient.iter().find(|own| own.parameter == name).unwrap();
         let at = |by: f64| {
-            let family = Family::new(&machine, name, (own.value - 10.0 * step, own.value + 10.0 * step)).unwrap();
+            let family =
+                Family::new(&machine, name, (own.value - 10.0 * step, own.value + 10.0 * step)).unwrap();
             let orbit = Orbit::settled_at(&family, own.value + by, &orbit.start(), 800).unwrap();
             orbit.measure(&measure).unwrap()
         };
@@ -206,7 +207,9 @@ fn second_method_a_limited_continuous_controller() {
     for (mu, own) in orbit.multipliers().iter().zip(&own) {
         assert!((mu.norm() - own).abs() < MULTIPLIER, "{:?} {own:?}", orbit.multipliers());
     }
-    for by in [("block.pi.limits.u[1]", 0.1), ("signal.wanted.amplitude", 0.1), ("signal.wanted.frequency", 0.05)] {
+    for by in
+        [("block.pi.limits.u[1]", 0.1), ("signal.wanted.amplitude", 0.1), ("signal.wanted.frequency", 0.05)]
+    {
         let apart = column_apart(&machine, &orbit, by);
         assert!(apart < COLUMN, "{}: {apart:e}", by.0);
     }
@@ -223,9 +226,53 @@ fn closed_form_a_branch_ends_where_a_continuous_output_comes_to_its_limit() {
     let force = (controller / (1.0 + controller * plant)).norm();
     let amplitude = 1.2 / force;
     let machine = machine(&DRIVE.replace("amplitude = 1.0", &format!("amplitude = {}", 0.5 * amplitude)));
-    let family = Family::new(&machine, "signal.wanted.amplitude", (0.4 * amplitude, 1.2 * amplitude)).unwrap();
+    let family =
+        Family::new(&machine, "signal.wanted.amplitude", (0.4 * amplitude, 1.2 * amplitude)).unwrap();
     let branches = grown(&family, 4, 0);
     let own = [specials(&branches, 0, "SA"), specials(&branches, 2, "SA")].concat();
     assert!(nearest(&own, amplitude) < SPECIAL, "{own:?} {amplitude}");
     assert!(branches.iter().any(|b| b.word().len() == 2), "{}", branches.len());
+}
+
+/// The servo axis without the encoder's steps: 1600 samples a period, of which none is an unknown.
+#[test]
+fn second_method_a_servo_axis_with_play_is_its_motion() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/assembly/servo.toml");
+    let text = std::fs::read_to_string(folder).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("quantum")).collect();
+    let orbit = Orbit::settled(&machine(&lines.join("\n")), &Start::default(), 60).unwrap();
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    assert!(orbit.word().len() > 3200 && words.contains("press backward"), "{words}");
+    assert!(orbit.is_certified(), "{:?}", orbit.violation());
+    assert_eq!(orbit.stability(), Stability::Stable);
+    assert!(orbit.check_by_motion().unwrap() < ROUNDING);
+}
+
+/// The curve of SA over the amplitude and the limit of a linear machine is a straight line.
+#[test]
+fn closed_form_curves_of_limits_over_two_parameters() {
+    let (limited, drive) = (controlled("", "limits = { u = [-1.5, 2.0] }\n"), machine(DRIVE));
+    for (machine, first, second, range, events) in [
+        (limited, "push", "block.control.limits.u[0]", [-1.6, -1.4], 2 * COUNT),
+        (drive, "signal.wanted.amplitude", "block.pi.limits.u[0]", [-1.3, -1.1], 0),
+    ] {
+        let present = machine.description.get(first).unwrap();
+        let family = Family::new(&machine, first, (0.05 * present, 3.0 * present)).unwrap();
+        let branches = grown(&family, 12, 0);
+        let second = Family::new(&machine, second, (range[0], range[1])).unwrap();
+        let own = branches.iter().filter(|b| b.word().len() == events);
+        let all = own.flat_map(|b| b.points.iter().enumerate().map(move |(k, p)| (b, k, p)));
+        let is_limit = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind == Kind::Saturation);
+        let least = all.filter(|own| is_limit(own.2)).min_by(|a, b| a.2.value.total_cmp(&b.2.value));
+        let start = least.and_then(|(branch, k, _)| branch.locus_start(k)).unwrap();
+        let points = locus(&start, &second).unwrap();
+        assert!(points.len() > 4, "{points:?}");
+        let slope = points[0].values[0] / points[0].values[1];
+        for point in &points {
+            assert!((point.values[0] - slope * point.values[1]).abs() < SPECIAL, "{points:?}");
+        }
+        for end in range {
+            assert!(points.iter().any(|p| (p.values[1] - end).abs() < SPECIAL), "{points:?}");
+        }
+    }
 }

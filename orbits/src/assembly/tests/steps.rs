@@ -156,7 +156,10 @@ fn closed_form_a_branch_ends_where_a_step_ceases_to_make_a_friction_slip() {
     };
     let family = Family::new(&machine(&text("1.5")), "push", (0.5, 2.0)).unwrap();
     let orbit = Orbit::settled(&family.machine, &Start::default(), 20).unwrap();
-    assert_eq!(orbit.word().in_words(&orbit.place().assembly), "step p + slip f, stick f, step p + slip f, stick f");
+    assert_eq!(
+        orbit.word().in_words(&orbit.place().assembly),
+        "step p + slip f, stick f, step p + slip f, stick f"
+    );
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     let end = found.points.iter().min_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
     let special = end.special.as_ref().unwrap();
@@ -166,8 +169,7 @@ fn closed_form_a_branch_ends_where_a_step_ceases_to_make_a_friction_slip() {
 
 #[test]
 fn second_method_branches_over_a_gear_mesh_are_motions_at_any_step() {
-    let family =
-        Family::new(&example("gear_mesh.toml"), "load.engine.constant", (40.0, 70.0)).unwrap();
+    let family = Family::new(&example("gear_mesh.toml"), "load.engine.constant", (40.0, 70.0)).unwrap();
     let orbit = Orbit::settled(&family.machine, &Start::default(), 800).unwrap();
     let values = [1.0, 0.5].map(|part| {
         let mut options = crate::path::PathOptions::default();
@@ -177,10 +179,65 @@ fn second_method_branches_over_a_gear_mesh_are_motions_at_any_step() {
             let apart = found.orbit(point).unwrap().check_by_motion().unwrap();
             assert!(apart < ROUNDING * point.period, "{}: {apart}", point.value);
         }
-        found.points.iter().filter_map(|p| Some((p.special.as_ref()?.kind.name(), p.value))).collect::<Vec<_>>()
+        found
+            .points
+            .iter()
+            .filter_map(|p| Some((p.special.as_ref()?.kind.name(), p.value)))
+            .collect::<Vec<_>>()
     });
     assert!(values[0].len() >= 2 && values[0].len() == values[1].len(), "{values:?}");
     for (one, other) in values[0].iter().zip(&values[1]) {
         assert!(one.0 == other.0 && (one.1 - other.1).abs() < 1e-6, "{values:?}");
+    }
+}
+
+/// A force that lifts a mass from the floor for 0.3 s; its bounces accumulate before the next time.
+const LIFTED: &str = "name = \"Lifted\"\nbody.a = { mass = 1.0 }\n\
+    stop.floor = { between = [\"ground\", \"a\"], gap = 0.0, restitution = 0.5 }\n\
+    load.p = { on = \"a\", constant = 2.0, steps = [[1.0, -5.0], [1.3, 5.0]], repeat = 4.0 }\n";
+
+#[test]
+fn closed_form_a_step_lifts_a_mass_from_its_stop() {
+    let machine = machine(LIFTED);
+    let orbit = Orbit::settled(&machine, &Start::default(), 20).unwrap();
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    assert_eq!(words, "step p + open floor, impact floor + chatter floor");
+    assert!(orbit.is_certified(), "{:?}", orbit.violation());
+    assert!(orbit.check_by_motion().unwrap() < ROUNDING);
+    assert!(orbit.spectral_radius() < ROUNDING);
+    // With the rate -0.9 at the place -0.135 when the force is 2 again.
+    let (rate, place) = (0.9_f64, 0.135_f64);
+    let speed = (rate * rate + 4.0 * place).sqrt();
+    let lands = 1.3 + (rate + speed) / 2.0;
+    assert!((orbit.times()[0] - 1.0).abs() < ROUNDING && (orbit.times()[1] - lands).abs() < ROUNDING);
+    // Bounces of speed e v, e² v, … at the acceleration 2 last e v/(1 - e) altogether.
+    let rests = lands + speed;
+    let family = Family::new(&machine, "load.p.repeat", (2.2, 4.5)).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    let end = found.points.iter().min_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
+    assert_eq!(end.special.as_ref().unwrap().kind.name(), "CH");
+    assert!((end.value - (rests - 1.0)).abs() < RESTS, "{} {}", end.value, rests - 1.0);
+}
+
+/// Bounces below a least height count as rest, so that the rest comes by about that much earlier.
+const RESTS: f64 = 5e-6;
+
+#[test]
+fn closed_form_meissners_boundary_over_stiffness_and_damping() {
+    let (damping, period) = (0.02, 3.0);
+    let machine = meissner(1.5, damping, period);
+    let family = Family::new(&machine, "low", (0.4, 1.6)).unwrap();
+    let orbit = Orbit::settled(&machine, &Start::default(), 2000).unwrap();
+    let found = branch(&family, &orbit, &Default::default()).unwrap();
+    let is_own = |k: &usize| found.points[*k].special.as_ref().is_some_and(|s| s.kind.name() == "PD");
+    let start = (0..found.points.len()).find(is_own).and_then(|k| found.locus_start(k)).unwrap();
+    let second = Family::new(&machine, "spring.k.damping", (0.01, 0.05)).unwrap();
+    let points = locus(&start, &second).unwrap();
+    assert!(points.len() > 4, "{points:?}");
+    for point in points {
+        let [low, damping] = point.values;
+        let matrix = half(low, damping, period).0 * half(3.0, damping, period).0;
+        let test = 1.0 + matrix.trace() + matrix.determinant();
+        assert!(test.abs() < SPECIAL, "{point:?} {test:e}");
     }
 }

@@ -204,7 +204,7 @@ pub struct Loci {
     /// program says so and goes on with the others
     #[arg(long, required = true, value_name = "FILE[:ROW|:LABEL@VALUE]")]
     pub from: Vec<Selection>,
-    /// Follow only this kind: LP, BP, PD, NS, GR or CH, with FILE also ST or CC
+    /// Follow only this kind: LP, BP, PD, NS, GR or CH, with FILE also ST, CC or SA
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
     /// The two parameters and their ranges. The first, on the horizontal axis, is that of the
