@@ -85,10 +85,7 @@ fn told(request: &FitRequest, fitted: &Fitted) -> Result<Value, JsError> {
     let values = fitted.values.iter().zip(&fitted.uncertainty.errors).map(|((name, value), error)| {
         json!({ "name": name, "value": value, "error": error, "unit": machine.si_unit(name) })
     });
-    let undetermined = fitted.uncertainty.undetermined.iter().map(|own| {
-        let parts = own.combination.iter().map(|(name, part)| format!("{part:+.3} {name}"));
-        parts.collect::<Vec<_>>().join(" ")
-    });
+    let undetermined = fitted.uncertainty.undetermined.iter().map(ToString::to_string);
     let mut columns = Vec::new();
     for (k, (name, record)) in measured.columns.iter().enumerate() {
         let unit = name.find(&machine.description)?.unit;

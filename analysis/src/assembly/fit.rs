@@ -46,7 +46,7 @@ const WAYS: [Way; 4] = [
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Starts of which these are the best of contacts alone.
+/// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
 const LOOKED_AT: u32 = 128;
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
@@ -311,7 +311,7 @@ fn starts_beside(model: &Model, bounds: &Bounds, start: &[f64]) -> Vec<Vec<f64>>
         return of(count).collect();
     }
     let near = |values: Vec<f64>| (model.near_until(&Point::from(values.clone()), &[], WAYS[1]), values);
-    let mut all: Vec<_> = of(LOOKED_AT).map(near).collect();
+    let mut all: Vec<_> = of(LOOKED_AT).collect::<Vec<_>>().into_par_iter().map(near).collect();
     all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     all.into_iter().take(count as usize).map(|(_, values)| values).collect()
 }

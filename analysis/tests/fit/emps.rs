@@ -14,6 +14,15 @@ fn example(name: &str, record: &str) -> Machine {
     Machine::parse(&text, name, &|_| Ok(record.to_owned())).unwrap()
 }
 
+/// A record of samples at 1 kHz.
+fn table(name: &str, count: u32, value: impl Fn(f64) -> f64) -> String {
+    let row = |i: u32| {
+        let t = 1e-3 * f64::from(i);
+        format!("{t:?},{:?}\n", value(t))
+    };
+    format!("time,{name}\n") + &(0..count).map(row).collect::<String>()
+}
+
 /// Asserts that a fit has found numbers within their errors, and the record's noise.
 fn assert_found(found: &Fitted, truths: &[(&str, f64)]) {
     let errors = &found.uncertainty.errors;
@@ -26,13 +35,8 @@ fn assert_found(found: &Fitted, truths: &[(&str, f64)]) {
 
 #[test]
 fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
-    let mut voltage = String::from("time,voltage\n");
-    for i in 0..SAMPLES {
-        let t = 1e-3 * f64::from(i);
-        let u = 1.6 * (0.2 * TAU * t).sin() + 0.6 * (0.7 * TAU * t).sin();
-        voltage += &format!("{t:?},{u:?}\n");
-    }
-    let begin = example("emps.toml", &voltage);
+    let voltage = |t: f64| 1.6 * (0.2 * TAU * t).sin() + 0.6 * (0.7 * TAU * t).sin();
+    let begin = example("emps.toml", &table("voltage", SAMPLES, voltage));
     let truths = [
         ("body.carriage.mass", 95.1),
         ("damper.viscous.damping", 203.5),
@@ -51,13 +55,8 @@ fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
 /// In closed loop the controller makes up for friction, which reversals and limited voltages tell.
 #[test]
 fn made_record_of_a_drive_under_sampled_control_and_four_free_numbers() {
-    let mut reference = String::from("time,reference\n");
-    for i in 0..4_000 {
-        let t = 1e-3 * f64::from(i);
-        let s = 0.12 * (0.5 * TAU * t).sin().powi(3) + 0.02 * (0.25 * TAU * t).sin();
-        reference += &format!("{t:?},{s:?}\n");
-    }
-    let begin = example("emps_closed_loop.toml", &reference);
+    let reference = |t: f64| 0.12 * (0.5 * TAU * t).sin().powi(3) + 0.02 * (0.25 * TAU * t).sin();
+    let begin = example("emps_closed_loop.toml", &table("reference", 4_000, reference));
     let truths = [
         ("body.carriage.mass", 95.1),
         ("damper.viscous.damping", 203.5),

@@ -42,11 +42,10 @@ impl Orbit {
                 return Err(self.differs(time, "is in another mode"));
             }
             let mut reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
-            let is_fixed = |motion: &Motion| motion.due().is_none() && letter.timed().is_some();
             let is_there = |time: f64| (time - end).abs() <= SAME_INSTANT * end.abs();
             while reached == Reached::Event
                 && motion.due().is_none()
-                && !(is_fixed(&motion) && is_there(motion.time()))
+                && !(letter.timed().is_some() && is_there(motion.time()))
             {
                 // A knot of a signal.
                 motion.apply_event(&mut |_| ())?;

@@ -60,9 +60,7 @@ impl Record {
         let state = places.chain((0..coordinates).map(unit)).chain(inner).collect();
         Units { state, time: radian }
     }
-}
 
-impl Record {
     /// Places in the letters of the events at which a stop closes after impacts that accumulate.
     fn closings(&self) -> Vec<(usize, usize)> {
         let closes = |(k, letter): (usize, &Letter)| {
@@ -113,9 +111,7 @@ impl Record {
             self.times.drain(begin + 1..=end);
         }
     }
-}
 
-impl Record {
     /// Begins the record with another letter; those before it come a period later.
     fn begin_with(&mut self, first: usize, period: f64, periods: Option<u32>) {
         let later = self.times.len() - first;
@@ -177,13 +173,16 @@ impl Record {
             letter.timed().is_some() && is_knot && letter.modes[0] == letter.modes[1]
         };
         let kept: Vec<bool> = self.letters.iter().map(|letter| !is_plain(letter)).collect();
-        let mut of = kept.iter();
-        self.letters.retain(|_| of.next().copied().unwrap_or(true));
-        let mut of = kept.iter();
-        self.times.retain(|_| of.next().copied().unwrap_or(true));
-        let mut of = kept.iter();
-        self.states.retain(|_| of.next().copied().unwrap_or(true));
+        keep(&mut self.letters, &kept);
+        keep(&mut self.times, &kept);
+        keep(&mut self.states, &kept);
     }
+}
+
+/// Removes the items that are not kept.
+fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut of = kept.iter();
+    all.retain(|_| of.next().copied().unwrap_or(true));
 }
 
 impl Observer for Record {

@@ -136,7 +136,7 @@ impl Timed {
         self.sides.extend(other.sides);
     }
 
-    /// The same, so many common periods later.
+    /// What happens at this instant moved by a number of common periods.
     #[must_use]
     pub fn later(&self, periods: i64) -> Self {
         let ticks = self.ticks.iter().map(|tick| tick.later(periods)).collect();

@@ -1,7 +1,7 @@
 //! Pictures and tables of basins of attraction of described machines.
 
 use super::Study;
-use super::assembly_orbits::shown_unit;
+use super::assembly_orbits::shown_axis;
 use super::basin::{FURTHER, NOT_SETTLED, OTHERS, OUTSIDE, PAIRS, ROW, UNDECIDED};
 use super::design_sweep::Labelled;
 use crate::Result;
@@ -225,7 +225,6 @@ fn legend(basins: &Basins, listed: &[Listed]) -> Vec<Layer> {
 fn axis(machine: &Machine, axis: &StartAxis) -> Axis {
     let quantity = axis.name.parse::<QuantityName>().ok();
     let unit = quantity.and_then(|q| q.find(&machine.description).ok()).map_or("s", |found| found.unit);
-    let (factor, symbol) = shown_unit(unit, axis.from.abs().max(axis.to.abs()));
-    let label = format!("at the start: {} ({symbol})", axis.name);
-    Axis { range: Some((axis.from, axis.to)), ..Axis::new(label).times(factor) }
+    let shown = shown_axis(&format!("at the start: {}", axis.name), unit, axis.from.abs().max(axis.to.abs()));
+    Axis { range: Some((axis.from, axis.to)), ..shown }
 }

@@ -2,7 +2,7 @@
 //! of the diagram that lie on them.
 
 use super::Study;
-use super::assembly_orbits::{marks, shown_unit, special_table, words};
+use super::assembly_orbits::{marks, shown_axis, special_table, words};
 use super::design_sweep::Labelled;
 use super::diagram::{DIRECTIONS, reach, shaded};
 use super::orbits::{DrawnBranch, branch_layers};
@@ -169,7 +169,6 @@ fn panel(
     let apart = diagram.apart();
     let range = reach(diagram, &|_, value| value, 0.0);
     let unit = request.of.find(&machine.description)?.unit;
-    let (factor, symbol) = shown_unit(unit, range.0.abs().max(range.1.abs()));
     let mut layers = shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value));
     let curves: Vec<(&Branch, Vec<f64>)> = branches
         .iter()
@@ -193,7 +192,10 @@ fn panel(
     Ok(Panel {
         title: String::new(),
         x: Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) },
-        y: Axis::over(format!("{} ({symbol})", request.of), range.0, range.1).times(factor),
+        y: Axis {
+            range: Some(range),
+            ..shown_axis(&request.of.to_string(), unit, range.0.abs().max(range.1.abs()))
+        },
         layers,
     })
 }

@@ -1,7 +1,7 @@
 //! A fit of a machine to a record: values with their errors, residuals, a picture.
 
 use super::Study;
-use super::assembly_orbits::shown_unit;
+use super::assembly_orbits::shown_axis;
 use crate::Result;
 use crate::table::{CsvRows, exact};
 use std::fmt::Write;
@@ -34,9 +34,7 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
         });
     }
     for own in &fitted.uncertainty.undetermined {
-        let parts: Vec<String> =
-            own.combination.iter().map(|(name, part)| format!("{part:+.3} {name}")).collect();
-        remarks.push(format!("not determined, in parts of the values: {}", parts.join(" ")));
+        remarks.push(format!("not determined, in parts of the values: {own}"));
     }
     remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; differences stand there")));
     for (name, rms) in &fitted.rms {
@@ -165,11 +163,10 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
         let path = |of: &dyn Fn(usize) -> f64| -> Path {
             (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
         };
-        let (factor, symbol) = shown_unit(unit, size);
         panels.push(Panel {
             title: name.to_string(),
             x: Axis::new("time (s)"),
-            y: Axis::new(format!("{name} ({symbol})")).times(factor),
+            y: shown_axis(&name.to_string(), unit, size),
             layers: vec![
                 Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
                 Layer::line(
@@ -182,11 +179,10 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
             ],
         });
         let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));
-        let (factor, symbol) = shown_unit(unit, size);
         panels.push(Panel {
             title: format!("{name}: residual"),
             x: Axis::new("time (s)"),
-            y: Axis::new(format!("motion less record ({symbol})")).times(factor),
+            y: shown_axis("motion less record", unit, size),
             layers: vec![Layer::line("residual", VERMILLION, Dash::Solid, path(&|i| fitted.residuals[i][k]))],
         });
     }

@@ -7,17 +7,17 @@ use crate::Result;
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use vibro_analysis::assembly::{Machine, Measure, columns, named};
+use vibro_analysis::assembly::{Machine, Measure, QuantityName, columns, named};
 use vibro_analysis::significant;
-use vibro_assembly::Motion;
 use vibro_assembly::motion::EventKind;
+use vibro_assembly::{Motion, What};
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability, check_measure};
 
 /// Special points beyond which the picture marks only those where stability changes.
 const MARKED: usize = 150;
-/// Lengths below this, m, are shown in mm.
+/// Lengths below this, m, are shown in mm, angles, rad, in mrad.
 const SMALL: f64 = 0.1;
 /// Samples of a period in pictures.
 const SAMPLES: u32 = 800;
@@ -57,8 +57,16 @@ pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> 
 pub(super) fn shown_unit(unit: &str, largest: f64) -> (f64, String) {
     match unit {
         "m" if largest < SMALL => (1e3, "mm".to_owned()),
+        "rad" if largest < SMALL => (1e3, "mrad".to_owned()),
         unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
     }
+}
+
+/// Axis of a quantity whose values are up to `largest` in size, SI.
+pub(super) fn shown_axis(name: &str, unit: &str, largest: f64) -> Axis {
+    let (factor, symbol) = shown_unit(unit, largest);
+    let label = if symbol == "1" { name.to_owned() } else { format!("{name} ({symbol})") };
+    Axis::new(label).times(factor)
 }
 
 /// As [`assembly_orbits`], with the measure's values.
@@ -72,8 +80,6 @@ pub(super) fn study_of(
     let parameter = &family.parameter;
     let unit = measure.unit(&machine.description);
     let largest = tops.iter().flatten().copied().filter(|x| x.is_finite()).map(f64::abs).fold(0.0, f64::max);
-    let (factor, symbol) = shown_unit(unit, largest);
-    let label = if symbol == "1" { measure.to_string() } else { format!("{measure} ({symbol})") };
     let marks = marks(branches, tops);
     let mut caption = vec!["Full: stable; dashed: unstable. One colour for each period.".to_owned()];
     if marks.of_stable_only {
@@ -83,7 +89,7 @@ pub(super) fn study_of(
     let panel = Panel {
         title: String::new(),
         x: Axis { range: Some(family.range), ..machine.axis(parameter) },
-        y: Axis::new(label).times(factor),
+        y: shown_axis(&measure.to_string(), unit, largest),
         layers: layers(branches, tops, marks),
     };
     let figure = Figure {
@@ -349,24 +355,30 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
     let quantity = Measure::usual(d).into_iter().find_map(|m| m.quantity().cloned());
     let Some(quantity) = quantity else { return Ok(Vec::new()) };
     let names = columns(d);
-    let column = |name: &str| names.iter().position(|own| own == name);
-    let (place, rate) = (column(&format!("{}.s", quantity.of)), column(&format!("{}.v", quantity.of)));
-    let (Some(place), Some(rate)) = (place, rate) else { return Ok(Vec::new()) };
+    let of_body = |what: What| {
+        let own = QuantityName { of: quantity.of.clone(), what };
+        let place = names.iter().position(|name| *name == own.to_string())?;
+        Some((place, own.find(d).ok()?.unit))
+    };
+    let (Some(s), Some(v)) = (of_body(What::S), of_body(What::V)) else { return Ok(Vec::new()) };
     let rows = samples(orbit)?;
-    let history: Path = rows.iter().map(|(time, values)| (*time, values[place])).collect();
-    let portrait: Path = rows.iter().map(|(_, values)| (values[place], values[rate])).collect();
-    let (s, v) = (format!("{}.s", quantity.of), format!("{}.v", quantity.of));
+    let axis = |(place, unit): (usize, &str)| {
+        let largest = rows.iter().fold(0.0, |most: f64, (_, values)| most.max(values[place].abs()));
+        shown_axis(&names[place], unit, largest)
+    };
+    let history: Path = rows.iter().map(|(time, values)| (*time, values[s.0])).collect();
+    let portrait: Path = rows.iter().map(|(_, values)| (values[s.0], values[v.0])).collect();
     Ok(vec![
         Panel {
             title: "(a) History".into(),
             x: Axis::new("time (s)"),
-            y: Axis::new(s.clone()),
+            y: axis(s),
             layers: vec![Layer::line("", FAMILY[0], Dash::Solid, history)],
         },
         Panel {
             title: "(b) Portrait".into(),
-            x: Axis::new(s),
-            y: Axis::new(v),
+            x: axis(s),
+            y: axis(v),
             layers: vec![Layer::line("", GREY, Dash::Solid, portrait)],
         },
     ])

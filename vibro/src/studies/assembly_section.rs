@@ -1,7 +1,7 @@
 //! Poincaré sections of described machines.
 
 use super::Study;
-use super::assembly_orbits::shown_unit;
+use super::assembly_orbits::shown_axis;
 use super::design_sweep::Labelled;
 use crate::table::{CsvRows, exact};
 use crate::{Error, Result};
@@ -103,8 +103,7 @@ impl SectionAxes {
                 quantity.and_then(|q| q.find(&machine.description).ok()).map_or("1", |found| found.unit)
             }
         };
-        let (factor, symbol) = shown_unit(unit, largest);
-        Axis::new(format!("{} ({symbol})", self.names[k])).times(factor)
+        shown_axis(&self.names[k], unit, largest)
     }
 }
 

@@ -63,7 +63,8 @@ export function decoder(file) {
     const context = to & places;
     if (!bit(isMatch + (state << 4) + context)) {
       const before = to > 0 ? out[to - 1] : 0, own = literal + 0x300 * (((to & contexts) << lc) + (before >> (8 - lc)));
-      // The byte that the last match would repeat tells what each bit is likely to be, up to the first that is another.
+      // After a match each bit is coded beside that of the byte which the match would repeat, up to
+      // the first bit that differs.
       let node = 1, other = state >= 7 ? out[to - rep0 - 1] : -1, range = now[0], code = now[1];
       while (node < 0x100) {
         const expected = (other >> 7) & 1, place = own + node + (other < 0 ? 0 : (1 + expected) << 8);

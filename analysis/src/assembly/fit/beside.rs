@@ -197,16 +197,16 @@ impl<'a> Compared<'a> {
         if (next.is_some() || !self.stops.is_empty()) && until + made.shift > motion.motion().time() {
             motion.advance_observed(until + made.shift, &mut note)?;
         }
+        let end = if next.is_some() { end_of(&motion, &columns) } else { Vec::new() };
+        let lost =
+            (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
+        let lost = lost.collect();
         if next.is_none() && !self.stops.is_empty() {
             // The motion's own contact may come later than the record's last one. A motion that
             // cannot go on has covered the record.
             let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
             events.retain(|(time, _)| *time <= until);
         }
-        let end = if next.is_some() { end_of(&motion, &columns) } else { Vec::new() };
-        let lost =
-            (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
-        let lost = lost.collect();
         Ok(Followed { first: range.start, samples, contacts, end, until, events, lost })
     }
 

@@ -29,6 +29,14 @@ pub struct Undetermined {
     pub singular_value: f64,
 }
 
+impl std::fmt::Display for Undetermined {
+    /// The parts with their names: `+0.577 body.a.mass -0.577 spring.k.stiffness`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let parts = self.combination.iter().map(|(name, part)| format!("{part:+.3} {name}"));
+        f.write_str(&parts.collect::<Vec<_>>().join(" "))
+    }
+}
+
 /// Standard errors of the free numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {

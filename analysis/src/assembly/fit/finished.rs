@@ -1,4 +1,4 @@
-//! The machine fitted at a point, with what is said of it.
+//! The fitted machine with its errors, residuals and verdict.
 
 use super::beside::{Beside, Followed};
 use super::errors::Uncertainty;

@@ -5,7 +5,6 @@ use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
 use super::statistics::{deviation, deviations, interval, noise, rms, rounding, size, typical};
 use super::unknowns::Unknowns;
-use super::verdict::Verdict;
 use super::{FitRequest, Measured, Way};
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
@@ -229,11 +228,6 @@ impl<'a> Model<'a> {
         let beside = self.beside(&solved.point, &solved.reach)?;
         let of = |own: &Followed| own.segment(self.measured, &self.sigma, (0, 0), None);
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
-    }
-
-    /// Whether the motion of a point is the record's.
-    pub fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
-        Ok(self.verdict(&self.beside(point, reach)?) == Verdict::Fits)
     }
 
     /// Noise of a column: what is given, else what its differences say.

@@ -1,8 +1,10 @@
 //! Whether a fitted motion is the record's: its residuals beside the noise, and other minima.
 
 use super::beside::Beside;
+use super::evaluated::{Point, Reach};
 use super::model::Model;
 use super::statistics::{interval, persistence, size};
+use crate::error::Result;
 use crate::significant;
 use std::fmt;
 
@@ -45,6 +47,11 @@ impl fmt::Display for Verdict {
 }
 
 impl Model<'_> {
+    /// Whether the motion of a point is the record's.
+    pub(super) fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        Ok(self.verdict(&self.beside(point, reach)?) == Verdict::Fits)
+    }
+
     /// What residuals say of a motion beside the record.
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
         let mut doubt = None;

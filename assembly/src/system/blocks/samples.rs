@@ -59,6 +59,18 @@ pub struct SampledVariation<'a> {
     pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
 }
 
+/// An output that a sample makes anew.
+pub(super) struct ReadOutput<'s> {
+    /// The block.
+    pub block: usize,
+    /// The output.
+    pub output: usize,
+    /// Where the state keeps it.
+    pub place: usize,
+    /// What the block does.
+    pub sampler: &'s Sampler,
+}
+
 /// The derivatives of the matrices of states and of inputs, and of the inputs.
 type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>);
 
@@ -85,15 +97,7 @@ impl System {
             self.act(action.block, z.as_mut_slice());
             variations.iter_mut().for_each(|own| self.act(action.block, own.delta));
         }
-        let turn = |block: usize| {
-            actions.iter().find_map(|own| match own.kind {
-                SampleKind::Reads(turn) if own.block == block => Some(turn),
-                _ => None,
-            })
-        };
-        for &(block, output) in &self.output_order {
-            let (Some(turn), Some(sampler)) = (turn(block), &self.blocks[block].sampler) else { continue };
-            let place = self.blocks[block].place_of_output(turn, output);
+        for ReadOutput { block, output, place, sampler } in self.read_outputs(actions) {
             let free = self.sum(block, (&sampler.c, &sampler.d, output), sampler, z);
             let [low, high] = sampler.limits[output];
             let varied: Vec<f64> = variations
@@ -118,6 +122,24 @@ impl System {
         for action in actions.iter().filter(|own| own.kind != SampleKind::Acts) {
             self.follow_inputs(action.block, z, variations);
         }
+    }
+
+    /// The outputs of the blocks that read their inputs, in the order in which they need each other.
+    pub(super) fn read_outputs<'s>(
+        &'s self,
+        actions: &'s [SampleAction],
+    ) -> impl Iterator<Item = ReadOutput<'s>> {
+        let turn = |block: usize| {
+            actions.iter().find_map(|own| match own.kind {
+                SampleKind::Reads(turn) if own.block == block => Some(turn),
+                _ => None,
+            })
+        };
+        self.output_order.iter().filter_map(move |&(block, output)| {
+            let (turn, own) = (turn(block)?, &self.blocks[block]);
+            let place = own.place_of_output(turn, output);
+            Some(ReadOutput { block, output, place, sampler: own.sampler.as_ref()? })
+        })
     }
 
     /// x⁺ = a x + b u.

@@ -2,6 +2,7 @@
 //! all limits, and without rounding to a quantum.
 
 use super::super::System;
+use super::samples::ReadOutput;
 use super::{Combination, SampleAction, SampleKind, Sampler};
 use nalgebra::DMatrix;
 
@@ -48,14 +49,7 @@ impl System {
         for action in actions.iter().filter(|own| own.kind == SampleKind::Acts) {
             self.act(action.block, z);
         }
-        let turn = |block: usize| {
-            actions.iter().find_map(|own| match own.kind {
-                SampleKind::Reads(turn) if own.block == block => Some(turn),
-                _ => None,
-            })
-        };
-        for &(block, output) in &self.output_order {
-            let (Some(turn), Some(sampler)) = (turn(block), &self.blocks[block].sampler) else { continue };
+        for ReadOutput { block, output, place, sampler } in self.read_outputs(actions) {
             let (value, size) = self.sum_as(block, (&sampler.c, &sampler.d, output), decide, z);
             let limits = sampler.limits[output];
             let is_limited = limits.iter().any(|limit| limit.is_finite());
@@ -65,7 +59,7 @@ impl System {
                 0
             };
             let one = z[self.signals.one];
-            z[self.blocks[block].place_of_output(turn, output)] = match side {
+            z[place] = match side {
                 1 => limits[1] * one,
                 -1 => limits[0] * one,
                 _ => value,
