@@ -177,13 +177,24 @@ pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     Some((u.column(least).into_owned(), v.row(least).adjoint()))
 }
 
+/// Singular value, relative to the largest, that is zero.
+const DEGENERATE: f64 = 1e-11;
+
+/// Whether a matrix has a lower rank than it has rows, but for rounding.
+pub(super) fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
+    let is_finite = matrix.iter().all(|x| x.is_finite());
+    let values = is_finite.then(|| matrix.clone().try_svd(false, false, 5.0 * f64::EPSILON, SWEEPS));
+    let values = values.flatten().map(|svd| svd.singular_values);
+    values.is_none_or(|values| values.is_empty() || values.min() <= DEGENERATE * values.max())
+}
+
 /// The unit vector along one unknown.
 pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
     DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
 }
 
-/// The derivative at 0 by differences: central if the function is defined on both sides, one-sided
-/// if it is defined on one side.
+/// The derivative at 0 by differences of second order: central if the function is defined on both
+/// sides, one-sided if it is defined on one side.
 ///
 /// # Errors
 /// An obstacle if the function is defined on neither side.
@@ -191,12 +202,15 @@ pub(super) fn slope(
     step: f64,
     at: impl Fn(f64) -> Result<Vec<f64>, Obstacle>,
 ) -> Result<DVector<f64>, Obstacle> {
-    let (below, above, width) = match (at(-step), at(step)) {
-        (Ok(below), Ok(above)) => (below, above, 2.0 * step),
-        (Ok(below), Err(_)) => (below, at(0.0)?, step),
-        (Err(_), above) => (at(0.0)?, above?, step),
+    let one_sided = |step: f64, near: Vec<f64>| -> Result<DVector<f64>, Obstacle> {
+        let [near, zero, far] = [near, at(0.0)?, at(2.0 * step)?].map(DVector::from_vec);
+        Ok((near * 4.0 - zero * 3.0 - far) / (2.0 * step))
     };
-    Ok(DVector::from_iterator(below.len(), below.iter().zip(&above).map(|(a, b)| (b - a) / width)))
+    match (at(-step), at(step)) {
+        (Ok(below), Ok(above)) => Ok((DVector::from_vec(above) - DVector::from_vec(below)) / (2.0 * step)),
+        (Ok(below), Err(_)) => one_sided(-step, below),
+        (Err(_), above) => one_sided(step, above?),
+    }
 }
 
 /// The gradient of a function of a point by differences.

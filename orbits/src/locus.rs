@@ -8,7 +8,7 @@ pub use self::start::LocusStart;
 
 use self::equations::Locus;
 pub(super) use self::equations::{Border, smallness};
-pub(super) use self::following::{TwoParameters, both_ways};
+pub(super) use self::following::{Located, TwoParameters, both_ways};
 use self::start::{Normal, first_point};
 use super::family::Family;
 use super::obstacle::Obstacle;

@@ -351,12 +351,14 @@ fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, 
         let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
         return Some((reading.following(entry, expression?, kind)?, measured));
     }
+    let units = || symbols(with_unit.unit(other)).filter(|unit| *unit != "1");
+    let without = || format!("{}, without a unit", plain.allowed(body));
+    reading.note_number(entry, units(), without);
     let changes = entry.value.as_str().is_some_and(|text| has_unit(with_unit.unit(other), text));
     let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
     let arm = number(entry.value, kind, measured);
     if arm.is_none() {
-        let units: Vec<_> = symbols(with_unit.unit(other)).collect();
-        reading.refuse(entry, format!("{}, without a unit or in {}", plain.allowed(body), units.join(", ")));
+        reading.refuse(entry, format!("{} or in {}", without(), units().collect::<Vec<_>>().join(", ")));
     }
     Some((arm?, measured))
 }

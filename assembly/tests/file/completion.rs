@@ -119,15 +119,15 @@ fn an_offer_takes_the_place_of_the_whole_word() {
 fn invariant_every_key_and_unit_of_a_machine_is_offered_where_it_stands() {
     let (mut keys, mut units, mut begin) = (0, 0, 0);
     for line in SOUND.split_inclusive('\n') {
-        let offered = |at: usize| {
+        // What stands there whole is not offered again: bytes behind the place are left out.
+        let offered = |at: usize, left_out: usize| {
             let (head, tail) = SOUND.split_at(begin + at);
-            completion(head, tail).offers.into_iter().map(|own| own.0).collect::<Vec<String>>()
+            completion(head, &tail[left_out..]).offers.into_iter().map(|own| own.0).collect::<Vec<String>>()
         };
         if let Some((key, _)) =
             line.split_once(" = ").filter(|(key, _)| key.chars().all(|c| c.is_alphabetic() || c == '_'))
         {
-            // After its first letter: a whole word is not offered again.
-            assert!(offered(1).iter().any(|own| own == key), "{line}");
+            assert!(offered(1, key.len() - 1).iter().any(|own| own == key), "{line}");
             keys += 1;
         }
         for (at, word) in line
@@ -142,12 +142,12 @@ fn invariant_every_key_and_unit_of_a_machine_is_offered_where_it_stands() {
             else {
                 continue;
             };
-            assert!(offered(at + number.len() + 1).iter().any(|own| own == unit), "{line}");
+            assert!(offered(at + number.len() + 1, unit.len()).iter().any(|own| own == unit), "{line}");
             units += 1;
         }
         begin += line.len();
     }
-    assert!(keys > 40 && units > 10, "{keys} {units}");
+    assert!(keys > 30 && units > 10, "{keys} {units}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::place::Place;
 use super::timed::beyond;
 use super::word::{Letter, Word};
 use vibro_analysis::assembly::flight::{Series, coefficients, turning_points};
-use vibro_assembly::mode::{Contact, Mode, StopState, Watch};
+use vibro_assembly::mode::{Contact, ElementState, FrictionState, Mode, StopState, Watch};
 use vibro_assembly::system::System;
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
@@ -33,6 +33,12 @@ pub enum Condition {
         letter: usize,
         /// The stop.
         stop: usize,
+    },
+    /// The friction that event `letter` stops at once slips the other way: more than its static
+    /// level would be needed to hold it.
+    Reverses {
+        /// Its place in the word.
+        letter: usize,
     },
     /// At a fixed time the contacts that change could not stay as they were.
     Changes {
@@ -71,6 +77,17 @@ impl Condition {
         }
     }
 
+    /// Order in which conditions that cease to hold at one point say what happens there: an orbit may
+    /// touch a stop again and again where one of its impacts has no speed, and it has further events
+    /// where two of its own change places.
+    pub(super) fn rank(&self) -> usize {
+        match self {
+            Self::Rises { .. } => 0,
+            Self::Stays { .. } => 2,
+            _ => 1,
+        }
+    }
+
     /// Whether it ceases to hold where a rigid stop is touched with speed zero.
     pub(super) fn touches_rigid_stop(&self, word: &Word, system: &System) -> bool {
         let watch = match *self {
@@ -88,45 +105,60 @@ impl Cycle {
     pub(super) fn conditions(&self, place: &Place, word: &Word) -> Vec<(Condition, f64)> {
         let mut all = Vec::new();
         if word.is_empty() {
-            self.add_peaks(0, word, &mut all);
+            self.add_peaks(0, word, TOUCHING, &mut all);
             return all;
         }
-        for (letter, leg) in self.legs.iter().enumerate() {
-            self.add_event(letter, place, word, &mut all);
-            if leg.span > 0.0 {
-                self.add_peaks(letter, word, &mut all);
-            }
+        let sizes: Vec<Vec<f64>> =
+            (0..self.legs.len()).map(|k| self.add_peaks(k, word, TOUCHING, &mut all)).collect();
+        for letter in 0..self.legs.len() {
+            let before = (letter + sizes.len() - 1) % sizes.len();
+            self.add_event(letter, place, word, &sizes[before], &mut all);
         }
         all
     }
 
-    /// The value of one condition; `None` where its flight does not have it.
+    /// The value of one condition; `None` where its flight does not have it. Beside an orbit too: the
+    /// functionals of events are zero at the orbit alone.
     pub(super) fn value_of(&self, condition: Condition, place: &Place, word: &Word) -> Option<f64> {
         let mut all = Vec::new();
         match condition {
-            Condition::Stays { letter, .. } => self.add_peaks(letter, word, &mut all),
+            Condition::Stays { letter, .. } => drop(self.add_peaks(letter, word, f64::INFINITY, &mut all)),
             Condition::Rises { letter }
             | Condition::Lasts { letter }
+            | Condition::Reverses { letter }
             | Condition::Changes { letter, .. }
             | Condition::Limited { letter, .. }
-            | Condition::Together { letter, .. } => self.add_event(letter, place, word, &mut all),
+            | Condition::Together { letter, .. } => {
+                let before = (letter + self.legs.len() - 1) % self.legs.len();
+                let sizes = self.add_peaks(before, word, f64::INFINITY, &mut all);
+                self.add_event(letter, place, word, &sizes, &mut all);
+            }
         }
         all.into_iter().find(|(own, _)| *own == condition).map(|(_, value)| value)
     }
 
-    /// Adds the conditions of event `letter` and the duration of the flight after it.
-    fn add_event(&self, letter: usize, place: &Place, word: &Word, all: &mut Vec<(Condition, f64)>) {
+    /// Adds the conditions of event `letter` and the duration of the flight after it. Requires the
+    /// sizes of the functionals of the flight before it.
+    fn add_event(
+        &self,
+        letter: usize,
+        place: &Place,
+        word: &Word,
+        sizes: &[f64],
+        all: &mut Vec<(Condition, f64)>,
+    ) {
         let period = self.period();
         all.push((Condition::Lasts { letter }, self.legs[letter].span / period));
         if word.letters[letter].timed().is_some() {
             return self.add_fixed(letter, place, word, all);
         }
         let before = self.before(letter);
-        let row = before.ending.map(|place| before.flow.watched[place].1.as_slice()).unwrap_or(&[]);
-        let size: f64 = row.iter().zip(&before.states[1]).map(|(a, x)| (a * x).abs()).sum();
-        all.push((Condition::Rises { letter }, self.rise(letter) * period / size.max(f64::MIN_POSITIVE)));
+        let size = before.ending.map_or(0.0, |place| sizes[place]).max(f64::MIN_POSITIVE);
+        all.push((Condition::Rises { letter }, self.rise(letter) * period / size));
         let own = &word.letters[letter];
         let system = place.assembly.system();
+        let turned = turned(own).and_then(|i| beyond_static(place, own, i, &before.states[1]));
+        all.extend(turned.map(|value| (Condition::Reverses { letter }, value)));
         let is_met =
             |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
         for stop in own.hits().filter(is_met) {
@@ -177,12 +209,16 @@ impl Cycle {
         all.extend(most.map(|value| (Condition::Changes { letter, contact }, value)));
     }
 
-    /// Adds how far each functional of a flight stays below zero: minus its largest value within
-    /// the flight, ends at which it is zero left out.
-    fn add_peaks(&self, letter: usize, word: &Word, all: &mut Vec<(Condition, f64)>) {
+    /// Adds how far each functional of a flight with a duration stays below zero: minus its largest
+    /// value within the flight. Ends at which it is an event's, and is not larger than `zero` times
+    /// its terms, are left out. Returns the sizes of the terms.
+    fn add_peaks(&self, letter: usize, word: &Word, zero: f64, all: &mut Vec<(Condition, f64)>) -> Vec<f64> {
         let leg = &self.legs[letter];
         let watched = &leg.flow.watched;
         let mut sizes: Vec<f64> = watched.iter().map(|(_, row)| size(row.as_slice(), leg)).collect();
+        if leg.span <= 0.0 && !word.is_empty() {
+            return sizes;
+        }
         let mut peaks = vec![f64::NEG_INFINITY; watched.len()];
         let next = word.letters.get((letter + 1) % word.len().max(1));
         let is_ending = |place: usize| {
@@ -191,6 +227,8 @@ impl Cycle {
             };
             leg.ending == Some(place) || next.is_some_and(of)
         };
+        let begun = word.letters.get(letter);
+        let is_begun = |place: usize| begun.is_some_and(|own| is_zero_after(own, watched[place].0));
         let mut past = 0.0;
         let mut look = |series: &Series, length: f64| {
             for (place, (_, row)) in watched.iter().enumerate() {
@@ -201,11 +239,12 @@ impl Cycle {
                 if q[0] + spread <= peaks[place] {
                     continue;
                 }
-                let zero = TOUCHING * sizes[place];
+                let zero = zero * sizes[place];
                 turning_points(&q, &mut |u, value| {
                     let begins = past == 0.0 && u == 0.0;
                     let ends = past + length >= leg.span * (1.0 - 1e-12) && u == 1.0;
-                    let left_out = (begins || (ends && is_ending(place))) && value.abs() <= zero;
+                    let is_event = (begins && is_begun(place)) || (ends && is_ending(place));
+                    let left_out = is_event && value.abs() <= zero;
                     if !left_out {
                         peaks[place] = peaks[place].max(value);
                     }
@@ -220,7 +259,43 @@ impl Cycle {
             let value = -peak / sizes[place].max(f64::MIN_POSITIVE);
             all.push((Condition::Stays { letter, watch: watched[place].0, place }, value));
         }
+        sizes
     }
+}
+
+/// Whether a functional may be zero after an event by the event itself: that of a contact that
+/// changes there. The force of a closed stop is not, nor that of a sticking friction beyond its
+/// level: where one of them is zero at the begin of a flight, a condition just ceases to hold.
+fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
+    let contact = watch.contact();
+    let [before, after] = &letter.modes;
+    let is_own = letter.events.iter().any(|event| event.contact() == Some(contact))
+        || letter.chatter.as_ref().is_some_and(|run| Contact::Stop(run.stop) == contact)
+        || changes(before, after).any(|own| own == contact);
+    is_own && !matches!(watch, Watch::Slips(..) | Watch::Opens(_))
+}
+
+/// The friction whose direction of slip an event changes at once.
+fn turned(letter: &Letter) -> Option<usize> {
+    let Some(Watch::Stops(i)) = letter.watch() else { return None };
+    let [before, after] = letter.modes.each_ref().map(|mode| mode.frictions[i]);
+    let is_turned = matches!(
+        (before, after),
+        (FrictionState::Up, FrictionState::Down) | (FrictionState::Down, FrictionState::Up)
+    );
+    is_turned.then_some(i)
+}
+
+/// How far the force that would hold a friction at an event is beyond its static level, relative to
+/// its terms; `None` where the friction would depend on other contacts.
+fn beyond_static(place: &Place, letter: &Letter, friction: usize, z: &[f64]) -> Option<f64> {
+    let (system, own) = (place.assembly.system(), Contact::Friction(friction));
+    let stuck = ElementState::Friction(friction, FrictionState::Stuck);
+    let mode = system.with_element(&letter.modes[0], stuck);
+    let flow = mode.basis.contains(&own).then(|| place.flow(&mode))?;
+    let levels =
+        flow.watched.iter().filter(|(watch, _)| matches!(watch, Watch::Slips(i, _) if *i == friction));
+    levels.map(|(_, row)| beyond(row.as_slice(), z)).reduce(f64::max)
 }
 
 /// The mode before a letter with the levels of stiffness after it: parts that begin to act are in

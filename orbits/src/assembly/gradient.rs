@@ -7,7 +7,7 @@
 use super::orbit::Orbit;
 use super::place::Family;
 use super::problem::Problem;
-use crate::curve::Equations;
+use crate::curve::{Equations, is_degenerate};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -94,10 +94,10 @@ impl Orbit {
         let whole = problem.linearize(&u, None)?.matrix;
         let column = whole.column(last).into_owned();
         let matrix = whole.remove_column(last);
-        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
-        if along.iter().any(|x| !x.is_finite()) {
+        if is_degenerate(&matrix) {
             return Err(Obstacle::Singular);
         }
+        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
         let direction = along.push(1.0);
         // The unknowns move by a step at most.
         let step = step / direction.amax().max(1.0);

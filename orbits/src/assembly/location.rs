@@ -11,6 +11,7 @@ use crate::obstacle::Obstacle;
 use crate::special::zero;
 use crate::test_functions::is_on_circle;
 use nalgebra::DVector;
+use std::cmp::Ordering;
 
 /// Size of the difference of an orbit's halves that is rounding.
 const BIRTH: f64 = 1e-9;
@@ -19,7 +20,8 @@ const BIRTH: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-6;
 /// Accuracy of the arc of a special point.
 const LOCATION: f64 = 1e-13;
-/// Distance, in parts of a step, within which a bifurcation is one with a touch.
+/// Distance, in parts of a step, within which a bifurcation is one with a touch, and conditions
+/// cease to hold at one point: next to a visit without duration the equations are nearly singular.
 const MERGED: f64 = 1e-5;
 /// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
 /// parts of the arc.
@@ -179,7 +181,12 @@ impl Follower<'_> {
                     (at, Some(own))
                 }
             };
-            if first.as_ref().is_none_or(|(_, s, _)| at < *s) {
+            let is_before = |(other, s, _): &(Condition, f64, _)| match condition.rank().cmp(&other.rank()) {
+                Ordering::Less => at <= *s + MERGED * arc,
+                Ordering::Equal => at < *s,
+                Ordering::Greater => at < *s - MERGED * arc,
+            };
+            if first.as_ref().is_none_or(is_before) {
                 first = Some((*condition, at, own));
             }
         }

@@ -9,7 +9,8 @@ use super::conditions;
 use super::orbit::Orbit;
 use super::place::Family;
 use super::problem::Problem;
-use super::{switching, tree};
+use super::sides::{Side, other_side};
+use super::tree;
 use crate::branch::Label;
 use crate::curve::{axis, correct};
 use crate::locus::{LocusEnd, both_ways};
@@ -81,7 +82,8 @@ impl Branch {
 
 impl LocusStart {
     /// The special point of a branch over the first parameter that an orbit beside it leads to: of
-    /// a kind, and nearest to a value of the parameter. The family's machine has the orbit's value.
+    /// a kind, and nearest to a value of the parameter. Where several conditions cease to hold at
+    /// the value, it may have the name of another one. The family's machine has the orbit's value.
     ///
     /// # Errors
     /// [`Error::Described`] where the branch of the orbit has no such point at the value; as
@@ -92,8 +94,10 @@ impl LocusStart {
         let off = |k: &usize| (branch.points[*k].value - value).abs();
         let own = |k: &usize| branch.points[*k].special.as_ref() == Some(special);
         let found = (0..branch.points.len()).filter(own).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let start = found.filter(|k| off(k) <= FOUND * (family.range.1 - family.range.0));
-        start.and_then(|k| branch.locus_start(k)).ok_or_else(|| {
+        let is_there = |k: &usize| off(k) <= FOUND * (family.range.1 - family.range.0);
+        let start = found.filter(is_there).and_then(|k| branch.locus_start(k));
+        let other = || (0..branch.points.len()).filter(is_there).find_map(|k| branch.locus_start(k));
+        start.or_else(other).ok_or_else(|| {
             let Special { kind, element } = special;
             let nearest = found.map_or(String::new(), |k| format!("; the nearest is at {}", branch.points[k].value));
             let what = format!("{} {element}", kind.name());
@@ -124,8 +128,8 @@ impl LocusStart {
         self.problem.word.periods
     }
 
-    /// The point in the shortest word of its orbit, with the condition of its curve. A touch of a
-    /// rigid stop stands in the word without it, where several words meet.
+    /// The point in the shortest word of its orbit, with the condition of its curve. A touch stands
+    /// in the word that does not list it, where several words meet.
     fn normal(&self) -> std::result::Result<(Self, Condition), Obstacle> {
         let special = self.special.clone();
         let Kind::As(
@@ -133,10 +137,11 @@ impl LocusStart {
         ) = special.kind
         else {
             let touch = self.touch()?;
-            let is_impact = matches!(touch, conditions::Condition::Rises { .. });
-            return Ok(match switching::other_side(&self.problem, &self.u, touch) {
-                Ok((problem, u, touch)) if is_impact => {
-                    (Self { special, problem, u }, Condition::Touch(touch))
+            let is_listed =
+                matches!(touch, conditions::Condition::Rises { .. } | conditions::Condition::Lasts { .. });
+            return Ok(match other_side(&self.problem, &self.u, touch) {
+                Ok(Side { problem, u, condition }) if is_listed => {
+                    (Self { special, problem, u }, Condition::Touch(condition))
                 }
                 _ => (self.clone(), Condition::Touch(touch)),
             });
@@ -154,11 +159,7 @@ impl LocusStart {
             let is_own = Special::of_condition(*condition, &self.problem.word, &place) == self.special;
             is_own && value.abs() < CEASES && !matches!(condition, conditions::Condition::Together { .. })
         });
-        // An orbit may touch a stop again and again where one of its impacts has no speed.
-        let is_other =
-            |condition: &conditions::Condition| !matches!(condition, conditions::Condition::Rises { .. });
-        let nearest =
-            own.min_by(|a, b| is_other(&a.0).cmp(&is_other(&b.0)).then(a.1.abs().total_cmp(&b.1.abs())));
+        let nearest = own.min_by(|a, b| a.0.rank().cmp(&b.0.rank()).then(a.1.abs().total_cmp(&b.1.abs())));
         nearest.map(|(condition, _)| condition).ok_or(Obstacle::NoConvergence)
     }
 }
@@ -184,7 +185,11 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let guess = locus.point(&u, held);
     let last = guess.len() - 1;
     let at = correct(&locus, &guess, &axis(guess.len(), last)).map_err(failed)?;
+    let locus = locus.with_twins(&at.u).map_err(failed)?;
     let found = both_ways(&locus, &at.u).map_err(failed)?;
+    if found.len() == 1 || locus.is_point(&found) {
+        return Err(failed(Obstacle::NoConvergence));
+    }
     found.into_iter().map(|(w, end)| locus.seen(&w, end).map_err(failed)).collect()
 }
 

@@ -24,6 +24,7 @@ mod problem;
 mod record;
 mod search;
 mod seed;
+mod sides;
 mod switching;
 mod timed;
 mod tree;

@@ -374,6 +374,9 @@ impl Condition {
             Self::Lasts { letter } => {
                 format!("the flight after {} has no duration", word.letters[letter].in_words(assembly))
             }
+            Self::Reverses { letter } => {
+                format!("{} sticks in place of slipping on", word.letters[letter].in_words(assembly))
+            }
             Self::Together { letter, stop } => {
                 let words = word.letters[letter].in_words(assembly);
                 format!("{} is not at its gap at {words}", assembly.name_of_stop(stop))

@@ -25,6 +25,8 @@ struct Beside {
     places: [Place; 2],
     /// Their distance, in the parameter's unit.
     width: f64,
+    /// Whether one of them is the present one.
+    is_one_sided: bool,
 }
 
 impl Beside {
@@ -41,13 +43,13 @@ impl Beside {
             problem.place(&moved)
         };
         let size = |place: &Place| place.assembly.system().signals.size;
-        let (places, width) = match (at(-step), at(step)) {
-            (Ok(below), Ok(above)) => ([below, above], 2.0 * step),
-            (Ok(below), Err(_)) => ([below, at(0.0)?], step),
-            (Err(_), above) => ([at(0.0)?, above?], step),
+        let (places, width, is_one_sided) = match (at(-step), at(step)) {
+            (Ok(below), Ok(above)) => ([below, above], 2.0 * step, false),
+            (Ok(below), Err(_)) => ([below, at(0.0)?], step, true),
+            (Err(_), above) => ([at(0.0)?, above?], step, true),
         };
         let is_alike = places.iter().all(|beside| size(beside) == size(place));
-        Ok(is_alike.then_some(Self { places, width }))
+        Ok(is_alike.then_some(Self { places, width, is_one_sided }))
     }
 
     /// Whether the fixed times of a word are those of both machines.
@@ -90,20 +92,38 @@ impl Problem {
         cycle: &Cycle,
         matrix: &DMatrix<f64>,
     ) -> Result<DVector<f64>, Obstacle> {
-        let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
-        let (nodes, first, free) = (self.word.nodes(), self.first_time(), self.word.free());
-        let Numbers { times, period, .. } = self.numbers(place, u);
         let step = if self.has_run() { CHATTER_STEP } else { STEP };
         // Knots may move with the parameter.
         let has_knots = cycle.legs.iter().any(|leg| !leg.knots.is_empty());
-        let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
-        let Some(beside) = beside.filter(|beside| beside.keeps_times(&self.word)) else {
-            return self.by_whole_motions(u, cycle, step);
+        let at = |step: f64| -> Result<Option<Beside>, Obstacle> {
+            let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
+            Ok(beside.filter(|beside| beside.keeps_times(&self.word)))
         };
+        let Some(beside) = at(step)? else { return self.by_whole_motions(u, cycle, step) };
+        let column = self.by_machines((place, u), cycle, matrix, &beside)?;
+        // A difference to one side is of second order with one twice as far.
+        let farther = if beside.is_one_sided { at(2.0 * step)? } else { None };
+        match farther {
+            Some(farther) => Ok(column * 2.0 - self.by_machines((place, u), cycle, matrix, &farther)?),
+            None => Ok(column),
+        }
+    }
+
+    /// Derivative of the equations by the parameter, from the differences of two machines.
+    fn by_machines(
+        &self,
+        (place, u): (&Place, &DVector<f64>),
+        cycle: &Cycle,
+        matrix: &DMatrix<f64>,
+        beside: &Beside,
+    ) -> Result<DVector<f64>, Obstacle> {
+        let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
+        let (nodes, first, free) = (self.word.nodes(), self.first_time(), self.word.free());
+        let Numbers { times, period, .. } = self.numbers(place, u);
         let mut carried = Carried {
             problem: self,
             place,
-            beside: &beside,
+            beside,
             longer: beside.rate(|place| self.driven_period(place).unwrap_or(period)),
             v: vec![0.0; cycle.back.len()],
         };

@@ -1,14 +1,14 @@
 //! Branches grown from settled motions: each is followed in both directions, and at its special
 //! points further ones begin.
 
-use super::branch::{Branch, Kind};
+use super::branch::{Branch, Kind, Special};
 use super::orbit::Orbit;
-use super::path::{Departure, Path, PathEnd, follow};
+use super::path::{Departure, Follower, Path, PathEnd, follow};
 use super::place::Family;
 use super::problem::Problem;
 use super::switching;
 use crate::branch::Label;
-use crate::curve::tangent;
+use crate::curve::{CurvePoint, Equations, is_degenerate, tangent};
 use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
 use nalgebra::DVector;
@@ -66,6 +66,9 @@ enum StartKind {
 /// The departures of a branch in both directions from an orbit.
 fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     let (problem, u) = (&orbit.problem, &orbit.u);
+    if is_degenerate(&problem.linearize(u, None)?.matrix) {
+        return Err(Obstacle::Singular);
+    }
     let axis = crate::curve::axis(u.len(), u.len() - 1);
     let direction = tangent(problem, u, &axis)?;
     let departure = |direction: DVector<f64>| Departure {
@@ -99,17 +102,27 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
     let failed =
         |obstacle| super::orbit::Obstructed { obstacle, residual: f64::NAN, word: String::new() }.error();
     let orbit = Orbit::at(problem, place, u).map_err(failed)?;
-    let (traced, _) = trace(&[StartKind::Orbit(Box::new(orbit))], options).map_err(failed)?;
+    let departures = both_ways(&orbit).map_err(|obstacle| match obstacle {
+        Obstacle::Singular => {
+            let problem = format!(
+                "{} = {value}: the orbit is one of a family of this machine, so that no branch over {} passes it alone",
+                family.parameter, family.parameter
+            );
+            Error::Described { problem }
+        }
+        other => failed(other),
+    })?;
+    let (traced, _) = trace(&StartKind::Departures(departures.to_vec()), options).map_err(failed)?;
     Ok(traced)
 }
 
 /// The branch of a start, with its ends in the order of its points.
-fn trace(
-    start: &[StartKind],
-    options: &PathOptions,
-) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
-    let departures = match &start[0] {
-        StartKind::Orbit(orbit) => both_ways(orbit)?.to_vec(),
+fn trace(start: &StartKind, options: &PathOptions) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+    let departures = match start {
+        StartKind::Orbit(orbit) => match both_ways(orbit) {
+            Err(Obstacle::Singular) => return alone(orbit),
+            found => found?.to_vec(),
+        },
         StartKind::Departures(departures) => departures.clone(),
     };
     let paths: Vec<Path> =
@@ -129,6 +142,17 @@ fn trace(
         }
         _ => Err(Obstacle::NoConvergence),
     }
+}
+
+/// The branch of an orbit through which none passes alone.
+fn alone(orbit: &Orbit) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+    let (problem, u) = (&orbit.problem, orbit.u.clone());
+    let tangent = crate::curve::axis(u.len(), u.len() - 1);
+    let follower = Follower { problem };
+    let at = follower.look(CurvePoint { u, tangent, steps: 1 })?;
+    let point = follower.point(&at, Some(Special::of(Label::NoConvergence)));
+    let path = || Path { points: vec![point.clone()], end: PathEnd::Plain };
+    Ok(Branch::joined(problem.clone(), path(), path()))
 }
 
 /// Branches as far as they have grown.
@@ -203,7 +227,7 @@ impl Grower<'_> {
         let traced: Vec<_> = starts
             .into_par_iter()
             .filter(|start| !self.is_known(&start.kind))
-            .filter_map(|start| Some((trace(std::slice::from_ref(&start.kind), path).ok()?, start)))
+            .filter_map(|start| Some((trace(&start.kind, path).ok()?, start)))
             .collect();
         let known = self.branches.len();
         for ((mut branch, ends), BranchStart { depth, parent, kind }) in traced {

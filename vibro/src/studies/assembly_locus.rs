@@ -28,9 +28,10 @@ impl CurveOfFile {
     /// Kind, element and number of periods.
     fn name(&self) -> String {
         let special = &self.point.special;
-        let element = special.element.rsplit('.').next().unwrap_or_default();
+        let names = special.element.split(' ').filter_map(|name| name.rsplit('.').next());
+        let element = names.collect::<Vec<_>>().join(" ");
         let periods = self.start.periods().map_or(String::new(), |n| format!("{n}T"));
-        let words = [special.kind.name(), element, &periods];
+        let words = [special.kind.name(), &element, &periods];
         words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
     }
 

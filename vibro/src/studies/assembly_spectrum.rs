@@ -1,6 +1,6 @@
 //! All Lyapunov exponents of a described machine's motion.
 
-use super::design_sweep::Labelled;
+use super::design_sweep::{Labelled, with_spread};
 use super::{PANEL, Study};
 use crate::Result;
 use crate::table::{TextTable, exact};
@@ -36,7 +36,10 @@ pub fn assembly_spectrum(
     for (k, e) in (1..).zip(&found.exponents) {
         table.rows.push(vec![format!("{k}"), exact(e.value), exact(e.error), e.periods.to_string()]);
     }
-    let words: Vec<String> = found.exponents.iter().map(|e| significant(e.value)).collect();
+    let in_words = |value: f64, error: f64| {
+        if error.is_finite() && value.is_finite() { with_spread(value, error) } else { significant(value) }
+    };
+    let words: Vec<String> = found.exponents.iter().map(|e| in_words(e.value, e.error)).collect();
     let held = found.exponents.iter().filter(|e| e.value == f64::NEG_INFINITY).count();
     let mut remarks = vec![format!("exponents: {} 1/s, over {periods} returns", words.join(", "))];
     remarks.push(match held {

@@ -12,6 +12,7 @@ pub use table::write_tables;
 use super::Study;
 use crate::Result;
 use collected::Collected;
+pub(in crate::studies) use collected::with_spread;
 pub(in crate::studies) use map::{limits, map};
 use vibro_analysis::design_sweep::{
     Choice, DesignRow, Designs, SampledAxis, SweepRequest, choice, each_final_row,

@@ -10,7 +10,7 @@ use super::super::problem::{Problem, Residual};
 use super::LocusPoint;
 use crate::branch::Label;
 use crate::curve::{Equations, Linearization, slope};
-use crate::locus::{Border, LocusEnd, TwoParameters, smallness};
+use crate::locus::{Border, Located, LocusEnd, TwoParameters, smallness};
 use crate::obstacle::Obstacle;
 use crate::test_functions::{SignedLog, is_on_circle, pair_test};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -20,6 +20,11 @@ use std::sync::Arc;
 const DIFFERENCE: f64 = 1e-6;
 /// Value of a further condition at the end of a curve below which the end is its touch.
 const TOUCHES: f64 = 1e-4;
+/// Extent of a curve, in parts of the ranges, that is a point.
+const POINT: f64 = 1e-4;
+/// Value of a condition at the begin of a curve at which it holds along the curve as the curve's own
+/// does: of a symmetric orbit several touches are one.
+const TWIN: f64 = 1e-8;
 /// Largest part of the unfolding of a crossing that is rounding, in units of the equations.
 const KEPT: f64 = 1e-7;
 
@@ -64,6 +69,8 @@ pub(super) struct Locus {
     families: [Family; 2],
     problem: Problem,
     condition: Condition,
+    /// Further conditions that are zero along the curve.
+    twins: Vec<conditions::Condition>,
 }
 
 /// The machine and the orbit's equations at a point of a curve, over each parameter.
@@ -75,7 +82,20 @@ struct At {
 
 impl Locus {
     pub fn new(families: [Family; 2], problem: Problem, condition: Condition) -> Self {
-        Self { families, problem, condition }
+        Self { families, problem, condition, twins: Vec::new() }
+    }
+
+    /// The curve with the conditions that are zero at its begin beside its own.
+    pub fn with_twins(self, w: &DVector<f64>) -> Result<Self, Obstacle> {
+        let orbit = self.orbit(w)?;
+        let is_twin = |(condition, value): &&(conditions::Condition, f64)| {
+            // That stops are met together is a condition of its own size.
+            let is_together = matches!(condition, conditions::Condition::Together { .. });
+            value.abs() < TWIN && !is_together && !self.is_own(condition)
+        };
+        let of_touch = matches!(self.condition, Condition::Touch(_)).then(|| orbit.conditions());
+        let twins = of_touch.unwrap_or_default().iter().filter(is_twin).map(|at| at.0).collect();
+        Ok(Self { twins, ..self })
     }
 
     fn n(&self) -> usize {
@@ -89,6 +109,17 @@ impl Locus {
 
     fn unfolds(&self) -> bool {
         matches!(self.condition, Condition::Crossing(_))
+    }
+
+    /// Whether a curve of crossings is so short that rounding alone keeps its crossing.
+    pub fn is_point(&self, curve: &[Located]) -> bool {
+        let part = |k: usize| {
+            let (from, to) = TwoParameters::range(self, k);
+            let all = curve.iter().map(|(w, _)| w[w.len() - 2 + k]);
+            let ends = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            (ends.1 - ends.0) / (to - from)
+        };
+        self.unfolds() && part(0).max(part(1)) < POINT
     }
 
     /// The point of an orbit with a value of the second parameter.
@@ -247,7 +278,9 @@ impl TwoParameters for Locus {
         let orbit = self.orbit(w)?;
         let is_kept = !self.unfolds() || w[self.n()].abs() < KEPT;
         let holds = |(condition, value): &(conditions::Condition, f64)| {
-            self.is_own(condition) || !condition.fails(*value)
+            self.is_own(condition)
+                || !condition.fails(*value)
+                || (self.twins.contains(condition) && *value > -TWIN)
         };
         Ok(is_kept && orbit.conditions().iter().all(holds))
     }
@@ -287,7 +320,8 @@ impl TwoParameters for Locus {
             conditions::Condition::Rises { .. } => *value < TOUCHES.sqrt(),
             _ => *value < TOUCHES,
         };
-        if orbit.conditions().iter().any(|at| !self.is_own(&at.0) && touches(at)) {
+        let is_other = |condition| !self.is_own(condition) && !self.twins.contains(condition);
+        if orbit.conditions().iter().any(|at| is_other(&at.0) && touches(at)) {
             return Some(LocusEnd::Touch);
         }
         matches!(self.condition, Condition::Pair)

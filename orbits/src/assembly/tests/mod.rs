@@ -9,6 +9,7 @@ mod motions;
 mod paper;
 mod samples;
 mod series;
+mod sides;
 mod steps;
 
 use super::problem::Problem;

@@ -24,7 +24,7 @@ use vibro_sketch::Sketch;
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
 
-/// Carries out a command for the machine of a file. Returns `false` if a motion was interrupted;
+/// Carries out a command for the machine of a file. Returns `false` if it was interrupted;
 /// everything computed until then is written.
 ///
 /// # Errors
@@ -40,10 +40,10 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
         Command::Basin(a) => assembly_basin::basin(file, common, a)?,
         Command::Section(a) => assembly_studies::section(file, common, a)?,
-        Command::Response(a) => assembly_orbits::response(file, common, a)?,
+        Command::Response(a) => return assembly_orbits::response(file, common, a),
         Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
         Command::Fit(a) => return assembly_fit::run(common, a),
-        Command::Orbits(a) => assembly_orbits::orbits(file, common, a)?,
+        Command::Orbits(a) => return assembly_orbits::orbits(file, common, a),
         Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
         // `vibro check`: no other command takes a file.
         _ => output::say(&assembly::summary(read(file, common)?.description)?)?,

@@ -123,8 +123,8 @@ fn in_words(family: &Family) -> String {
     format!("{}={}:{}", family.parameter, family.range.0, family.range.1)
 }
 
-/// The branches of a tree, with a remark where it was interrupted.
-fn grown(family: &Family, options: &TreeOptions) -> Result<(Vec<Branch>, Option<String>)> {
+/// The branches of a tree, and whether all were followed; Ctrl-C ends the growth.
+fn grown(family: &Family, options: &TreeOptions) -> Result<(Vec<Branch>, bool)> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
@@ -134,12 +134,17 @@ fn grown(family: &Family, options: &TreeOptions) -> Result<(Vec<Branch>, Option<
         progress.at(done, all);
         !stop.load(Ordering::Relaxed)
     })?;
-    let words = "interrupted: further branches were not followed";
-    Ok((found, stop.load(Ordering::Relaxed).then(|| words.to_owned())))
+    Ok((found, !stop.load(Ordering::Relaxed)))
 }
 
-/// The branches over a parameter: that of the settled motion, or all.
-pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<()> {
+/// The remark of a study whose growth was interrupted.
+fn remark(is_whole: bool) -> Option<String> {
+    (!is_whole).then(|| "interrupted: further branches were not followed".into())
+}
+
+/// The branches over a parameter: that of the settled motion, or all. Returns whether all were
+/// followed.
+pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
     let settling = &a.of_file.settling;
     let mut machine = machine(file, &settling.section(), common)?;
     let family = family(&mut machine, &a.vary)?;
@@ -158,20 +163,21 @@ pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<()> {
     // The folder is checked before work begins.
     destination.place(&[destination.result("orbits")])?;
     let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
-    let (branches, remark) = if a.tree {
+    let (branches, is_whole) = if a.tree {
         let (seeds, discard) = (a.seeds as usize, settling.discard);
         grown(&family, &TreeOptions { start, seeds, discard, depth: a.depth, path })?
     } else {
         let orbit = Orbit::settled(&machine, &start, settling.discard)?;
-        (vec![branch(&family, &orbit, &path)?], None)
+        (vec![branch(&family, &orbit, &path)?], true)
     };
     let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
-    study.remarks.extend(remark);
-    written(&[study], &machine, &destination, common)
+    study.remarks.extend(remark(is_whole));
+    written(&[study], &machine, &destination, common).map(|()| is_whole)
 }
 
-/// The response: the branches of the orbits on which motions settle, rising and falling.
-pub fn response(file: &Path, common: &Common, a: &Response) -> Result<()> {
+/// The response: the branches of the orbits on which motions settle, rising and falling. Returns
+/// whether all were followed.
+pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
     let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
     let mut machine = machine(file, &settling.section(), common)?;
     let family = family(&mut machine, &a.range)?;
@@ -192,10 +198,10 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<()> {
     destination.place(&[destination.result("response")])?;
     let path = PathOptions { longest_step: *step, ..PathOptions::default() };
     let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
-    let (branches, remark) = grown(&family, &TreeOptions { start, seeds, discard, depth, path })?;
+    let (branches, is_whole) = grown(&family, &TreeOptions { start, seeds, discard, depth, path })?;
     let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
-    study.remarks.extend(remark);
-    written(&[study], &machine, &destination, common)
+    study.remarks.extend(remark(is_whole));
+    written(&[study], &machine, &destination, common).map(|()| is_whole)
 }
 
 /// Curves of special points over two parameters.

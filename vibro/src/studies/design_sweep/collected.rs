@@ -210,7 +210,7 @@ fn unit_of(unit: &str) -> String {
 }
 
 /// A number rounded to its spread: `0.0248 ± 0.0003`.
-fn with_spread(value: f64, spread: f64) -> String {
+pub(in crate::studies) fn with_spread(value: f64, spread: f64) -> String {
     if spread <= REGULAR * value.abs() {
         return significant(value);
     }
