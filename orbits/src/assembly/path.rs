@@ -2,6 +2,7 @@
 
 use super::branch::{Branch, OrbitPoint, Special};
 use super::conditions::Condition;
+use super::location::Broken;
 use super::orbit::{Orbit, Stability};
 use super::problem::{Problem, Residual};
 use crate::branch::Label;
@@ -31,6 +32,8 @@ const SHORTEST_LOOP: usize = 10;
 const STEEP: f64 = 1e-2;
 /// Distance of a fold from a crossing at which it is the turn of the side branch.
 const TURN: f64 = 1e-4;
+/// Distance from a touch within which a bifurcation is one with it.
+const AT_TOUCH: f64 = 1e-5;
 /// Part of the arc to a touch at which its multipliers are taken, on this side of it.
 const BEFORE: f64 = 1.0 - 1e-7;
 
@@ -142,6 +145,13 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
             let first = points[0].clone();
             points.push(first);
             return Ok(Path { points, end: PathEnd::Closed });
+        }
+        if matches!(end, Some(PathEnd::Broken(_))) {
+            // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
+            let is_touch = |p: &OrbitPoint| p.special.is_some() && (&p.u - &next.u).norm() < AT_TOUCH;
+            while points.len() > 1 && points.last().is_some_and(is_touch) {
+                points.pop();
+            }
         }
         points.push(follower.point(&next, special));
         if let Some(end) = end {
@@ -265,7 +275,11 @@ impl Follower<'_> {
         if is_last {
             (special, end) = (Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }
-        if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
+        let mut touch = None;
+        if let Some(Broken { condition, arc: at, at: found, before_all }) =
+            self.broken(last, &next, arc, leaves)?
+        {
+            touch = Some(before_all);
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
             let before = self.at(last, at * BEFORE).and_then(|before| self.look(before));
@@ -290,8 +304,8 @@ impl Follower<'_> {
             (next, arc, special, end) =
                 (birth, at * arc, Some(Special::of(Label::PeriodDoubling)), Some(PathEnd::Plain));
         }
-        let is_touch = matches!(end, Some(PathEnd::Broken(_)));
-        let between = self.bifurcations(last, &next, arc, (leaves, is_touch))?;
+        let touch = touch.filter(|_| matches!(end, Some(PathEnd::Broken(_))));
+        let between = self.bifurcations(last, &next, arc, (leaves, touch))?;
         Ok(Step { between, next, special, end })
     }
 
