@@ -77,9 +77,9 @@ impl Condition {
         }
     }
 
-    /// Order in which conditions that cease to hold at one point say what happens there: an orbit may
-    /// touch a stop again and again where one of its impacts has no speed, and it has further events
-    /// where two of its own change places.
+    /// Rank, least first, by which one of several conditions that cease to hold at one point names
+    /// it. An impact without speed comes with further touches of its stop, and two events that
+    /// change places come with further events.
     pub(super) fn rank(&self) -> usize {
         match self {
             Self::Rises { .. } => 0,
@@ -162,12 +162,7 @@ impl Cycle {
         let is_met =
             |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
         for stop in own.hits().filter(is_met) {
-            let row = system.stops[stop].excess.terms();
-            let end = &before.states[1];
-            let (value, size) = row
-                .iter()
-                .fold((0.0, 0.0), |(value, size), &(i, a)| (value + a * end[i], size + (a * end[i]).abs()));
-            let off = value.abs() / size.max(f64::MIN_POSITIVE);
+            let off = off_gap(system, stop, &before.states[1]);
             all.push((Condition::Together { letter, stop }, TOUCHING - off));
         }
     }
@@ -273,6 +268,13 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
         || letter.chatter.as_ref().is_some_and(|run| Contact::Stop(run.stop) == contact)
         || changes(before, after).any(|own| own == contact);
     is_own && !matches!(watch, Watch::Slips(..) | Watch::Opens(_))
+}
+
+/// Distance of a stop from its gap in a state, relative to its terms.
+pub(super) fn off_gap(system: &System, stop: usize, z: &[f64]) -> f64 {
+    let terms = system.stops[stop].excess.terms().iter().map(|&(i, a)| a * z[i]);
+    let (value, size) = terms.fold((0.0, 0.0), |(value, size), x| (value + x, size + x.abs()));
+    f64::abs(value) / f64::max(size, f64::MIN_POSITIVE)
 }
 
 /// The friction whose direction of slip an event changes at once.

@@ -71,8 +71,15 @@ impl Orbit {
         let machine = self.problem.family.at(self.value())?;
         let all = machine.description.parameters().into_iter().filter(|p| !p.name.contains(".start."));
         let all: Vec<_> = all.map(|p| (p.name, p.unit, p.value)).collect();
+        // The derivatives by the unknowns are those of every parameter.
+        let equations = self.problem.residual(&self.place, &self.u, true);
+        let is_family = equations.is_ok_and(|at| at.matrix.is_some_and(|matrix| is_degenerate(&matrix)));
         let of = |(parameter, unit, value): (String, &'static str, f64)| {
-            let derivative = self.derivative(&machine, (&parameter, value), measure).map_err(in_words);
+            let derivative = match is_family {
+                true => Err(Obstacle::Singular),
+                false => self.derivative(&machine, (&parameter, value), measure),
+            };
+            let derivative = derivative.map_err(in_words);
             ParameterDerivative { parameter, unit, value, derivative }
         };
         Ok(all.into_par_iter().map(of).collect())
@@ -94,10 +101,10 @@ impl Orbit {
         let whole = problem.linearize(&u, None)?.matrix;
         let column = whole.column(last).into_owned();
         let matrix = whole.remove_column(last);
-        if is_degenerate(&matrix) {
+        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
+        if along.iter().any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
         }
-        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
         let direction = along.push(1.0);
         // The unknowns move by a step at most.
         let step = step / direction.amax().max(1.0);

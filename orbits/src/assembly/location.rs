@@ -62,17 +62,6 @@ impl Test {
     }
 }
 
-/// A condition that ceases to hold in a step.
-pub(super) struct Broken {
-    pub condition: Condition,
-    /// Its arc.
-    pub arc: f64,
-    /// The position there where it is not solved for.
-    pub at: Option<Position>,
-    /// The arc at which the first condition of the same point ceases to hold.
-    pub before_all: f64,
-}
-
 impl Follower<'_> {
     /// The end of the parameter's range, if a step passes it, with its arc.
     pub fn boundary(
@@ -157,16 +146,16 @@ impl Follower<'_> {
         )))
     }
 
-    /// The first condition that ceases to hold in a step, with its place.
+    /// The first condition that ceases to hold in a step, with its arc, and the position there
+    /// where it is not solved for.
     pub fn broken(
         &self,
         last: &Position,
         next: &Position,
         arc: f64,
         leaves: bool,
-    ) -> Result<Option<Broken>, Obstacle> {
+    ) -> Result<Option<(Condition, f64, Option<Position>)>, Obstacle> {
         let mut first: Option<(Condition, f64, Option<Position>)> = None;
-        let mut before_all = arc;
         for (condition, after) in next.conditions.iter().filter(|(own, value)| own.fails(*value)) {
             let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
             if before <= 0.0 {
@@ -175,7 +164,6 @@ impl Follower<'_> {
                     return Err(Obstacle::NoConvergence);
                 }
                 first = Some((*condition, 0.0, None));
-                before_all = 0.0;
                 continue;
             }
             let value = |s: f64| {
@@ -193,7 +181,6 @@ impl Follower<'_> {
                     (at, Some(own))
                 }
             };
-            before_all = before_all.min(at);
             let is_before = |(other, s, _): &(Condition, f64, _)| match condition.rank().cmp(&other.rank()) {
                 Ordering::Less => at <= *s + MERGED * arc,
                 Ordering::Equal => at < *s,
@@ -203,16 +190,16 @@ impl Follower<'_> {
                 first = Some((*condition, at, own));
             }
         }
-        Ok(first.map(|(condition, arc, at)| Broken { condition, arc, at, before_all }))
+        Ok(first)
     }
 
-    /// The bifurcations within a step of a length, in their order, up to a touch at an arc.
+    /// The bifurcations within a step of a length, in their order.
     pub fn bifurcations(
         &self,
         last: &Position,
         next: &Position,
         arc: f64,
-        (leaves, touch): (bool, Option<f64>),
+        (leaves, ends_at_touch): (bool, bool),
     ) -> Result<Vec<OrbitPoint>, Obstacle> {
         let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
         for test in Test::ALL {
@@ -236,7 +223,7 @@ impl Follower<'_> {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
-        found.retain(|(at, _)| touch.is_none_or(|touch| touch - at > MERGED * arc));
+        found.retain(|(at, _)| !ends_at_touch || arc - at > MERGED * arc);
         // The piece after a bifurcation has the stability of what follows.
         let mut points: Vec<OrbitPoint> = found.into_iter().map(|(_, point)| point).collect();
         for k in 0..points.len() {

@@ -2,7 +2,6 @@
 
 use super::branch::{Branch, OrbitPoint, Special};
 use super::conditions::Condition;
-use super::location::Broken;
 use super::orbit::{Orbit, Stability};
 use super::problem::{Problem, Residual};
 use crate::branch::Label;
@@ -275,11 +274,7 @@ impl Follower<'_> {
         if is_last {
             (special, end) = (Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }
-        let mut touch = None;
-        if let Some(Broken { condition, arc: at, at: found, before_all }) =
-            self.broken(last, &next, arc, leaves)?
-        {
-            touch = Some(before_all);
+        if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
             let before = self.at(last, at * BEFORE).and_then(|before| self.look(before));
@@ -304,8 +299,8 @@ impl Follower<'_> {
             (next, arc, special, end) =
                 (birth, at * arc, Some(Special::of(Label::PeriodDoubling)), Some(PathEnd::Plain));
         }
-        let touch = touch.filter(|_| matches!(end, Some(PathEnd::Broken(_))));
-        let between = self.bifurcations(last, &next, arc, (leaves, touch))?;
+        let is_touch = matches!(end, Some(PathEnd::Broken(_)));
+        let between = self.bifurcations(last, &next, arc, (leaves, is_touch))?;
         Ok(Step { between, next, special, end })
     }
 

@@ -3,9 +3,9 @@
 //! Unknowns, all of size one: the state after the first event and at each further node of the word,
 //! the times of the events that are not fixed, in radians of the drive (the period in place of the
 //! first one where the machine is autonomous), a drift by period along each neutral direction, and
-//! the parameter. Equations: the state returns but for the drift, the motion from each node arrives at the next,
-//! each event's functional is zero at its time, and the state has a given place along each neutral
-//! direction.
+//! the parameter. Equations: the state returns but for the drift, the motion from each node arrives
+//! at the next, each event's functional is zero at its time, and the state has a given place along
+//! each neutral direction.
 
 use super::cycle::{Cycle, Derivatives};
 use super::place::{Family, Place, with_signals};

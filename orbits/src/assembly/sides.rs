@@ -1,10 +1,11 @@
 //! The words of an orbit that touches a contact: one lists the contact's events, one does not.
 //!
-//! At the touch a visit of the contact has no duration or, of a rigid stop, its impact has no speed,
-//! so that an orbit with either word is the orbit of the other. The equations of the word with a
-//! visit of several events are singular there: all their functionals are one to first order.
+//! A visit is a run of events in which a contact leaves its state and returns to it. At the touch a
+//! visit has no duration, and the impact of a rigid stop no speed, so that the orbit has both words.
+//! A visit of several events makes the equations of its word singular there, since the functionals
+//! of its events are equal to first order.
 
-use super::conditions::Condition;
+use super::conditions::{Condition, off_gap};
 use super::cycle::{Cycle, Leg};
 use super::orbit::within;
 use super::place::Place;
@@ -151,24 +152,17 @@ impl At<'_> {
     /// Whether a stop stays at its gap in a flight, as that of a body that sticks there.
     fn rests(&self, flight: usize, contact: Option<Contact>) -> bool {
         let Some(Contact::Stop(stop)) = contact else { return false };
-        let row = self.place.assembly.system().stops[stop].excess.terms();
         let leg = &self.cycle.legs[flight];
-        let [begin, end] = &leg.states;
-        let is_at_gap = |z: &[f64]| {
-            let terms = row.iter().map(|&(i, a)| a * z[i]);
-            let (value, size) = terms.fold((0.0, 0.0), |(value, size), x| (value + x, size + x.abs()));
-            f64::abs(value) <= RESTS * size
-        };
-        is_at_gap(begin) && is_at_gap(end) && is_at_gap(&within(self.place, leg, GOLDEN).1)
+        let states = [&leg.states[0], &leg.states[1], &within(self.place, leg, GOLDEN).1];
+        states.into_iter().all(|z| off_gap(self.place.assembly.system(), stop, z) <= RESTS)
     }
 
-    /// An event in the word without visits: the contacts of those that it lies in are as before them.
-    fn beside_visits(&self, kept: usize, left_out: &[usize]) -> Letter {
+    /// An event in the word without visits: a contact whose visit it lies in is as before the visit.
+    fn beside(&self, kept: usize, visits: &[Vec<usize>]) -> Letter {
         let (word, m) = (&self.problem.word, self.problem.word.len());
         let mut own = word.letters[kept].clone();
-        let visits = left_out.iter().filter_map(|k| self.visit(*k)).filter(|run| run.len() > 1);
-        for run in visits {
-            let (first, last) = (run[0], run[run.len() - 1]);
+        for visit in visits {
+            let (first, last) = (visit[0], visit[visit.len() - 1]);
             let is_inside = (kept + m - first) % m < (last + m - first) % m;
             let contact = word.letters[first].watch().map(|watch| watch.contact()).filter(|_| is_inside);
             let Some(contact) = contact else { continue };
@@ -185,12 +179,12 @@ impl At<'_> {
         let Self { problem, place, u, cycle } = *self;
         let (word, m) = (&problem.word, problem.word.len());
         let own = self.visit(letter).ok_or(Obstacle::NoConvergence)?;
-        let several = (0..m).filter_map(|k| self.visit(k)).filter(|run| run.len() > 1).flatten();
-        let mut left_out: Vec<usize> = several.chain(own.iter().copied()).collect();
-        left_out.sort_unstable();
-        left_out.dedup();
-        let kept: Vec<usize> = (0..m).filter(|k| left_out.binary_search(k).is_err()).collect();
-        let letters: Vec<Letter> = kept.iter().map(|k| self.beside_visits(*k, &left_out)).collect();
+        // A single event is an impact, of which others stay.
+        let several = (0..m).filter_map(|k| self.visit(k)).filter(|visit| visit.len() > 1);
+        let visits: Vec<Vec<usize>> = several.chain([own.clone()]).collect();
+        let is_kept = |k: &usize| !visits.iter().any(|visit| visit.contains(k));
+        let kept: Vec<usize> = (0..m).filter(is_kept).collect();
+        let letters: Vec<Letter> = kept.iter().map(|k| self.beside(*k, &visits)).collect();
         let watch = word.letters[own[0]].watch().ok_or(Obstacle::NoConvergence)?;
         let functional = cycle.before(own[0]).ending.ok_or(Obstacle::NoConvergence)?;
         let begin = &word.letters[own[0]];

@@ -22,8 +22,8 @@ const DIFFERENCE: f64 = 1e-6;
 const TOUCHES: f64 = 1e-4;
 /// Extent of a curve, in parts of the ranges, that is a point.
 const POINT: f64 = 1e-4;
-/// Value of a condition at the begin of a curve at which it holds along the curve as the curve's own
-/// does: of a symmetric orbit several touches are one.
+/// Largest value of a further condition that is zero along a curve, as the second touch of a
+/// symmetric orbit is.
 const TWIN: f64 = 1e-8;
 /// Largest part of the unfolding of a crossing that is rounding, in units of the equations.
 const KEPT: f64 = 1e-7;
