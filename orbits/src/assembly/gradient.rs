@@ -4,12 +4,13 @@
 //! u' = -F_u⁻¹ F_p, and a measure m(u, p) by its derivative along (u', 1), a difference of fourth
 //! order.
 
+use super::cycle::Cycle;
 use super::orbit::Orbit;
 use super::place::Family;
-use super::problem::Problem;
-use crate::curve::{Equations, is_degenerate};
+use super::problem::{Problem, Residual};
+use crate::curve::is_degenerate;
 use crate::obstacle::Obstacle;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_analysis::Result;
@@ -60,6 +61,21 @@ fn difference(
     by(BOTH, step).or_else(|_| by(ONE, step)).or_else(|_| by(ONE, -step))
 }
 
+/// The equations at an orbit with F_u, which is that of every parameter.
+struct Linear {
+    cycle: Cycle,
+    matrix: DMatrix<f64>,
+    factors: LU<f64, Dyn, Dyn>,
+}
+
+impl Linear {
+    fn of(orbit: &Orbit) -> std::result::Result<Self, Obstacle> {
+        let Residual { matrix, cycle, .. } = orbit.problem.residual(&orbit.place, &orbit.u, true)?;
+        let matrix = matrix.filter(|matrix| !is_degenerate(matrix)).ok_or(Obstacle::Singular)?;
+        Ok(Self { cycle, factors: matrix.clone().lu(), matrix })
+    }
+}
+
 impl Orbit {
     /// The derivatives of a measure of the orbit by every parameter but those of the machine's
     /// start, on which no orbit depends. All flights and events are those of its word.
@@ -71,15 +87,11 @@ impl Orbit {
         let machine = self.problem.family.at(self.value())?;
         let all = machine.description.parameters().into_iter().filter(|p| !p.name.contains(".start."));
         let all: Vec<_> = all.map(|p| (p.name, p.unit, p.value)).collect();
-        // The derivatives by the unknowns are those of every parameter.
-        let equations = self.problem.residual(&self.place, &self.u, true);
-        let is_family = equations.is_ok_and(|at| at.matrix.is_some_and(|matrix| is_degenerate(&matrix)));
+        let linear = Linear::of(self).map_err(in_words);
         let of = |(parameter, unit, value): (String, &'static str, f64)| {
-            let derivative = match is_family {
-                true => Err(Obstacle::Singular),
-                false => self.derivative(&machine, (&parameter, value), measure),
-            };
-            let derivative = derivative.map_err(in_words);
+            let derivative = linear.as_ref().map_err(Clone::clone).and_then(|linear| {
+                self.derivative(linear, &machine, (&parameter, value), measure).map_err(in_words)
+            });
             ParameterDerivative { parameter, unit, value, derivative }
         };
         Ok(all.into_par_iter().map(of).collect())
@@ -87,6 +99,7 @@ impl Orbit {
 
     fn derivative(
         &self,
+        linear: &Linear,
         machine: &Machine,
         (parameter, value): (&str, f64),
         measure: &Measure,
@@ -97,11 +110,8 @@ impl Orbit {
         let problem = Problem { family: Arc::new(family), ..self.problem.clone() };
         let step = if problem.has_run() { CHATTER_STEP } else { STEP };
         let u = problem.point(&self.place, &self.numbers, value);
-        let last = problem.size();
-        let whole = problem.linearize(&u, None)?.matrix;
-        let column = whole.column(last).into_owned();
-        let matrix = whole.remove_column(last);
-        let along = matrix.lu().solve(&-column).ok_or(Obstacle::Singular)?;
+        let column = problem.by_parameter((&self.place, &u), &linear.cycle, &linear.matrix)?;
+        let along = linear.factors.solve(&-column).ok_or(Obstacle::Singular)?;
         if along.iter().any(|x| !x.is_finite()) {
             return Err(Obstacle::Singular);
         }
