@@ -281,6 +281,15 @@ fn closed_form_the_gradient_of_the_rattles_closing_speed() {
 }
 
 #[test]
+fn invariant_the_force_of_a_rigid_stop_has_no_derivatives_and_a_period_lost_in_rounding_is_refused() {
+    let (out, file) = file("file-nothing", RATTLE);
+    let said = drawn(&out.join("g"), &["orbit", &file, "--gradient", "amplitude.right.f"]);
+    assert!(said.contains("amplitude.right.f = 0 N: no change in proportion"), "{said}");
+    let (_, error) = refused(&["orbit", &file, "--start", "time=1e18"]);
+    assert!(error.contains("at t = 1000000000000000000 s") && error.contains("lost in rounding"), "{error}");
+}
+
+#[test]
 fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_close_are_refused() {
     let (out, file) = file("file-word", OSCILLATOR);
     // At 3 Hz the motion settles on 2T; the orbit with one impact a period is unstable.

@@ -45,6 +45,13 @@ pub(super) fn seed(
     }
     record.leave_plain_knots_out();
     let span = motion.time() - from;
+    if span <= 0.0 {
+        let problem = format!(
+            "at t = {from} s the next return is the same number of seconds: allowed is a start of which \
+             the period is not lost in rounding"
+        );
+        return Err(Error::Described { problem });
+    }
     if let Some(time) = record.jump {
         let problem = format!(
             "at t = {time} s a knot of a signal moves bodies at once: its orbits are not sought; allowed are knots of forces, stiffness and motions that go on from their place"

@@ -43,11 +43,13 @@ pub fn add_gradient(study: &mut Study, machine: &Machine, orbit: &Orbit, of: &Me
     let words: Vec<String> =
         largest.iter().take(SHOWN).map(|(x, name)| format!("{name} {} %", significant(*x))).collect();
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    study.remarks.push(format!(
-        "{of} = {}{unit} changes, for 1 % more of a parameter, most by {}",
-        significant(own),
-        words.join(", ")
-    ));
+    let value = format!("{of} = {}{unit}", significant(own));
+    study.remarks.push(match words.is_empty() {
+        false => format!("{value} changes, for 1 % more of a parameter, most by {}", words.join(", ")),
+        true => {
+            format!("{value}: no change in proportion to a parameter's; gradient.csv has the derivatives")
+        }
+    });
     let without = rows.iter().filter(|row| row.derivative.is_err()).count();
     if without > 0 {
         study.remarks.push(format!("{without} parameters have no derivative; gradient.csv says why"));
