@@ -29,6 +29,9 @@ const LEADS_BACK: f64 = 1e6;
 const SHORT: usize = 60;
 /// Largest distance of a special point from where a table has it, in parts of the range.
 const FOUND: f64 = 1e-6;
+/// Distance of two rows that are one point, in parts of the range and of the period: points are
+/// found to 1e-9 where they are regular.
+const ONE_POINT: f64 = 1e-8;
 /// Value of a condition at a special point at which it ceases to hold.
 const CEASES: f64 = 1e-4;
 
@@ -115,6 +118,27 @@ impl LocusStart {
     #[must_use]
     pub fn shortest(&self) -> Self {
         self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
+    }
+
+    /// Whether two starts over one parameter are one point of a curve: of one kind, element and
+    /// value, with an orbit of one period and the same events in the shortest word. Orbits on both
+    /// sides of a touch end there, each on its branch, and a pair of orbits that mirror each other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let told = |start: &Self| {
+            let own = start.shortest();
+            let Ok(place) = own.problem.place(&own.u) else { return None };
+            let letters = own.problem.word.letters.iter();
+            let mut events: Vec<String> = letters.map(|letter| letter.in_words(&place.assembly)).collect();
+            events.sort();
+            let period = own.problem.numbers(&place, &own.u).period;
+            Some((own.special, events, own.problem.word.periods, own.problem.value(&own.u), period))
+        };
+        let (Some(own), Some(their)) = (told(self), told(other)) else { return false };
+        let (from, to) = self.problem.family.range;
+        let is_near = |a: f64, b: f64, unit: f64| (a - b).abs() <= ONE_POINT * unit;
+        (&own.0, &own.1, own.2) == (&their.0, &their.1, their.2)
+            && is_near(own.3, their.3, to - from)
+            && is_near(own.4, their.4, own.4)
     }
 
     /// The events of the orbit in words.

@@ -2,7 +2,7 @@
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::locus::{DrawnCurve, ends, layers};
+use super::locus::{DrawnCurve, ends, layers, rows_of_one_point};
 use crate::Result;
 use crate::special_points::PointOfFile;
 use crate::table::{CsvRows, exact};
@@ -22,6 +22,8 @@ pub struct CurveOfFile {
     pub start: LocusStart,
     /// Its points.
     pub points: Vec<LocusPoint>,
+    /// Further rows of the special point, found on other branches.
+    pub also: Vec<usize>,
 }
 
 impl CurveOfFile {
@@ -37,7 +39,8 @@ impl CurveOfFile {
 
     fn in_words(&self) -> String {
         let ends = ends(self.points.iter().map(|p| (p.values, p.end)));
-        format!("{} from {}: {} points{ends}", self.name(), self.from, self.points.len())
+        let also = rows_of_one_point(&self.also);
+        format!("{} from {}{also}: {} points{ends}", self.name(), self.from, self.points.len())
     }
 }
 

@@ -31,17 +31,22 @@ impl LocusCurve {
     }
 
     fn in_words(&self) -> String {
-        let also: Vec<String> = self.also.iter().map(|row| format!(" = row {row}")).collect();
+        let also = rows_of_one_point(&self.also);
         let LocusStart { label, .. } = self.start;
         format!(
             "{label} of {} from {}{}: {} points{}",
             self.start.word.signed(),
             self.from,
-            also.concat(),
+            also,
             self.points.len(),
             ends(self.points.iter().map(|p| (p.values, p.end)))
         )
     }
+}
+
+/// Further rows of a special point, in words.
+pub(super) fn rows_of_one_point(also: &[usize]) -> String {
+    also.iter().map(|row| format!(" = row {row}")).collect()
 }
 
 /// A curve as it is drawn.

@@ -58,6 +58,27 @@ fn closed_form_graze_of_a_compliant_stop_from_the_side_with_its_contact() {
     }
 }
 
+#[test]
+fn invariant_the_ends_of_two_branches_at_a_touch_are_one_point() {
+    let m = stopped(", damping = 10.0");
+    let family = Family::new(&m, "load.l.amplitude", (0.5, 3.0)).unwrap();
+    let branches = grown(&family, 6, 1);
+    // F = gap |k - m ω² + i c ω|.
+    let force = 0.02 * (100.0 - (4.0 * PI).powi(2)).hypot(4.0 * PI);
+    let of = |branch: &Branch| {
+        let own =
+            (0..branch.points.len()).filter_map(|k| Some((branch.points[k].value, branch.locus_start(k)?)));
+        own.map(|(value, start)| ((value - force).abs() < 1e-9, branch.word().is_empty(), start))
+            .collect::<Vec<_>>()
+    };
+    let starts: Vec<_> = branches.iter().flat_map(of).collect();
+    let without = starts.iter().find(|(is_touch, is_empty, _)| *is_touch && *is_empty).unwrap();
+    assert!(starts.iter().any(|(is_touch, is_empty, _)| *is_touch && !*is_empty));
+    for (is_touch, _, start) in &starts {
+        assert_eq!(start.is_same(&without.2), *is_touch, "{:?} of {}", start.special, start.word());
+    }
+}
+
 /// An oscillator with friction, with further elements.
 fn rubbing(further: &str) -> Machine {
     machine(&format!(

@@ -21,7 +21,7 @@ use vibro_analysis::assembly::{Machine, Measure};
 use vibro_assembly::{Assembly, Start};
 use vibro_orbits::PathOptions;
 use vibro_orbits::assembly::{
-    Branch, Family, LocusPoint, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    Branch, Family, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
     check_measure, check_second, locus, tree,
 };
 
@@ -234,19 +234,33 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     destination.place(&[destination.result("locus")])?;
-    let progress = Progress::new(points.len(), "curves");
-    let followed = points.par_iter().map(|(from, point)| {
-        let found = curve(&families, point);
+    let told = |from: &str, point: &PointOfFile, error: Error| {
+        format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value)
+    };
+    let found: Vec<_> = points.par_iter().map(|(_, point)| start(over, point)).collect();
+    let (mut starts, mut problems) = (Vec::<Row>::new(), Vec::new());
+    for ((from, point), found) in points.into_iter().zip(found) {
+        match found {
+            Ok(start) => match starts.iter_mut().find(|row| row.start.is_same(&start)) {
+                Some(same) => same.also.push(point.row),
+                None => starts.push(Row { from, point, start, also: Vec::new() }),
+            },
+            Err(error) => problems.push(told(&from, &point, error)),
+        }
+    }
+    let progress = Progress::new(starts.len(), "curves");
+    let followed = starts.par_iter().map(|row| {
+        let found = locus(&row.start, second);
         progress.step();
-        found.map_err(|error| format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value))
+        found
     });
     let followed: Vec<_> = followed.collect();
     drop(progress);
-    let (mut curves, mut problems) = (Vec::new(), Vec::new());
-    for ((from, point), found) in points.into_iter().zip(followed) {
+    let mut curves = Vec::new();
+    for (Row { from, point, start, also }, found) in starts.into_iter().zip(followed) {
         match found {
-            Ok((start, points)) => curves.push(CurveOfFile { from, point, start, points }),
-            Err(problem) => problems.push(problem),
+            Ok(points) => curves.push(CurveOfFile { from, point, start: start.shortest(), points, also }),
+            Err(error) => problems.push(told(&from, &point, error.into())),
         }
     }
     if curves.is_empty() {
@@ -256,16 +270,21 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     written(&[study], &machine, &destination, common)
 }
 
-/// The curve from a row: its special point is sought on the branch of the orbit beside it.
-fn curve(
-    [over, second]: &[Family; 2],
-    PointOfFile { special, value, beside, .. }: &PointOfFile,
-) -> Result<(LocusStart, Vec<LocusPoint>)> {
-    let (at, period, start) = beside;
+/// A row with its special point, and further rows of that point.
+struct Row {
+    from: String,
+    point: PointOfFile,
+    start: LocusStart,
+    also: Vec<usize>,
+}
+
+/// The special point of a row, sought on the branch of the orbit beside it.
+fn start(
+    over: &Family,
+    PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
+) -> Result<LocusStart> {
     let machine = over.at(*at)?;
     let orbit = Orbit::near(&machine, start, *period)?;
     let family = Family::new(&machine, &over.parameter, over.range)?;
-    let start = LocusStart::find(&family, &orbit, special, *value)?;
-    let points = locus(&start, second)?;
-    Ok((start.shortest(), points))
+    Ok(LocusStart::find(&family, &orbit, special, *value)?)
 }
