@@ -52,8 +52,8 @@ impl Connection {
     }
 }
 
-/// The text of a lever arm, with at most three decimals.
-fn number(x: f64) -> String {
+/// The text of a number such as a lever arm, with at most three decimals.
+pub(crate) fn number(x: f64) -> String {
     let text = format!("{x:.3}");
     let short = text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}");
     if matches!(short.as_str(), "0" | "\u{2212}0") || x.abs() >= 1e5 { format!("{x:.2e}") } else { short }

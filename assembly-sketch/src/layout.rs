@@ -1,7 +1,8 @@
 //! Places of all symbols. Bodies are boxes in a row. Elements between neighbours, and loads, stand
 //! in lanes of the gap between two boxes; elements to ground stand in the gaps at the ends of the
-//! row or in lanes under it; all others stand in lanes over the row.
+//! row or in lanes under it; all others stand in lanes over the row. Blocks stand under all.
 
+use crate::blocks::{BlockBox, blocks};
 use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::flexible::drawn;
 use crate::order::{Side, ground_side, order};
@@ -86,6 +87,7 @@ pub(crate) struct Layout {
     pub walls: Vec<(f64, f64, f64, bool)>,
     /// Texts of lever arms at legs, with their places and columns.
     pub texts: Vec<((f64, f64), String, usize)>,
+    pub blocks: Vec<BlockBox>,
 }
 
 /// Height of a symbol without the name above it.
@@ -203,8 +205,8 @@ fn sort(machine: &Description, connections: &[Connection], column: &[usize]) -> 
 
 impl Layout {
     /// The layout of a machine.
-    pub(crate) fn new(machine: &Description) -> Self {
-        let machine = &drawn(machine);
+    pub(crate) fn new(whole: &Description) -> Self {
+        let machine = &drawn(whole);
         let connections = connections(machine);
         let order = order(machine.bodies.len(), &connections);
         let mut column = vec![0; order.len()];
@@ -217,6 +219,8 @@ impl Layout {
         layout.fill_over(&sorted.over, &over);
         let lowest =
             layout.placed.iter().map(|p| p.y + 0.5 * height_of(p.symbol)).fold(layout.bottom, f64::max);
+        (layout.blocks, layout.width) = blocks(whole, lowest + 2.0 * MARGIN, layout.width);
+        let lowest = layout.blocks.last().map_or(lowest, |block| block.bottom);
         layout.height = lowest + 2.0 * MARGIN;
         layout
     }

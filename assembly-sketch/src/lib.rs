@@ -1,14 +1,17 @@
 //! Schematic sketch of a machine: bodies in a row along their coordinate, springs as zigzags,
-//! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched.
+//! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched, blocks
+//! as boxes under them.
 //!
 //! ```text
 //! description ─▶ connections   elements with their ends
 //!             ─▶ order         bodies from left to right
+//!             ─▶ blocks        boxes with the names of their signals
 //!             ─▶ layout        places of boxes and symbols
 //!             ─▶ symbols       marks on the canvas
 //! ```
 #![forbid(unsafe_code)]
 
+mod blocks;
 mod connections;
 mod flexible;
 mod layout;
@@ -75,11 +78,13 @@ impl Sketch {
         Self { layout: self.layout.moved(shift, opening), icon: self.icon }
     }
 
-    /// Names of the drawn bodies, then of the drawn elements: the numbers of the things in
-    /// [`flat`](vibro_figures::canvas::flat()).
+    /// Names of the drawn bodies, then of the drawn elements, then of the blocks: the numbers of
+    /// the things in [`flat`](vibro_figures::canvas::flat()).
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        let bodies = self.layout.bodies.iter().map(|body| body.name.as_str());
-        bodies.chain(self.layout.placed.iter().map(|placed| placed.name.as_str()))
+        let Layout { bodies, placed, blocks, .. } = &self.layout;
+        let elements = placed.iter().map(|placed| placed.name.as_str());
+        let bodies = bodies.iter().map(|body| body.name.as_str());
+        bodies.chain(elements).chain(blocks.iter().map(|block| block.name.as_str()))
     }
 
     /// The sketch without names in a square, with heavier strokes.

@@ -1,5 +1,6 @@
 //! Marks of the symbols of a [`Layout`].
 
+use crate::blocks::{ARROW, BESIDE, BlockBox};
 use crate::connections::Symbol;
 use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
 use std::f64::consts::PI;
@@ -32,6 +33,10 @@ pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64
     }
     for (tag, placed) in (layout.bodies.len() as u32..).zip(&layout.placed) {
         hand.tagged(tag, |hand| hand.element(placed));
+    }
+    let first = layout.bodies.len() + layout.placed.len();
+    for (tag, block) in (first as u32..).zip(&layout.blocks) {
+        hand.tagged(tag, |hand| hand.block(block));
     }
     layout.texts.iter().for_each(|(at, text, _)| hand.write(*at, text, ARM_FONT, Along::Start));
 }
@@ -70,7 +75,7 @@ impl Hand<'_> {
     }
 
     fn write(&mut self, at: CanvasPoint, words: &str, size: f64, along: Along) {
-        if self.named {
+        if self.named && !words.is_empty() {
             let (at, size) = ((self.scale * at.0, self.scale * at.1), self.scale * size);
             let writing = Writing { size, colour: BLACK, along, across: Across::Centre, upwards: false };
             self.canvas.text(at, words, &writing);
@@ -120,6 +125,27 @@ impl Hand<'_> {
             let half = 32.0 * gravity.signum();
             self.arrow((x - half - 16.0, under), (x + half - 16.0, under));
             self.write((x + 52.0, under), "g", ARM_FONT, Along::Middle);
+        }
+    }
+
+    fn block(&mut self, block: &BlockBox) {
+        let BlockBox { left, right, top, bottom, .. } = *block;
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        self.fill(&corners, WHITE);
+        self.line(vec![corners[0], corners[1], corners[2], corners[3], corners[0]]);
+        let (x, [name, sample]) = (0.5 * (left + right), block.titles());
+        self.write((x, name), &block.name, BODY_FONT, Along::Middle);
+        self.write((x, sample), &block.sample, ARM_FONT, Along::Middle);
+        let tip = 2.0 * self.width() + 3.0;
+        for (i, read) in block.reads.iter().enumerate() {
+            let y = block.line(i, block.reads.len());
+            self.arrow((left - ARROW, y), (left - tip, y));
+            self.write((left - ARROW - BESIDE, y), read, FONT, Along::End);
+        }
+        for (i, put) in block.puts.iter().enumerate() {
+            let y = block.line(i, block.puts.len());
+            self.arrow((right, y), (right + ARROW - tip, y));
+            self.write((right + ARROW + BESIDE, y), put, FONT, Along::Start);
         }
     }
 

@@ -70,6 +70,24 @@ fn machine(seed: u64) -> Description {
         text += &element.replace("NAME", &format!("{}_{k}", random.one_of(&WORDS)));
         text.push('\n');
     }
+    for k in 0..random.below(4) {
+        let (inputs, outputs) = (1 + random.below(3), 1 + random.below(3));
+        let inputs: Vec<String> = (0..inputs)
+            .map(|i| format!("\"{}.{}\"", names[random.below(count)], ["s", "v"][i % 2]))
+            .collect();
+        let rows = format!("[{}]", vec!["1.0"; inputs.len()].join(", "));
+        let named: Vec<String> = (0..outputs).map(|i| format!("\"{}{i}\"", random.one_of(&WORDS))).collect();
+        let sample = ["", "sample = 1e-3\n"][random.below(2)];
+        let _ = writeln!(
+            text,
+            "[block.block_{k}]\ninputs = [{}]\nd = [{}]\noutputs = [{}]\n{sample}",
+            inputs.join(", "),
+            vec![rows; outputs].join(", "),
+            named.join(", ")
+        );
+        let output = named[0].trim_matches('"');
+        let _ = writeln!(text, "[load.of_{k}]\non = \"{}\"\nfrom = \"block_{k}.{output}\"", names[0]);
+    }
     parse(&text, "random.toml", &no_records).unwrap_or_else(|problem| panic!("{problem}\n{text}"))
 }
 

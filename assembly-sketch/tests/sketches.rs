@@ -29,6 +29,7 @@ fn invariant_every_body_and_element_is_named_once() {
         let elements = elements
             .chain(machine.links.iter().map(|x| &x.name))
             .chain(machine.loads.iter().map(|x| &x.name));
+        let elements = elements.chain(machine.blocks.iter().map(|x| &x.name));
         // A body with many coordinates is drawn once, with its nodes.
         let of = |name: &str| name.split(['.', '[']).next().unwrap_or_default().to_owned();
         let bodies: BTreeSet<String> = machine.bodies.iter().map(|body| of(&body.name)).collect();
@@ -37,6 +38,15 @@ fn invariant_every_body_and_element_is_named_once() {
         for text in &all {
             let named = all.iter().filter(|own| *own == text).count();
             assert_eq!(svg.matches(&format!(">{text}<")).count(), named, "{name}: {text}");
+        }
+        for block in &machine.blocks {
+            let inputs = machine.names_of_inputs(block);
+            inputs.iter().for_each(|input| assert!(svg.contains(&format!(">{input}<")), "{name}: {input}"));
+        }
+        for feed in &machine.feeds {
+            let output = &machine.blocks[feed.block].outputs[feed.output];
+            let fed = format!(">{output} \u{2192} ");
+            assert!(svg.contains(&fed), "{name}: {fed}{}", machine.loads[feed.load].name);
         }
         std::fs::write(folder.join(&name).with_extension("png"), png).unwrap();
         let icon = canvas::png(&Sketch::icon(&machine)).unwrap();

@@ -223,7 +223,7 @@ impl Description {
         let all = self.blocks.iter().enumerate().filter(|own| among(own.0));
         all.map(|own| own.1).find_map(|block| {
             let place = block.inputs.iter().position(BlockInput::is_of_bodies)?;
-            Some((block, self.inputs_of(block).0.swap_remove(place)))
+            Some((block, self.names_of_inputs(block).swap_remove(place)))
         })
     }
 
@@ -246,6 +246,11 @@ impl Description {
             }
         }
         self.reads_body(|block| reached.contains(&block))
+    }
+
+    /// The names of a block's inputs, as its file writes them.
+    pub fn names_of_inputs(&self, block: &Block) -> Vec<String> {
+        self.inputs_of(block).0
     }
 
     /// The names of a block's inputs, as its file writes them, and their SI units.
