@@ -71,12 +71,10 @@ impl Special {
         let crossing = |element: String| Self { kind: Kind::Crossing, element };
         match condition {
             // A letter of a fixed time has no functional that rises.
-            Condition::Rises { letter } | Condition::Reverses { letter } => {
-                match word.letters[letter].watch() {
-                    Some(watch) => of(watch.contact()),
-                    None => crossing(element_of(&word.letters[letter])),
-                }
-            }
+            Condition::Rises { letter } => match word.letters[letter].watch() {
+                Some(watch) => of(watch.contact()),
+                None => crossing(element_of(&word.letters[letter])),
+            },
             Condition::Stays { watch, .. } => of(watch.contact()),
             Condition::Changes { contact, .. } => of(contact),
             Condition::Limited { output, .. } => {

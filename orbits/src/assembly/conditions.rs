@@ -5,7 +5,7 @@ use super::cycle::{Cycle, Leg};
 use super::place::Place;
 use super::timed::beyond;
 use super::word::{Letter, Word};
-use vibro_analysis::assembly::flight::{Series, coefficients, turning_points};
+use vibro_analysis::assembly::flight::{Series, coefficients, dot, turning_points};
 use vibro_assembly::mode::{Contact, ElementState, FrictionState, Mode, StopState, Watch};
 use vibro_assembly::system::System;
 
@@ -34,17 +34,12 @@ pub enum Condition {
         /// The stop.
         stop: usize,
     },
-    /// The friction that event `letter` stops at once slips the other way: more than its static
-    /// level would be needed to hold it.
-    Reverses {
-        /// Its place in the word.
-        letter: usize,
-    },
-    /// At a fixed time the contacts that change could not stay as they were.
+    /// A contact that changes with event `letter`, of a fixed time or of another contact, could not
+    /// stay as it was; a friction that turns could not be held.
     Changes {
         /// Its place in the word.
         letter: usize,
-        /// The first of them.
+        /// The contact; at a fixed time the first of them.
         contact: Contact,
     },
     /// What a sample limits is on its side of the limits.
@@ -112,12 +107,12 @@ impl Cycle {
             (0..self.legs.len()).map(|k| self.add_peaks(k, word, TOUCHING, &mut all)).collect();
         for letter in 0..self.legs.len() {
             let before = (letter + sizes.len() - 1) % sizes.len();
-            self.add_event(letter, place, word, &sizes[before], &mut all);
+            self.add_event(letter, (place, word), (&sizes[before], TOUCHING), &mut all);
         }
         all
     }
 
-    /// The value of one condition; `None` where its flight does not have it. Beside an orbit too: the
+    /// The value of one condition; `None` where its flight does not have it. Beside an orbit too:
     /// functionals of events are zero at the orbit alone.
     pub(super) fn value_of(&self, condition: Condition, place: &Place, word: &Word) -> Option<f64> {
         let mut all = Vec::new();
@@ -125,26 +120,25 @@ impl Cycle {
             Condition::Stays { letter, .. } => drop(self.add_peaks(letter, word, f64::INFINITY, &mut all)),
             Condition::Rises { letter }
             | Condition::Lasts { letter }
-            | Condition::Reverses { letter }
             | Condition::Changes { letter, .. }
             | Condition::Limited { letter, .. }
             | Condition::Together { letter, .. } => {
                 let before = (letter + self.legs.len() - 1) % self.legs.len();
                 let sizes = self.add_peaks(before, word, f64::INFINITY, &mut all);
-                self.add_event(letter, place, word, &sizes, &mut all);
+                self.add_event(letter, (place, word), (&sizes, f64::INFINITY), &mut all);
             }
         }
         all.into_iter().find(|(own, _)| *own == condition).map(|(_, value)| value)
     }
 
     /// Adds the conditions of event `letter` and the duration of the flight after it. Requires the
-    /// sizes of the functionals of the flight before it.
+    /// sizes of the functionals of the flight before it, and the rate of a contact, relative to its
+    /// terms, up to which it is held.
     fn add_event(
         &self,
         letter: usize,
-        place: &Place,
-        word: &Word,
-        sizes: &[f64],
+        (place, word): (&Place, &Word),
+        (sizes, zero): (&[f64], f64),
         all: &mut Vec<(Condition, f64)>,
     ) {
         let period = self.period();
@@ -157,13 +151,32 @@ impl Cycle {
         all.push((Condition::Rises { letter }, self.rise(letter) * period / size));
         let own = &word.letters[letter];
         let system = place.assembly.system();
-        let turned = turned(own).and_then(|i| beyond_static(place, own, i, &before.states[1]));
-        all.extend(turned.map(|value| (Condition::Reverses { letter }, value)));
+        let after = self.after(letter);
+        let leaving: Vec<ElementState> = leaving(own).collect();
+        for held in &leaving {
+            let contact = contact_of(*held);
+            let rate = system.elongation_of(contact).rate.as_slice();
+            // The contact's own bodies may rest at the event.
+            let largest =
+                [before, &self.legs[letter]].map(|leg| size_of(rate, leg)).into_iter().fold(0.0, f64::max);
+            if dot(rate, after).abs() <= zero * largest {
+                let value = beyond_level(place, own, (*held, &leaving), after);
+                all.extend(value.map(|value| (Condition::Changes { letter, contact }, value)));
+            }
+        }
         let is_met =
             |stop: &usize| own.watch() != Some(Watch::Meets(*stop)) && !system.stops[*stop].is_freewheel;
         for stop in own.hits().filter(is_met) {
             let off = off_gap(system, stop, &before.states[1]);
             all.push((Condition::Together { letter, stop }, TOUCHING - off));
+        }
+    }
+
+    /// The augmented state after event `letter`.
+    fn after(&self, letter: usize) -> &[f64] {
+        match self.legs.get(letter) {
+            Some(next) if letter > 0 => next.entered(),
+            _ => &self.back,
         }
     }
 
@@ -190,10 +203,7 @@ impl Cycle {
         let kept = with_levels(system, own);
         let changed: Vec<Contact> = changes(&kept, &own.modes[1]).collect();
         let Some(&contact) = changed.first() else { return };
-        let after = match self.legs.get(letter) {
-            Some(next) if letter > 0 => next.entered(),
-            _ => &self.back,
-        };
+        let after = self.after(letter);
         let flow = place.flow(&kept);
         let functionals = flow.watched.iter().filter(|(watch, _)| changed.contains(&watch.contact()));
         let passed = functionals.map(|(_, row)| beyond(row.as_slice(), after));
@@ -210,7 +220,7 @@ impl Cycle {
     fn add_peaks(&self, letter: usize, word: &Word, zero: f64, all: &mut Vec<(Condition, f64)>) -> Vec<f64> {
         let leg = &self.legs[letter];
         let watched = &leg.flow.watched;
-        let mut sizes: Vec<f64> = watched.iter().map(|(_, row)| size(row.as_slice(), leg)).collect();
+        let mut sizes: Vec<f64> = watched.iter().map(|(_, row)| size_of(row.as_slice(), leg)).collect();
         if leg.span <= 0.0 && !word.is_empty() {
             return sizes;
         }
@@ -220,7 +230,7 @@ impl Cycle {
             let of = |letter: &Letter| {
                 letter.events.iter().any(|e| e.contact() == Some(watched[place].0.contact()))
             };
-            leg.ending == Some(place) || next.is_some_and(of)
+            leg.ending == Some(place) || (next.is_some_and(of) && !is_level(watched[place].0))
         };
         let begun = word.letters.get(letter);
         let is_begun = |place: usize| begun.is_some_and(|own| is_zero_after(own, watched[place].0));
@@ -267,7 +277,13 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
     let is_own = letter.events.iter().any(|event| event.contact() == Some(contact))
         || letter.chatter.as_ref().is_some_and(|run| Contact::Stop(run.stop) == contact)
         || changes(before, after).any(|own| own == contact);
-    is_own && !matches!(watch, Watch::Slips(..) | Watch::Opens(_))
+    is_own && !is_level(watch)
+}
+
+/// Whether a functional is the force of a held contact less what it can bear. At an event of
+/// another contact it is not zero by the event.
+fn is_level(watch: Watch) -> bool {
+    matches!(watch, Watch::Slips(..) | Watch::Opens(_))
 }
 
 /// Distance of a stop from its gap in a state, relative to its terms.
@@ -277,27 +293,52 @@ pub(super) fn off_gap(system: &System, stop: usize, z: &[f64]) -> f64 {
     f64::abs(value) / f64::max(size, f64::MIN_POSITIVE)
 }
 
-/// The friction whose direction of slip an event changes at once.
-fn turned(letter: &Letter) -> Option<usize> {
-    let Some(Watch::Stops(i)) = letter.watch() else { return None };
-    let [before, after] = letter.modes.each_ref().map(|mode| mode.frictions[i]);
-    let is_turned = matches!(
-        (before, after),
-        (FrictionState::Up, FrictionState::Down) | (FrictionState::Down, FrictionState::Up)
-    );
-    is_turned.then_some(i)
+/// The states in which contacts would be held that an event of another contact lets go, and a
+/// friction that turns: those that only a force beyond its level ends.
+fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
+    let ([before, after], own) = (&letter.modes, letter.watch());
+    let frictions = before.frictions.iter().zip(&after.frictions).enumerate();
+    let frictions = frictions.filter(move |&(i, (a, b))| {
+        let is_let_go = a.sticks() && !matches!(own, Some(Watch::Slips(at, _)) if at == i);
+        let slips = matches!(b, FrictionState::Up | FrictionState::Down);
+        slips && a != b && (is_let_go || own == Some(Watch::Stops(i)))
+    });
+    let stops = before.stops.iter().zip(&after.stops).enumerate();
+    let stops = stops.filter(move |&(i, (a, b))| {
+        *a == StopState::Closed && *b != StopState::Closed && own != Some(Watch::Opens(i))
+    });
+    let frictions = frictions.map(|(i, _)| ElementState::Friction(i, FrictionState::Stuck));
+    frictions.chain(stops.map(|(i, _)| ElementState::Stop(i, StopState::Closed)))
 }
 
-/// How far the force that would hold a friction at an event is beyond its static level, relative to
-/// its terms; `None` where the friction would depend on other contacts.
-fn beyond_static(place: &Place, letter: &Letter, friction: usize, z: &[f64]) -> Option<f64> {
-    let (system, own) = (place.assembly.system(), Contact::Friction(friction));
-    let stuck = ElementState::Friction(friction, FrictionState::Stuck);
-    let mode = system.with_element(&letter.modes[0], stuck);
-    let flow = mode.basis.contains(&own).then(|| place.flow(&mode))?;
-    let levels =
-        flow.watched.iter().filter(|(watch, _)| matches!(watch, Watch::Slips(i, _) if *i == friction));
-    levels.map(|(_, row)| beyond(row.as_slice(), z)).reduce(f64::max)
+fn contact_of(state: ElementState) -> Contact {
+    match state {
+        ElementState::Stop(i, _) => Contact::Stop(i),
+        ElementState::Friction(i, _) => Contact::Friction(i),
+        ElementState::Slider(i, _) => Contact::Slider(i),
+    }
+}
+
+/// How far the force that would hold a contact after an event is beyond what it can bear, relative
+/// to its terms: without those that are let go with it, or with them, since any of them may be the
+/// first. `None` where the contact would depend on others.
+fn beyond_level(
+    place: &Place,
+    letter: &Letter,
+    (held, all): (ElementState, &[ElementState]),
+    z: &[f64],
+) -> Option<f64> {
+    let (system, own) = (place.assembly.system(), contact_of(held));
+    let alone = system.with_element(&letter.modes[1], held);
+    let together = all.iter().fold(letter.modes[1].clone(), |mode, own| system.with_element(&mode, *own));
+    let of = |mode: Mode| {
+        let flow = mode.basis.contains(&own).then(|| place.flow(&mode))?;
+        let is_level =
+            |watch: &Watch| watch.contact() == own && matches!(watch, Watch::Slips(..) | Watch::Opens(_));
+        let levels = flow.watched.iter().filter(|(watch, _)| is_level(watch));
+        levels.map(|(_, row)| beyond(row.as_slice(), z)).reduce(f64::max)
+    };
+    [alone, together].into_iter().filter_map(of).reduce(f64::max)
 }
 
 /// The mode before a letter with the levels of stiffness after it: parts that begin to act are in
@@ -329,7 +370,7 @@ fn changes<'a>(before: &'a Mode, after: &'a Mode) -> impl Iterator<Item = Contac
 }
 
 /// Size of a functional's terms in a flight.
-fn size(row: &[f64], leg: &Leg) -> f64 {
+fn size_of(row: &[f64], leg: &Leg) -> f64 {
     let of = |z: &[f64]| row.iter().zip(z).map(|(a, x)| (a * x).abs()).sum::<f64>();
     of(&leg.states[0]).max(of(&leg.states[1]))
 }

@@ -12,6 +12,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
 use vibro_analysis::Error;
 use vibro_assembly::Start;
+use vibro_assembly::mode::Watch;
 use vibro_assembly::motion::keep;
 
 /// Largest number of Newton steps.
@@ -26,6 +27,9 @@ const FAMILY: f64 = 1e-11;
 const SAME: f64 = 1e-6;
 /// Rate of a functional, relative to its terms and the period, below which an event is a touch.
 const GRAZES: f64 = 1e-9;
+/// Duration of a slider's slip, in periods, below which it is a touch: an orbit at the edge of
+/// those on which the slider stands has one of rounding.
+const BRIEF_SLIP: f64 = 1e-6;
 /// Sweeps of the Schur decomposition by multiplier.
 const SWEEPS: usize = 200;
 
@@ -238,10 +242,13 @@ impl Orbit {
     pub fn stability(&self) -> Stability {
         let radius = self.spectral_radius();
         // Several stops that are hit at one instant may be hit one after the other beside the
-        // orbit, and a functional that hardly rises may not be reached there.
+        // orbit, and a functional that hardly rises may not be reached there. A slider that hardly
+        // slips stands beside the orbit on one side, where it keeps its place.
+        let slips = |letter: usize| matches!(self.word().letters[letter].watch(), Some(Watch::Yields(..)));
         let is_doubtful = |(condition, value): &(Condition, f64)| match condition {
             Condition::Together { .. } => true,
             Condition::Rises { .. } => *value < GRAZES,
+            Condition::Lasts { letter } => *value < BRIEF_SLIP && slips(*letter),
             _ => false,
         };
         if self.conditions.iter().any(is_doubtful) && radius <= 1.0 + MARGIN {
@@ -373,9 +380,6 @@ impl Condition {
             Self::Rises { letter } => format!("{} is not reached", word.letters[letter].in_words(assembly)),
             Self::Lasts { letter } => {
                 format!("the flight after {} has no duration", word.letters[letter].in_words(assembly))
-            }
-            Self::Reverses { letter } => {
-                format!("{} sticks in place of slipping on", word.letters[letter].in_words(assembly))
             }
             Self::Together { letter, stop } => {
                 let words = word.letters[letter].in_words(assembly);

@@ -234,6 +234,10 @@ impl Grower<'_> {
             if self.branches.len() > known && self.is_known(&kind) {
                 continue;
             }
+            // A word that the machine has on neither side of a special point begins no branch.
+            if matches!(kind, StartKind::Departures(_)) && branch.points.len() == 1 {
+                continue;
+            }
             (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
             self.switch(&branch, &ends);
             self.branches.push(branch);

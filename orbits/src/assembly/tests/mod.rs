@@ -11,6 +11,7 @@ mod samples;
 mod series;
 mod sides;
 mod steps;
+mod together;
 
 use super::problem::Problem;
 use super::*;

@@ -1,0 +1,98 @@
+//! Events of several contacts at one instant.
+
+use super::*;
+use vibro_assembly::Start;
+
+/// Difference of a value at which two branches end, relative: what rounding leaves of a condition.
+const ROUNDING: f64 = 1e-11;
+/// Points of a branch between those that are compared with the machine's own motion.
+const EACH: usize = 7;
+
+/// A body on a belt whose friction holds more than it rubs, before a soft stop.
+fn pressed() -> Machine {
+    machine(
+        "name = \"Belt\"\nbody.a = { mass = 1.0, start = { v = 0.1 } }\n\
+         body.belt = { motion = { rate = 0.1 } }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.5 }\n\
+         friction.g = { between = [\"belt\", \"a\"], force = 0.8, static = 1.4 }\n\
+         stop.w = { between = [\"ground\", \"a\"], gap = 0.012, stiffness = 20.0, damping = 3.0 }\n\
+         load.f = { on = \"a\", amplitude = 0.8, frequency = 1.2 }\n",
+    )
+}
+
+/// Two bodies with two frictions, of which one slips where the other sticks.
+fn rubbed() -> Machine {
+    machine(
+        "name = \"Two\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.4 }\n\
+         spring.c = { between = [\"a\", \"b\"], stiffness = 80.0, damping = 0.2 }\n\
+         friction.g = { between = [\"ground\", \"b\"], force = 0.5, static = 0.8 }\n\
+         friction.h = { between = [\"a\", \"b\"], force = 0.4, static = 0.5 }\n\
+         load.f = { on = \"a\", amplitude = 2.0, frequency = 1.3, constant = 0.2 }\n",
+    )
+}
+
+#[test]
+fn second_method_orbits_whose_friction_slips_with_another_event_are_motions_of_the_machine() {
+    for (m, vary, (from, to), word) in [
+        (pressed(), "stop.w.gap", (0.005, 0.02), "press w + slip g, free w, free w, stick g"),
+        (
+            rubbed(),
+            "load.f.amplitude",
+            (0.5, 1.2),
+            "slip g, stick h, stick g + slip h, slip g, stick h, stick g + slip h",
+        ),
+    ] {
+        let family = Family::new(&m, vary, (from, to)).unwrap();
+        let branches = grown(&family, 8, 1);
+        let said = |branch: &Branch| {
+            let place = family.place(branch.points[0].value).unwrap();
+            branch.word().in_words(&place.assembly)
+        };
+        for branch in &branches {
+            for point in branch.points.iter().step_by(EACH).filter(|point| point.special.is_none()) {
+                branch.orbit(point).unwrap().check_by_motion().unwrap();
+            }
+        }
+        // The word's branch begins and ends where others do.
+        let own = branches.iter().find(|branch| said(branch) == word).unwrap();
+        for end in [&own.points[0], own.points.last().unwrap()] {
+            let others = branches.iter().filter(|branch| said(branch) != word);
+            let ends =
+                others.flat_map(|branch| [branch.points[0].value, branch.points.last().unwrap().value]);
+            let apart = ends.map(|value| (value / end.value - 1.0).abs()).fold(f64::INFINITY, f64::min);
+            assert!(apart < ROUNDING, "{vary} = {}: {apart}", end.value);
+        }
+    }
+}
+
+#[test]
+fn invariant_words_that_the_machine_has_on_neither_side_of_a_point_are_no_branches() {
+    let m = machine(
+        "name = \"Pair\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.4 }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 1.0 }\n\
+         spring.c = { between = [\"a\", \"b\"], stiffness = 30.0, damping = 0.3 }\n\
+         stop.r = { between = [\"a\", \"b\"], gap = 0.01, restitution = 0.6 }\n\
+         stop.l = { between = [\"ground\", \"b\"], gap = 0.03, stiffness = 900.0, damping = 1.0, law = \"undamped-rebound\" }\n\
+         load.f = { on = \"a\", amplitude = 1.5, frequency = 2.0 }\n",
+    );
+    let family = Family::new(&m, "load.f.frequency", (1.5, 1.7)).unwrap();
+    let branches = grown(&family, 6, 1);
+    let crossings = branches.iter().flat_map(|branch| &branch.points).filter_map(|p| p.special.as_ref());
+    assert!(crossings.filter(|special| special.kind == Kind::Crossing).count() > 0);
+    branches.iter().for_each(|branch| assert!(branch.points.len() > 1, "{}", branch.id));
+}
+
+#[test]
+fn second_method_an_orbit_that_just_makes_its_slider_slip_is_undecided() {
+    // Beside it the slider stands elsewhere and stays there.
+    let m = machine(
+        "name = \"Shakedown\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.5 }\n\
+         spring.j = { between = [\"a\", \"b\"], stiffness = 300.0, slip = 1.0 }\n\
+         spring.c = { between = [\"ground\", \"b\"], stiffness = 50.0, damping = 0.4 }\n\
+         load.f = { on = \"a\", amplitude = 3.0, frequency = 1.0625, constant = 0.5 }\n",
+    );
+    let orbit = Orbit::settled(&m, &Start::default(), 500).unwrap();
+    assert_eq!(orbit.stability(), Stability::Undecided, "{}", orbit.word().len());
+}
