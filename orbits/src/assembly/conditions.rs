@@ -156,10 +156,11 @@ impl Cycle {
         for held in &leaving {
             let contact = contact_of(*held);
             let rate = system.elongation_of(contact).rate.as_slice();
-            // The contact's own bodies may rest at the event.
+            // The contact's own bodies may rest at both ends of a flight: their accelerations count.
+            let accelerated: f64 = rate.iter().zip(&before.rate).map(|(a, x)| (a * x).abs()).sum();
             let largest =
-                [before, &self.legs[letter]].map(|leg| size_of(rate, leg)).into_iter().fold(0.0, f64::max);
-            if dot(rate, after).abs() <= zero * largest {
+                size_of(rate, before).max(size_of(rate, &self.legs[letter])).max(accelerated * period);
+            if zero == f64::INFINITY || dot(rate, after).abs() <= zero * largest {
                 let value = beyond_level(place, own, (*held, &leaving), after);
                 all.extend(value.map(|value| (Condition::Changes { letter, contact }, value)));
             }
