@@ -118,8 +118,16 @@ impl Selection {
                     .get(number - 1)
                     .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
                 let label = row.cell("label")?;
+                let starts = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
+                let starts: Vec<&str> = starts.collect();
                 return Ok(vec![read(row)?.ok_or_else(|| {
-                    wrong(format!("row {number} is {label}; curves start from LP, BP, PD, NS, GR and CH"))
+                    wrong(match starts.contains(&label) {
+                        true => format!(
+                            "row {number} is {label} without an orbit beside it that a motion leads to: no \
+                             curve starts here; allowed is a row of another branch at this value"
+                        ),
+                        false => format!("row {number} is {label}; curves start from {}", starts.join(", ")),
+                    })
                 })?]);
             }
             ChosenRows::All => (None, None),

@@ -151,9 +151,9 @@ fn a_curve_that_ends_at_a_touch_says_so_in_table_picture_and_words() {
     let rows = table(&curves, "locus.csv");
     let ends = |end: &str| rows.iter().filter(|r| r["end"] == end).count();
     assert!(ends("GR") > 0, "{said}");
-    assert!(said.contains("GR ends at a touch at ("), "{said}");
+    assert!(said.contains("GR ends where a contact comes in at ("), "{said}");
     let picture = std::fs::read_to_string(curves.join("locus.svg")).unwrap();
-    assert!(picture.contains("GR ends at a touch"));
+    assert!(picture.contains("GR ends where a contact comes in"));
 }
 
 #[test]

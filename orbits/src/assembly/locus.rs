@@ -199,6 +199,11 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let refused = |problem: String| Error::Described { problem };
     let failed = |obstacle: Obstacle| match obstacle {
         Obstacle::Refused(error) => error,
+        _ if start.special.element.starts_with("spring.") => refused(format!(
+            "{} slips on one side of this point, and on the other may stand at any place: its curve is not followed; allowed are \
+             branches over {} for several values of {}",
+            start.special.element, first.parameter, second.parameter
+        )),
         _ => refused(format!(
             "no curve over {} and {} passes this point: the equations have no solution beside it, as where orbits cross for this value alone",
             first.parameter, second.parameter

@@ -71,7 +71,7 @@ pub(super) fn ends(points: impl Iterator<Item = ([f64; 2], Option<LocusEnd>)>) -
 fn in_words(end: LocusEnd) -> Option<&'static str> {
     Some(match end {
         LocusEnd::Range | LocusEnd::Closed => return None,
-        LocusEnd::Touch => "GR ends at a touch",
+        LocusEnd::Touch => "GR ends where a contact comes in",
         LocusEnd::Cusp => "CP cusp",
         LocusEnd::Resonance(1) => "R1 multipliers meet at 1",
         LocusEnd::Resonance(_) => "R2 multipliers meet at −1",

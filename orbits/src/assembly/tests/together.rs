@@ -96,3 +96,27 @@ fn second_method_an_orbit_that_just_makes_its_slider_slip_is_undecided() {
     let orbit = Orbit::settled(&m, &Start::default(), 500).unwrap();
     assert_eq!(orbit.stability(), Stability::Undecided, "{}", orbit.word().len());
 }
+
+#[test]
+fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
+    // The stuck amplitude F k / |K + k - m ω² + i c ω| of the slider's force is its slip.
+    let m = machine(
+        "name = \"Jenkins\"\nbody.a = { mass = 1.0 }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.3 }\n\
+         spring.j = { between = [\"ground\", \"a\"], stiffness = 200.0, slip = 1.0 }\n\
+         load.f = { on = \"a\", amplitude = 3.0, frequency = 3.0 }\n",
+    );
+    let family = Family::new(&m, "load.f.frequency", (3.0, 6.0)).unwrap();
+    let branches = grown(&family, 6, 0);
+    let force = |frequency: f64| {
+        let omega = std::f64::consts::TAU * frequency;
+        600.0 / (300.0 - omega * omega).hypot(0.3 * omega)
+    };
+    let of = |branch: &Branch| (0..branch.points.len()).filter_map(|k| branch.locus_start(k)).next();
+    let (branch, start) = branches.iter().find_map(|branch| Some((branch, of(branch)?))).unwrap();
+    assert_eq!((start.special.kind, start.special.element.as_str()), (Kind::Stick, "spring.j"));
+    let at = branch.points.iter().find(|point| point.special.as_ref() == Some(&start.special)).unwrap();
+    assert!((force(at.value) - 1.0).abs() < ROUNDING, "{} {}", at.value, force(at.value));
+    let refused = locus(&start, &Family::new(&m, "spring.j.slip", (0.5, 2.0)).unwrap()).unwrap_err();
+    assert!(refused.to_string().contains("its curve is not followed"), "{refused}");
+}
