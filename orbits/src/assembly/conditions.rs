@@ -231,7 +231,8 @@ impl Cycle {
             let of = |letter: &Letter| {
                 letter.events.iter().any(|e| e.contact() == Some(watched[place].0.contact()))
             };
-            leg.ending == Some(place) || (next.is_some_and(of) && !is_level(watched[place].0))
+            leg.ending == Some(place)
+                || next.is_some_and(|next| of(next) && is_zero_at(next, watched[place].0))
         };
         let begun = word.letters.get(letter);
         let is_begun = |place: usize| begun.is_some_and(|own| is_zero_after(own, watched[place].0));
@@ -270,15 +271,24 @@ impl Cycle {
 }
 
 /// Whether a functional may be zero after an event by the event itself: that of a contact that
-/// changes there. The force of a closed stop is not, nor that of a sticking friction beyond its
-/// level: where one of them is zero at the begin of a flight, a condition just ceases to hold.
+/// changes there.
 fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
     let contact = watch.contact();
     let [before, after] = &letter.modes;
     let is_own = letter.events.iter().any(|event| event.contact() == Some(contact))
         || letter.chatter.as_ref().is_some_and(|run| Contact::Stop(run.stop) == contact)
         || changes(before, after).any(|own| own == contact);
-    is_own && !is_level(watch)
+    is_own && is_zero_at(letter, watch)
+}
+
+/// Whether a functional of a contact that changes at an event may be zero there by the event
+/// itself. The force of a held contact less what it can bear is not, unless it is the event's own,
+/// nor the rate of a slip that an impact ends or begins by its jump: where one of them is zero, a
+/// condition just ceases to hold.
+fn is_zero_at(letter: &Letter, watch: Watch) -> bool {
+    let is_rate = matches!(watch, Watch::Stops(_) | Watch::Reverses(_));
+    let jumps = letter.chatter.is_none() && letter.hits().next().is_some();
+    !is_level(watch) && !(is_rate && jumps)
 }
 
 /// Whether a functional is the force of a held contact less what it can bear. At an event of
