@@ -235,8 +235,10 @@ fn through_run(
     beside: &Beside,
     (chatter, leg): (&Chatter, &Leg),
     (time, z): &(f64, Vec<f64>),
-    v: Vec<f64>,
+    mut v: Vec<f64>,
 ) -> Result<Vec<f64>, Obstacle> {
+    // The signals on both sides are those of the two machines.
+    v[place.assembly.system().states()..].fill(0.0);
     let latest = leg.time + leg.span.max(0.0) + f64::EPSILON;
     let mut columns = DMatrix::from_vec(v.len(), 1, v);
     close(place, chatter, (*time, latest), &mut z.clone(), &mut columns)?;

@@ -120,3 +120,37 @@ fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
     let refused = locus(&start, &Family::new(&m, "spring.j.slip", (0.5, 2.0)).unwrap()).unwrap_err();
     assert!(refused.to_string().contains("its curve is not followed"), "{refused}");
 }
+
+#[test]
+fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differences() {
+    /// What a difference over 2e-5 of a unit leaves where the number of impacts jumps, relative.
+    const DIFFERENCES: f64 = 1e-6;
+    const STEP: f64 = 1e-5;
+    let m = machine(
+        "name = \"Run\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
+         spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 1.0 }\n\
+         friction.g = { between = [\"a\", \"b\"], force = 0.6, static = 0.8 }\n\
+         stop.r = { between = [\"a\", \"b\"], gap = 0.01, restitution = 0.5 }\n\
+         stop.l = { between = [\"b\", \"a\"], gap = 0.02, stiffness = 500.0, damping = 1.0 }\n\
+         load.f = { on = \"a\", amplitude = 3.0, frequency = 1.5 }\n",
+    );
+    for (vary, (from, to)) in
+        [("load.f.frequency", (1.0, 3.0)), ("load.f.amplitude", (2.0, 4.0)), ("stop.r.gap", (0.005, 0.02))]
+    {
+        let family = Family::new(&m, vary, (from, to)).unwrap();
+        let orbit = Orbit::settled(&m, &Start::default(), 500).unwrap();
+        assert!(orbit.problem.has_run());
+        let problem = Problem { family: Arc::new(family), ..orbit.problem.clone() };
+        let u = problem.point(orbit.place(), &orbit.numbers, m.description.get(vary).unwrap());
+        let matrix = problem.linearize(&u, None).unwrap().matrix;
+        for k in 0..u.len() {
+            let value = |by: f64| {
+                let mut moved = u.clone();
+                moved[k] += by;
+                problem.residual(&problem.place(&moved).unwrap(), &moved, false).unwrap().value
+            };
+            let apart = (value(STEP) - value(-STEP)) / (2.0 * STEP) - matrix.column(k);
+            assert!(apart.amax() < DIFFERENCES * matrix.column(k).amax(), "{vary}, column {k}: {apart}");
+        }
+    }
+}
