@@ -29,7 +29,10 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
         let unit = request.machine.si_unit(name);
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         remarks.push(match error {
-            Some(error) => format!("{name} = {} ± {}{unit}", significant(*value), significant(*error)),
+            Some(error) => {
+                let vague = if *error > value.abs() { ", which may be 0: less than its error" } else { "" };
+                format!("{name} = {} ± {}{unit}{vague}", significant(*value), significant(*error))
+            }
             None => format!("{name} = {}{unit}: the record does not determine it", significant(*value)),
         });
     }
