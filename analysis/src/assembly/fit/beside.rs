@@ -304,7 +304,8 @@ impl Followed {
             Rows::of(&rows, shape)
         });
         let weights = joint.map_or(Vec::new(), |(_, weights)| weights.to_vec());
-        Segment { rows: Rows::of(&rows, shape), places, defect, weights }
+        let has_differences = !self.lost.is_empty();
+        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences }
     }
 }
 

@@ -10,13 +10,15 @@ use super::evaluated::{Evaluated, Point};
 use super::loss::Loss;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular value, relative to the largest, below which a combination of numbers is not determined:
-/// columns of unit length are good to some 1e-9, less where differences stand in, and a singular
-/// value below their error is of the error alone.
-const SINGULAR: f64 = 1e-7;
+/// Singular values, relative to the largest, below which a combination of numbers is not
+/// determined, by the accuracy of columns of unit length: derivatives are exact to rounding, some
+/// 1e-15, also where they grow with a chaotic motion, since all grow with the same one; differences
+/// over a millionth of a number are good to some 1e-6.
+const SINGULAR: f64 = 1e-12;
+const SINGULAR_BY_DIFFERENCES: f64 = 1e-5;
 /// Part of a number in an undetermined combination, in columns of unit length, above which it is
-/// not determined: well above the error of the combination, of the order of [`SINGULAR`] over the
-/// other singular values.
+/// not determined: well above the error of the combination, of the order of the derivatives'
+/// accuracy over the other singular values.
 const TAKES_PART: f64 = 1e-4;
 /// Coefficient below which a number is not named in a combination.
 const COUNTS: f64 = 1e-3;
@@ -74,7 +76,8 @@ impl Uncertainty {
         weights.iter().enumerate().for_each(|(i, weight)| matrix.row_mut(i).scale_mut(*weight));
         let residuals: Vec<f64> = at.residuals().zip(&weights).map(|(r, w)| r * w).collect();
         let idle: Vec<bool> = (0..p).map(|j| at.is_idle(j, values[j])).collect();
-        let Some(basis) = Basis::of(&mut matrix, &idle) else { return Self::none(names) };
+        let cut = if at.has_differences() { SINGULAR_BY_DIFFERENCES } else { SINGULAR };
+        let Some(basis) = Basis::of(&mut matrix, &idle, cut) else { return Self::none(names) };
         let m = residuals.len();
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let variance = if has_sigma { 1.0 } else { squares / m.saturating_sub(p).max(1) as f64 };
@@ -120,12 +123,14 @@ struct Basis {
     /// Combinations in rows, and what they move.
     rows: DMatrix<f64>,
     singular: Vec<f64>,
+    /// Part of the largest of these below which one is not told from 0.
+    cut: f64,
 }
 
 impl Basis {
     /// The combinations of a matrix of derivatives, whose columns become of unit length; `None`
     /// where it has no finite ones. An idle number is a combination of its own.
-    fn of(matrix: &mut DMatrix<f64>, idle: &[bool]) -> Option<Self> {
+    fn of(matrix: &mut DMatrix<f64>, idle: &[bool], cut: f64) -> Option<Self> {
         let p = idle.len();
         let mut lengths = vec![0.0; p];
         for (j, mut column) in matrix.column_iter_mut().enumerate() {
@@ -155,7 +160,7 @@ impl Basis {
         }
         let idle = (0..p).filter(|&j| lengths[j] == 0.0);
         idle.enumerate().for_each(|(i, j)| rows[(moves.len() + i, j)] = 1.0);
-        Some(Self { lengths, rows, singular })
+        Some(Self { lengths, rows, singular, cut })
     }
 
     fn largest(&self) -> f64 {
@@ -164,7 +169,7 @@ impl Basis {
 
     /// Whether a combination is told from the error of its derivatives.
     fn is_known(&self, k: usize) -> bool {
-        self.singular[k] > SINGULAR * self.largest()
+        self.singular[k] > self.cut * self.largest()
     }
 
     fn unknown(&self) -> impl Iterator<Item = usize> {

@@ -100,6 +100,8 @@ pub(super) struct Segment {
     pub defect: Option<Rows>,
     /// Derivative of a row of `defect` by its number of the next segment's state, negative.
     pub weights: Vec<f64>,
+    /// Whether differences stand in for some of its derivatives.
+    pub has_differences: bool,
 }
 
 /// Residuals over all segments.
@@ -119,6 +121,11 @@ impl Evaluated {
     /// Time and column of each of them.
     pub fn places(&self) -> impl Iterator<Item = (f64, usize)> {
         self.0.iter().flat_map(|own| own.places.iter().copied())
+    }
+
+    /// Whether differences stand in for some of the derivatives.
+    pub fn has_differences(&self) -> bool {
+        self.0.iter().any(|own| own.has_differences)
     }
 
     /// What the defects count.
