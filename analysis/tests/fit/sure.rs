@@ -160,3 +160,22 @@ fn second_method_numbers_near_zero_have_the_error_of_the_bound() {
     let offset = found.uncertainty.white[2].unwrap() / (sigma / 10.0);
     assert!((1.0..1.5).contains(&offset), "{offset}");
 }
+
+#[test]
+fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = Measured {
+        times: vec![0.01, 0.02],
+        columns: vec![(
+            "mass.s".parse().unwrap(),
+            record(&m, &[("mass.s", 0.0)], 0.02, 3, &mut Noise(0)).columns[0].1[1..].to_vec(),
+        )],
+        ..Measured::default()
+    };
+    let own = request(m, measured, &["spring.mount.stiffness", "body.mass.start.v"]);
+    let found = fitted(&own);
+    assert_eq!(found.uncertainty.errors, [None, None]);
+    assert!(found.verdict.to_string().contains("no residual is left to tell the noise"), "{}", found.verdict);
+    let given = fitted(&FitRequest { sigma: Some(vec![1e-6]), ..own });
+    assert!(given.uncertainty.errors.iter().all(Option::is_some));
+}

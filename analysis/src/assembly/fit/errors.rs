@@ -4,6 +4,10 @@
 //! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with the sum S of products of J's rows with their residuals over
 //! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation
 //! asks for (D. Andrews, Econometrica 59, 1991).
+//!
+//! Where large residuals count less, s² is the mean square of the scores over the square of their
+//! mean slope (P. Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of
+//! outliers.
 
 use super::elimination::Triangle;
 use super::evaluated::{Evaluated, Point};
@@ -72,23 +76,18 @@ impl Uncertainty {
         let triangle = Triangle::of(at, loss, &sizes, 0.0, &vec![false; p]);
         let Some(mut matrix) = triangle.reduced(at, p) else { return Self::none(names) };
         let scales: Vec<f64> = (0..p).map(|j| scale(&matrix, values[j], j)).collect();
-        let weights: Vec<f64> = at.residuals().map(|r| loss.weight(r)).collect();
-        weights.iter().enumerate().for_each(|(i, weight)| matrix.row_mut(i).scale_mut(*weight));
-        let residuals: Vec<f64> = at.residuals().zip(&weights).map(|(r, w)| r * w).collect();
+        let Some(scores) = Scores::of(at, loss, (has_sigma, p)) else { return Self::none(names) };
         let idle: Vec<bool> = (0..p).map(|j| at.is_idle(j, values[j])).collect();
         let cut = if at.has_differences() { SINGULAR_BY_DIFFERENCES } else { SINGULAR };
         let Some(basis) = Basis::of(&mut matrix, &idle, cut) else { return Self::none(names) };
-        let m = residuals.len();
-        let squares: f64 = residuals.iter().map(|r| r * r).sum();
-        let variance = if has_sigma { 1.0 } else { squares / m.saturating_sub(p).max(1) as f64 };
-        let inverse = basis.inverse();
-        let persistence = persistence(at, &residuals);
-        let white = &inverse * variance;
-        let is_white = persistence.abs() < 2.0 / (m.max(1) as f64).sqrt();
+        let inverse = basis.inverse() / scores.slope;
+        let persistence = persistence(at, &scores.all);
+        let white = &inverse * (scores.variance / scores.slope);
+        let is_white = persistence.abs() < 2.0 / (scores.all.len().max(1) as f64).sqrt();
         let covariance = if is_white {
             white.clone()
         } else {
-            &inverse * lagged(at, &matrix, &residuals, persistence) * &inverse
+            &inverse * lagged(at, &matrix, &scores.all, persistence) * &inverse
         };
         let errors = basis.errors(&covariance);
         Self {
@@ -111,6 +110,33 @@ impl Uncertainty {
             undetermined: Vec::new(),
             persistence: 0.0,
         }
+    }
+}
+
+/// What the residuals say.
+struct Scores {
+    /// Of each residual; itself where it counts by its square.
+    all: Vec<f64>,
+    /// Their mean slope, over the correction for few residuals by number.
+    slope: f64,
+    variance: f64,
+}
+
+impl Scores {
+    /// `None` where nothing tells their variance: as many numbers as residuals, or outliers alone.
+    fn of(at: &Evaluated, loss: Loss, (has_sigma, p): (bool, usize)) -> Option<Self> {
+        let all: Vec<f64> = at.residuals().map(|r| loss.score(r)).collect();
+        let is_told = all.len() > p;
+        if has_sigma && (loss == Loss::Linear || !is_told) {
+            return Some(Self { all, slope: 1.0, variance: 1.0 });
+        }
+        let m = all.len() as f64;
+        let slopes = || at.residuals().map(|r| loss.slope(r));
+        let mean = slopes().sum::<f64>() / m;
+        let spread = slopes().map(|slope| (slope - mean).powi(2)).sum::<f64>() / m;
+        let correction = 1.0 + p as f64 / m * spread / (mean * mean);
+        let variance = all.iter().map(|score| score * score).sum::<f64>() / (m - p as f64);
+        (is_told && mean > 0.0).then(|| Self { all, slope: mean / correction, variance })
     }
 }
 

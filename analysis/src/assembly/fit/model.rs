@@ -122,6 +122,14 @@ impl<'a> Model<'a> {
         beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
 
+    /// Why nothing tells the noise of the record, in words: as many numbers as samples meet all.
+    pub fn lacks_noise(&self) -> Option<String> {
+        let (rows, free) = (self.rows(), self.unknowns.begin.len());
+        let why =
+            || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
+        (!self.has_sigma && rows <= free).then(why)
+    }
+
     /// Number of rows of the record.
     pub fn rows(&self) -> usize {
         self.times.len()
@@ -240,9 +248,14 @@ impl<'a> Model<'a> {
         self.has_sigma.then(|| self.sigma[self.noise.len() + list])
     }
 
-    /// Variance of residuals in units of the standard deviations' squares, by their least sum.
+    /// Variance of residuals in units of the standard deviations' squares, by their least sum; where
+    /// large ones count less these are the residuals' own, and the sum is that of outliers.
     pub fn variance(&self, cost: f64, free: usize) -> f64 {
-        if self.has_sigma { 1.0 } else { cost / self.rows().saturating_sub(free).max(1) as f64 }
+        if self.has_sigma || self.loss != Loss::Linear {
+            1.0
+        } else {
+            cost / self.rows().saturating_sub(free).max(1) as f64
+        }
     }
 
     /// Half the range of what a number of the start begins, over the record's times: of
