@@ -68,7 +68,7 @@ fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
                 stop.u = { between = [\"box\", \"b\"], gap = \"= g\", restitution = \"= e\" }\n\
                 stop.l = { between = [\"b\", \"box\"], gap = \"= g\", restitution = \"= e\" }\n";
     let m = Machine::parse(text, "box.toml", &no_records).unwrap();
-    let measured = record(&m, &[("b.s", 2e-4)], 12.0, 600, &mut Noise(63));
+    let measured = record(&m, &[("b.s", 2e-4)], 12.0, 400, &mut Noise(63));
     let begin = off(&m, &["g", "e"], |i| [1.01, 0.98][i]);
     for segments in [Segments::Auto, Segments::Length(1.0)] {
         let found = fitted(&FitRequest { segments, ..request(begin.clone(), measured.clone(), &["g", "e"]) });

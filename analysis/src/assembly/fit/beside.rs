@@ -87,7 +87,7 @@ fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
 }
 
 /// The indices of the stops whose contacts a record has.
-fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
+pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
     let of = |(element, _): &(String, Vec<f64>)| {
         let plain = element.strip_prefix("stop.").unwrap_or(element);
         d.stops.iter().position(|stop| stop.name == plain).ok_or_else(|| {

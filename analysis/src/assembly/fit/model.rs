@@ -1,6 +1,7 @@
 //! A machine beside a record: how far its motion keeps near it, and what is fitted in the end.
 
 use super::beside::{Beside, Compared, Followed};
+use super::checks::EARLY;
 use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
 use super::statistics::{deviation, deviations, interval, noise, rms, rounding, size, typical};
@@ -128,6 +129,14 @@ impl<'a> Model<'a> {
         let why =
             || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
         (!self.has_sigma && rows <= free).then(why)
+    }
+
+    /// Why rows of the record are not those of the motion, in words: it begins before the start.
+    pub fn begins_early(&self, values: &[f64]) -> Result<Option<String>> {
+        let made = self.unknowns.with(values)?;
+        let first = self.first() + made.shift;
+        let why = || format!("the record begins at {first:?} s of the motion, before its start");
+        Ok((first < made.start.time - EARLY * (self.end() - self.first())).then(why))
     }
 
     /// Number of rows of the record.

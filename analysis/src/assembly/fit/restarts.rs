@@ -132,7 +132,11 @@ fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, 
     let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
     let mut scaled = jacobian.clone();
     scaled.column_iter_mut().zip(&scales).for_each(|(mut column, scale)| column *= *scale);
-    let svd = scaled.qr().r().svd(false, true);
+    let triangular = scaled.qr().r();
+    if triangular.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let svd = triangular.svd(false, true);
     let right = svd.v_t.as_ref()?;
     let largest = svd.singular_values.max();
     let mut known: Vec<usize> =
