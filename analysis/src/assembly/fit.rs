@@ -15,6 +15,7 @@ mod loss;
 mod model;
 mod record;
 mod restarts;
+mod rounded;
 mod segments;
 mod solver;
 mod statistics;

@@ -41,7 +41,9 @@ impl Model<'_> {
         let all = beside.0.iter().flat_map(|own| &own.events);
         let named =
             |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
-        let doubt = self.lacks_noise().or(self.begins_early(&point.values)?).or(doubt);
+        let variance = self.variance(cost, point.values.len());
+        let rounding = self.rounding(request, (point, reach), &beside, variance)?;
+        let doubt = self.lacks_noise().or(self.begins_early(&point.values)?).or(rounding).or(doubt);
         let verdict = match (self.verdict(&beside), doubt) {
             (Verdict::Fits, Some(doubt)) => Verdict::Undecided(doubt),
             (found, _) => found,

@@ -257,6 +257,11 @@ impl<'a> Model<'a> {
         self.has_sigma.then(|| self.sigma[self.noise.len() + list])
     }
 
+    /// Standard deviations of columns, then of lists of contacts, by which residuals are weighed.
+    pub fn deviations(&self) -> &[f64] {
+        &self.sigma
+    }
+
     /// Variance of residuals in units of the standard deviations' squares, by their least sum; where
     /// large ones count less these are the residuals' own, and the sum is that of outliers.
     pub fn variance(&self, cost: f64, free: usize) -> f64 {
