@@ -161,7 +161,8 @@ pub struct Fitted {
     pub rms: Vec<(String, f64)>,
     /// For each time of the record and then each column the motion's value less the record's, SI.
     pub residuals: Vec<Vec<f64>>,
-    /// For each stop the times of the motion's contacts less those of the record, s.
+    /// For each stop the times of the motion's contacts less those of the record, s; NaN where the
+    /// motion has none.
     pub contacts: Vec<(String, Vec<f64>)>,
     /// Times of the record at which stops of the fitted motion are hit or touched, with their
     /// names.

@@ -63,7 +63,9 @@ fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> 
         ("start.time", within) => within.is_none_or(|(low, _)| low <= *first),
         _ => false,
     };
-    if *first < from - EARLY * duration && !free.iter().any(moves) {
+    // Of a record that is wholly before it nothing says where to.
+    let is_moved = *last > from && free.iter().any(moves);
+    if *first < from - EARLY * duration && !is_moved {
         return refused(format!(
             "{name}: {row} 1 is {first:?} s, before the motion's start at {from:?} s; allowed are times from there \
              on, or record.shift among the free numbers"
