@@ -70,6 +70,7 @@ fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
     let m = Machine::parse(text, "box.toml", &no_records).unwrap();
     let measured = record(&m, &[("b.s", 2e-4)], 12.0, 400, &mut Noise(63));
     let begin = off(&m, &["g", "e"], |i| [1.01, 0.98][i]);
+    let mut all = Vec::new();
     for segments in [Segments::Auto, Segments::Length(1.0)] {
         let found = fitted(&FitRequest { segments, ..request(begin.clone(), measured.clone(), &["g", "e"]) });
         assert_eq!(found.verdict, Verdict::Fits, "{segments:?}");
@@ -79,6 +80,9 @@ fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
                 (value - truth).abs() < FAR * error && error < 1e-4,
                 "{segments:?} {name} {value} ± {error}"
             );
+            all.push(error);
         }
     }
+    let [g, e, same_g, same_e] = all[..] else { panic!("{all:?}") };
+    assert!((g / same_g - 1.0).abs() < 0.02 && (e / same_e - 1.0).abs() < 0.02, "{all:?}");
 }

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Singular values, relative to the largest, below which a combination of numbers is not
 /// determined, by the accuracy of columns of unit length: derivatives are exact to rounding, some
-/// 1e-15, also where they grow with a chaotic motion, since all grow with the same one; differences
-/// over a millionth of a number are good to some 1e-6.
+/// 1e-15, and what they grow by over segments ends where these may miss a next start, a billionth of
+/// its size; differences over a millionth of a number are good to some 1e-6.
 const SINGULAR: f64 = 1e-12;
 const SINGULAR_BY_DIFFERENCES: f64 = 1e-5;
 /// Part of a number in an undetermined combination, in columns of unit length, above which it is
@@ -73,13 +73,16 @@ impl Uncertainty {
         let p = values.len();
         // States of segments follow the numbers: errors are of all that is free.
         let sizes = Point::default();
-        let triangle = Triangle::of(at, loss, &sizes, 0.0, &vec![false; p]);
+        let triangle = Triangle::of(at, Loss::Linear, &sizes, 0.0, &vec![false; p]);
         let Some(mut matrix) = triangle.reduced(at, p) else { return Self::none(names) };
         let scales: Vec<f64> = (0..p).map(|j| scale(&matrix, values[j], j)).collect();
         let Some(scores) = Scores::of(at, loss, (has_sigma, p)) else { return Self::none(names) };
         let idle: Vec<bool> = (0..p).map(|j| at.is_idle(j, values[j])).collect();
         let cut = if at.has_differences() { SINGULAR_BY_DIFFERENCES } else { SINGULAR };
-        let Some(basis) = Basis::of(&mut matrix, &idle, cut) else { return Self::none(names) };
+        let Some(basis) = Basis::of(triangle.of_numbers(), &idle, cut) else { return Self::none(names) };
+        for (mut column, length) in matrix.column_iter_mut().zip(&basis.lengths) {
+            column *= if *length > 0.0 { length.recip() } else { 0.0 };
+        }
         let inverse = basis.inverse() / scores.slope;
         let persistence = persistence(at, &scores.all);
         let white = &inverse * (scores.variance / scores.slope);
@@ -154,16 +157,14 @@ struct Basis {
 }
 
 impl Basis {
-    /// The combinations of a matrix of derivatives, whose columns become of unit length; `None`
-    /// where it has no finite ones. An idle number is a combination of its own.
-    fn of(matrix: &mut DMatrix<f64>, idle: &[bool], cut: f64) -> Option<Self> {
+    /// The combinations of a matrix of derivatives; `None` where it has no finite ones. An idle
+    /// number is a combination of its own.
+    fn of(mut matrix: DMatrix<f64>, idle: &[bool], cut: f64) -> Option<Self> {
         let p = idle.len();
         let mut lengths = vec![0.0; p];
         for (j, mut column) in matrix.column_iter_mut().enumerate() {
             let length = column.norm();
-            if idle[j] || length == 0.0 {
-                column.fill(0.0);
-            } else {
+            if !idle[j] && length > 0.0 {
                 lengths[j] = length;
                 column /= length;
             }

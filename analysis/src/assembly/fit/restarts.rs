@@ -110,11 +110,11 @@ pub(super) fn restarted(
     let errors =
         Uncertainty::of(&at, &bounds.names, &best.point.values, (model.loss, model.has_sigma)).errors;
     let is_other = |own: &&Solved| {
-        let near = errors.iter().zip(&best.point.values).zip(&own.point.values);
+        let mut near = errors.iter().zip(&best.point.values).zip(&own.point.values);
         let is_one = |((error, a), b): ((&Option<f64>, &f64), &f64)| {
             (a - b).abs() <= error.map_or(ONE_PART * a.abs(), |error| ONE * error)
         };
-        let is_one = near.map(is_one).all(|is_one| is_one);
+        let is_one = near.all(is_one);
         let off = own.point.values.iter().zip(&best.point.values).map(|(a, b)| a - b);
         let rise = (&jacobian * DVector::from_iterator(p, off)).norm_squared();
         own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance && !is_one
