@@ -179,3 +179,24 @@ fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
     let given = fitted(&FitRequest { sigma: Some(vec![1e-6]), ..own });
     assert!(given.uncertainty.errors.iter().all(Option::is_some));
 }
+
+#[test]
+fn closed_form_shift_phase_and_speed_are_not_determined_together() {
+    // A shift of the record is one of the load's phase by ω of it, and of the start by its speed and
+    // its acceleration.
+    let text = "name = \"Driven\"\nbody.a = { mass = 1.0, start = { s = 1e-2 } }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 900.0, damping = 2.0 }\n\
+                load.l = { on = \"a\", amplitude = 3.0, frequency = 4.0, phase = 0.3 }\n";
+    let m = Machine::parse(text, "driven.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-5)], 2.0, 200, &mut Noise(67));
+    let free = ["load.l.phase", "record.shift", "body.a.start.v", "spring.k.stiffness", "body.a.start.s"];
+    let found = fitted(&request(m, measured, &free));
+    let [undetermined] = &found.uncertainty.undetermined[..] else { panic!("{:?}", found.uncertainty) };
+    let names: Vec<&str> = undetermined.combination.iter().map(|(name, _)| name.as_str()).collect();
+    // The speed is nearly 0, and so is the part of the start's place.
+    assert!(free[..3].iter().all(|name| names.contains(name)), "{undetermined}");
+    let [None, None, None, Some(error), _] = found.uncertainty.errors[..] else {
+        panic!("{:?}", found.uncertainty)
+    };
+    assert!(!names.contains(&free[3]) && (found.values[3].1 - 900.0).abs() < FAR * error);
+}

@@ -27,6 +27,9 @@ const TAKES_PART: f64 = 1e-4;
 /// Coefficient below which a number is not named in a combination.
 const COUNTS: f64 = 1e-3;
 
+/// Part of the motion's size that a value moves up to which it counts as 0 in a combination.
+const HARDLY: f64 = 1e-3;
+
 /// A combination of relative changes that leaves the motion at the record as it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undetermined {
@@ -75,7 +78,7 @@ impl Uncertainty {
         let sizes = Point::default();
         let triangle = Triangle::of(at, Loss::Linear, &sizes, 0.0, &vec![false; p]);
         let Some(mut matrix) = triangle.reduced(at, p) else { return Self::none(names) };
-        let scales: Vec<f64> = (0..p).map(|j| scale(&matrix, values[j], j)).collect();
+        let scales: Vec<f64> = (0..p).map(|j| size_of_part(&matrix, values[j], j)).collect();
         let Some(scores) = Scores::of(at, loss, (has_sigma, p)) else { return Self::none(names) };
         let idle: Vec<bool> = (0..p).map(|j| at.is_idle(j, values[j])).collect();
         let cut = if at.has_differences() { SINGULAR_BY_DIFFERENCES } else { SINGULAR };
@@ -260,6 +263,13 @@ pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     }
     let norm = jacobian.column(j).norm();
     if norm > 0.0 { (jacobian.nrows() as f64).sqrt() / norm } else { 1.0 }
+}
+
+/// The change of a number by which its part in a combination counts: as [`scale`], where a value is
+/// 0 that hardly moves the motion, as that of a shift which is fitted to be 0.
+fn size_of_part(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
+    let of_zero = scale(jacobian, 0.0, j);
+    if value.abs() > HARDLY * of_zero { value.abs() } else { of_zero }
 }
 
 /// Correlation of a residual with the next one of its column, over all columns.
