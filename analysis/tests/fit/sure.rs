@@ -200,3 +200,12 @@ fn closed_form_shift_phase_and_speed_are_not_determined_together() {
     };
     assert!(!names.contains(&free[3]) && (found.values[3].1 - 900.0).abs() < FAR * error);
 }
+
+#[test]
+fn invariant_a_number_that_is_the_rounding_of_zero_has_an_error() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 0.0)], 0.25, 100, &mut Noise(0));
+    let found = fitted(&request(m, measured, &["spring.mount.stiffness", "record.offset.mass.s"]));
+    let error = found.uncertainty.errors[1].unwrap();
+    assert!(found.values[1].1.abs() < 1e-12 && error < 1e-12, "{:?} {error}", found.values);
+}

@@ -5,6 +5,8 @@ use nalgebra::DMatrix;
 /// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
 /// nothing: a derivative that is rounding would ask for a change without bound.
 const IDLE: f64 = 1e-12;
+/// Size of a number, SI, up to which it counts as 0: one that is fitted to be 0 is its rounding.
+const NEARLY_0: f64 = 1e-12;
 
 /// Where a fit stands: the free numbers, and the states in which segments after the first begin.
 #[derive(Clone, Debug, Default)]
@@ -138,7 +140,7 @@ impl Evaluated {
 impl Evaluated {
     /// Whether the motion stays as it is whatever a free number of some value does.
     pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
-        let size = if value == 0.0 { 1.0 } else { value.abs() };
+        let size = if value.abs() <= NEARLY_0 { 1.0 } else { value.abs() };
         self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
     }
 }
