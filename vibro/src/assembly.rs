@@ -10,7 +10,7 @@ mod summary;
 
 pub use columns::Chosen;
 pub use derivatives::{DerivativeRecord, check_parameters};
-pub use fit_record::read_record;
+pub use fit_record::{check_record, read_record};
 pub use picture::figure;
 pub use start::read_start;
 pub use summary::summary;

@@ -105,3 +105,71 @@ fn what_is_no_record_is_refused_by_name_and_row() {
         assert!(!output.status.success() && error.contains(words), "{free}: {error}");
     }
 }
+
+/// What `vibro fit` of a machine's text says, with tables by name.
+fn said(name: &str, machine: &str, tables: &[(&str, &str)], arguments: &str) -> (std::path::PathBuf, String) {
+    let out = folder(name);
+    std::fs::create_dir_all(&out).unwrap();
+    std::fs::write(out.join("m.toml"), machine).unwrap();
+    tables.iter().for_each(|(name, text)| std::fs::write(out.join(name), text).unwrap());
+    let line = format!("fit m.toml --out fit --replace {arguments}");
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_vibro")).args(line.split(' ')).current_dir(&out).output().unwrap();
+    let text =
+        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+    (out.join("fit"), text)
+}
+
+const BALL: &str = "name = \"Ball\"\ngravity = 9.81\nbody.b = { mass = 1.0, gravity = 1.0 }\n\
+                    stop.floor = { between = [\"ground\", \"b\"], gap = 1.0, restitution = 0.8 }\n";
+
+#[test]
+fn refused_records_ranges_and_deviations_are_named_with_their_file() {
+    let tables = [
+        ("falls.csv", "time,b.s\n0,1\n1,2\n0.5,2\n"),
+        ("unknown.csv", "time,c.s\n0,1\n1,2\n"),
+        ("empty.csv", "time,b.s\n"),
+        ("twice.csv", "time,b.s,b.s\n0,1,1\n1,2,2\n"),
+        ("early.csv", "time,b.s\n-2,1\n-1,2\n"),
+        ("order.csv", "element,time\nfloor,1\nfloor,0.5\n"),
+        ("sound.csv", "time,b.s\n0,0\n0.1,0.05\n0.2,0.2\n"),
+    ];
+    let sound = "--data sound.csv --free stop.floor.gap --within stop.floor.gap";
+    let cases = [
+        ("--data falls.csv --free stop.floor.gap", "falls.csv: time: row 3 has the time 0.5 s"),
+        ("--data unknown.csv --free stop.floor.gap", "unknown.csv: the machine has no `c.s`"),
+        ("--data empty.csv --free stop.floor.gap", "empty.csv: has no sample"),
+        ("--data twice.csv --free stop.floor.gap", "twice.csv: b.s has two columns"),
+        ("--data early.csv --free stop.floor.gap", "early.csv: time: row 1 is -2.0 s, before"),
+        ("--events order.csv --free stop.floor.gap", "order.csv: floor: contact 2 has the time 0.5 s"),
+        (&format!("{sound}=3:2"), "stop.floor.gap=3:2: its ends do not rise"),
+        (&format!("{sound}=0.5:2 --within stop.floor.gap=0.6:2"), "stop.floor.gap has two ranges"),
+        ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two deviations"),
+    ];
+    for (arguments, words) in cases {
+        let (_, text) = said("fit-named", BALL, &tables, arguments);
+        assert!(text.contains(words), "{arguments}: {text}");
+    }
+}
+
+#[test]
+fn closed_form_residuals_of_contacts_are_in_a_table_of_their_own() {
+    // Contacts of a ball that falls 1 m: √(2 h / g), then twice the times that it rises.
+    let fall = (2f64 / 9.81).sqrt();
+    let times: Vec<f64> =
+        (0..8).map(|k| fall + (1..=k).map(|i| 2.0 * fall * 0.8f64.powi(i)).sum::<f64>()).collect();
+    let rows = times.iter().enumerate().map(|(k, t)| format!("floor,{:?}\n", t + 1e-4 * (k as f64).sin()));
+    let table = "element,time\n".to_owned() + &rows.collect::<String>();
+    let arguments = "--events t.csv --free stop.floor.gap,stop.floor.restitution";
+    let (out, text) = said("fit-contacts", BALL, &[("t.csv", &table)], arguments);
+    assert!(!out.join("residuals.csv").exists() && text.contains("residuals-contacts.csv"), "{text}");
+    let found = std::fs::read_to_string(out.join("residuals-contacts.csv")).unwrap();
+    let mut lines = found.lines();
+    assert_eq!(lines.next(), Some("element,time,time.fit,time.residual"));
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 8);
+    for (row, time) in rows.iter().zip(times) {
+        assert!((row[1] - row[0] - row[2]).abs() < 1e-15 && (row[1] - time).abs() < 3e-4, "{row:?} {time}");
+    }
+}

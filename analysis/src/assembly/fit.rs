@@ -5,6 +5,7 @@
 //! numbers keeps near the record, and goes on to longer ones as far as the fitted motion then does.
 
 mod beside;
+mod checks;
 mod elimination;
 mod errors;
 mod evaluated;
@@ -14,6 +15,7 @@ mod loss;
 mod model;
 mod record;
 mod restarts;
+mod rounded;
 mod segments;
 mod solver;
 mod statistics;
@@ -24,6 +26,7 @@ pub use errors::{Uncertainty, Undetermined};
 pub use loss::Loss;
 pub use verdict::Verdict;
 
+use self::checks::check;
 use self::evaluated::{Point, Solved};
 use self::horizons::over_horizons;
 use self::model::Model;
@@ -158,7 +161,8 @@ pub struct Fitted {
     pub rms: Vec<(String, f64)>,
     /// For each time of the record and then each column the motion's value less the record's, SI.
     pub residuals: Vec<Vec<f64>>,
-    /// For each stop the times of the motion's contacts less those of the record, s.
+    /// For each stop the times of the motion's contacts less those of the record, s; NaN where the
+    /// motion has none.
     pub contacts: Vec<(String, Vec<f64>)>,
     /// Times of the record at which stops of the fitted motion are hit or touched, with their
     /// names.
@@ -183,7 +187,7 @@ pub struct Fitted {
 /// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
 /// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
 pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fitted> {
-    check(&request.measured)?;
+    check(request)?;
     let mut model = Model::new(request)?;
     let bounds = Bounds::of(request, &model)?;
     let count = bounds.begin.len();
@@ -318,40 +322,3 @@ fn starts_beside(model: &Model, bounds: &Bounds, start: &[f64]) -> Vec<Vec<f64>>
 
 /// A way to a fit.
 type Attempt<'a> = Box<dyn Fn() -> Result<Solved> + 'a>;
-
-/// Refuses a record that is empty or not finite, and times that do not rise.
-fn check(measured: &Measured) -> Result<()> {
-    let refused = |problem: String| Err(Error::Described { problem });
-    let rising = |name: &str, times: &[f64]| match times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        Some(row) => refused(format!(
-            "{name}: row {} has the time {:?} s after {:?} s; allowed are rising times",
-            row + 2,
-            times[row + 1],
-            times[row]
-        )),
-        None => Ok(()),
-    };
-    let finite = |name: &str, values: &[f64]| match values.iter().position(|x| !x.is_finite()) {
-        Some(row) => {
-            refused(format!("{name}: row {} is {}; allowed are finite numbers", row + 1, values[row]))
-        }
-        None => Ok(()),
-    };
-    finite("time", &measured.times)?;
-    rising("time", &measured.times)?;
-    for (name, values) in &measured.columns {
-        finite(&name.to_string(), values)?;
-        if values.len() != measured.times.len() {
-            return refused(format!("{name}: {} values for {} times", values.len(), measured.times.len()));
-        }
-    }
-    for (name, times) in &measured.contacts {
-        finite(name, times)?;
-        rising(name, times)?;
-    }
-    let rows = if measured.columns.is_empty() { 0 } else { measured.times.len() };
-    if rows + measured.contacts.iter().map(|(_, times)| times.len()).sum::<usize>() == 0 {
-        return refused("the record has no sample; allowed is one with columns or times of contacts".into());
-    }
-    Ok(())
-}

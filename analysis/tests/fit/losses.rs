@@ -56,3 +56,25 @@ fn made_record_of_a_slider_that_begins_at_its_limit() {
         assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}, true {truth}");
     }
 }
+
+#[test]
+fn invariant_errors_do_not_grow_with_the_size_of_outliers() {
+    let m = example("coulomb_oscillator.toml");
+    let free = ["spring.mount.stiffness", "friction.floor.force"];
+    let clean = record(&m, &[("mass.s", 5e-6)], 0.25, 200, &mut Noise(64));
+    let linear = fitted(&request(m.clone(), clean.clone(), &free)).uncertainty.white;
+    for loss in [Loss::Huber, Loss::SoftL1] {
+        let errors = |size: f64| {
+            let mut measured = clean.clone();
+            (0..200).step_by(15).for_each(|i| measured.columns[0].1[i] += size * (i as f64).sin().signum());
+            fitted(&FitRequest { loss, ..request(m.clone(), measured, &free) }).uncertainty.white
+        };
+        let (near, far) = (errors(1e-2), errors(10.0));
+        for ((near, far), linear) in near.iter().zip(&far).zip(&linear) {
+            let (near, far, linear) = (near.unwrap(), far.unwrap(), linear.unwrap());
+            assert!((far / near - 1.0).abs() < 0.01, "{loss:?}: {near} {far}");
+            // 7 % of outliers, and normal noise of which the loss makes 95 % of the information.
+            assert!((0.8..1.6).contains(&(far / linear)), "{loss:?}: {far} {linear}");
+        }
+    }
+}

@@ -102,11 +102,18 @@ fn off(machine: &Machine, free: &[&str], factor: impl Fn(usize) -> f64) -> Machi
 }
 
 #[test]
-fn invariant_records_before_the_start_and_of_one_time_are_fitted_or_refused_in_words() {
+fn invariant_a_free_shift_moves_a_record_before_the_start_inside_it() {
     let m = example("coulomb_oscillator.toml");
     let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(9));
-    measured.times.iter_mut().for_each(|time| *time -= 0.1);
-    assert!(fitted(&request(m.clone(), measured, &["friction.floor.force"])).cost.is_finite());
+    measured.times.iter_mut().for_each(|time| *time -= 2e-3);
+    let found = fitted(&request(m.clone(), measured, &["friction.floor.force", "record.shift"]));
+    // The motion begins at rest, where a shift moves little: samples before it stand still, too.
+    assert!((found.values[1].1 - 2e-3).abs() < 2e-4, "{:?} {}", found.values, found.verdict);
+}
+
+#[test]
+fn invariant_a_record_of_one_time_has_no_error() {
+    let m = example("coulomb_oscillator.toml");
     let one = Measured {
         times: vec![0.0],
         columns: vec![("mass.s".parse().unwrap(), vec![1e-3])],
@@ -164,7 +171,25 @@ type Refused<'a> = (&'a dyn Fn(&mut FitRequest), &'a str);
 fn records_and_names_that_are_not_allowed_are_refused() {
     let m = example("coulomb_oscillator.toml");
     let sound = record(&m, &[("mass.s", 2e-6)], 0.25, 50, &mut Noise(6));
-    let cases: [Refused; 8] = [
+    let late = |own: &mut FitRequest| own.measured.times.iter_mut().for_each(|time| *time += 1.7e9);
+    let twice = |own: &mut FitRequest| {
+        let column = own.measured.columns[0].1.clone();
+        own.measured.columns.push(("body.mass.s".parse().unwrap(), column));
+    };
+    let small = |own: &mut FitRequest| own.measured.columns[0].1.iter_mut().for_each(|x| *x *= 1e-200);
+    let early = |own: &mut FitRequest| own.measured.times.iter_mut().for_each(|time| *time -= 0.1);
+    let cases: [Refused; 16] = [
+        (&early, "time: row 1 is -0.1 s, before the motion's start at 0.0 s"),
+        (&late, "time: row 1 is 1700000000.0 s: times count from the machine's start"),
+        (&twice, "mass.s has two columns"),
+        (&small, "and none is larger; allowed are columns with a number of 1e-60 at least"),
+        (&|own| own.measured.columns[0].1[2] = 1e300, "mass.s: row 3 is 1e300; allowed are 1e60 at most"),
+        (&|own| own.sigma = Some(vec![1e-160]), "sigma of mass.s = 1e-160: allowed is"),
+        (
+            &|own| own.segments = Segments::Length(1e-9),
+            "segments of 1e-9 s: allowed are 0.005102041 s at least",
+        ),
+        (&|own| own.measured.contacts = vec![("floor".into(), vec![1.0])], "no stop is named `floor`"),
         (&|own| own.measured.times[3] = 0.0, "row 4 has the time 0.0 s"),
         (&|own| own.measured.columns[0].1[2] = f64::NAN, "mass.s: row 3 is NaN"),
         (&|own| own.measured.columns[0].0 = "mas.s".parse().unwrap(), "the machine has no `mas.s`"),

@@ -57,3 +57,32 @@ fn second_method_segments_of_a_length_come_to_the_point_of_one_motion() {
         );
     }
 }
+
+#[test]
+fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
+    // A mass between two stops of a shaken box, over 36 periods: changes grow a billionfold.
+    let text = "name = \"Box\"\nparameters = { g = 0.2, e = 0.7 }\n\
+                body.box = { motion = { amplitude = 0.02, frequency = 3.0 } }\n\
+                body.b = { mass = 0.3, start = { v = 0.5 } }\n\
+                damper.d = { between = [\"box\", \"b\"], damping = 0.2 }\n\
+                stop.u = { between = [\"box\", \"b\"], gap = \"= g\", restitution = \"= e\" }\n\
+                stop.l = { between = [\"b\", \"box\"], gap = \"= g\", restitution = \"= e\" }\n";
+    let m = Machine::parse(text, "box.toml", &no_records).unwrap();
+    let measured = record(&m, &[("b.s", 2e-4)], 12.0, 400, &mut Noise(63));
+    let begin = off(&m, &["g", "e"], |i| [1.01, 0.98][i]);
+    let mut all = Vec::new();
+    for segments in [Segments::Auto, Segments::Length(1.0)] {
+        let found = fitted(&FitRequest { segments, ..request(begin.clone(), measured.clone(), &["g", "e"]) });
+        assert_eq!(found.verdict, Verdict::Fits, "{segments:?}");
+        for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
+            let (truth, error) = (m.description.get(name).unwrap(), error.unwrap());
+            assert!(
+                (value - truth).abs() < FAR * error && error < 1e-4,
+                "{segments:?} {name} {value} ± {error}"
+            );
+            all.push(error);
+        }
+    }
+    let [g, e, same_g, same_e] = all[..] else { panic!("{all:?}") };
+    assert!((g / same_g - 1.0).abs() < 0.02 && (e / same_e - 1.0).abs() < 0.02, "{all:?}");
+}

@@ -1,6 +1,7 @@
 //! How sure the numbers are: errors beside the spread of repeated fits, what is not determined.
 
 use super::*;
+use nalgebra::DMatrix;
 
 #[test]
 fn second_method_errors_are_those_of_repeated_records() {
@@ -97,4 +98,114 @@ fn second_method_errors_of_correlated_residuals_are_the_spread_of_repeated_fits(
     // length.
     assert!((0.7..1.3).contains(&(errors / spread)), "{errors} {spread}");
     assert!(white < 0.5 * spread, "{white} {spread}");
+}
+
+/// The Cramér-Rao bound of white noise of a size: the inverse of the information, from motions that
+/// differ by small parts of the numbers alone.
+fn bound(
+    m: &Machine,
+    free: &[&'static str],
+    column: &str,
+    (until, count): (f64, usize),
+    sigma: f64,
+) -> Vec<f64> {
+    let run = |m: &Machine| record(m, &[(column, 0.0)], until, count, &mut Noise(0)).columns[0].1.clone();
+    let mut jacobian = DMatrix::zeros(count, free.len());
+    for (j, name) in free.iter().enumerate() {
+        let value = m.description.get(name).unwrap();
+        let step = 1e-5 * if value == 0.0 { 1e-2 } else { value.abs() };
+        let [high, low] = [step, -step].map(|step| run(&m.with([(*name, value + step)]).unwrap()));
+        high.iter()
+            .zip(low)
+            .enumerate()
+            .for_each(|(i, (a, b))| jacobian[(i, j)] = (a - b) / (2.0 * step * sigma));
+    }
+    let inverse = jacobian.tr_mul(&jacobian).try_inverse().unwrap();
+    (0..free.len()).map(|j| inverse[(j, j)].sqrt()).collect()
+}
+
+#[test]
+fn second_method_an_error_larger_than_its_number_is_given_and_enlarges_the_others() {
+    // Damping and friction both take the motion's energy: each is known worse than to its own size.
+    let text = "name = \"Ring\"\nbody.b = { mass = 1.0, start = { s = 1e-3 } }\n\
+                spring.k = { between = [\"ground\", \"b\"], stiffness = 400.0, damping = 0.02 }\n\
+                friction.f = { between = [\"ground\", \"b\"], force = 5e-3 }\n";
+    let m = Machine::parse(text, "ring.toml", &no_records).unwrap();
+    let free = ["spring.k.stiffness", "spring.k.damping", "friction.f.force"];
+    let (sigma, span) = (2e-5, (0.4, 100));
+    let measured = record(&m, &[("b.s", sigma)], span.0, span.1, &mut Noise(61));
+    let found = fitted(&FitRequest { sigma: Some(vec![sigma]), ..request(m.clone(), measured, &free) });
+    let at = m.with(free.iter().zip(&found.values).map(|(name, (_, x))| (*name, *x))).unwrap();
+    let bound = bound(&at, &free, "b.s", span, sigma);
+    assert!(bound[1] > found.values[1].1, "{bound:?} {:?}", found.values);
+    for ((error, bound), name) in found.uncertainty.white.iter().zip(&bound).zip(free) {
+        assert!((error.unwrap() / bound - 1.0).abs() < 0.01, "{name}: {error:?}, bound {bound}");
+    }
+    assert!(found.uncertainty.undetermined.is_empty());
+}
+
+#[test]
+fn second_method_numbers_near_zero_have_the_error_of_the_bound() {
+    let text = "name = \"Rest\"\nbody.b = { mass = 1.0, start = { s = 1e-3, v = 0.0 } }\n\
+                spring.k = { between = [\"ground\", \"b\"], stiffness = 400.0, damping = 2.0 }\n";
+    let m = Machine::parse(text, "rest.toml", &no_records).unwrap();
+    let free = ["spring.k.stiffness", "body.b.start.v", "record.offset.b.s"];
+    let sigma = 2e-5;
+    let measured = record(&m, &[("b.s", sigma)], 0.4, 100, &mut Noise(62));
+    let found = fitted(&FitRequest { sigma: Some(vec![sigma]), ..request(m, measured, &free) });
+    for ((name, value), error) in found.values[1..].iter().zip(&found.uncertainty.errors[1..]) {
+        assert!(value.abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}");
+    }
+    // A mean of 100 samples, of which the motion's decay takes a part.
+    let offset = found.uncertainty.white[2].unwrap() / (sigma / 10.0);
+    assert!((1.0..1.5).contains(&offset), "{offset}");
+}
+
+#[test]
+fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = Measured {
+        times: vec![0.01, 0.02],
+        columns: vec![(
+            "mass.s".parse().unwrap(),
+            record(&m, &[("mass.s", 0.0)], 0.02, 3, &mut Noise(0)).columns[0].1[1..].to_vec(),
+        )],
+        ..Measured::default()
+    };
+    let own = request(m, measured, &["spring.mount.stiffness", "body.mass.start.v"]);
+    let found = fitted(&own);
+    assert_eq!(found.uncertainty.errors, [None, None]);
+    assert!(found.verdict.to_string().contains("no residual is left to tell the noise"), "{}", found.verdict);
+    let given = fitted(&FitRequest { sigma: Some(vec![1e-6]), ..own });
+    assert!(given.uncertainty.errors.iter().all(Option::is_some));
+}
+
+#[test]
+fn closed_form_shift_phase_and_speed_are_not_determined_together() {
+    // A shift of the record is one of the load's phase by ω of it, and of the start by its speed and
+    // its acceleration.
+    let text = "name = \"Driven\"\nbody.a = { mass = 1.0, start = { s = 1e-2 } }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 900.0, damping = 2.0 }\n\
+                load.l = { on = \"a\", amplitude = 3.0, frequency = 4.0, phase = 0.3 }\n";
+    let m = Machine::parse(text, "driven.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-5)], 2.0, 200, &mut Noise(67));
+    let free = ["load.l.phase", "record.shift", "body.a.start.v", "spring.k.stiffness", "body.a.start.s"];
+    let found = fitted(&request(m, measured, &free));
+    let [undetermined] = &found.uncertainty.undetermined[..] else { panic!("{:?}", found.uncertainty) };
+    let names: Vec<&str> = undetermined.combination.iter().map(|(name, _)| name.as_str()).collect();
+    // The speed is nearly 0, and so is the part of the start's place.
+    assert!(free[..3].iter().all(|name| names.contains(name)), "{undetermined}");
+    let [None, None, None, Some(error), _] = found.uncertainty.errors[..] else {
+        panic!("{:?}", found.uncertainty)
+    };
+    assert!(!names.contains(&free[3]) && (found.values[3].1 - 900.0).abs() < FAR * error);
+}
+
+#[test]
+fn invariant_a_number_that_is_the_rounding_of_zero_has_an_error() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 0.0)], 0.25, 100, &mut Noise(0));
+    let found = fitted(&request(m, measured, &["spring.mount.stiffness", "record.offset.mass.s"]));
+    let error = found.uncertainty.errors[1].unwrap();
+    assert!(found.values[1].1.abs() < 1e-12 && error < 1e-12, "{:?} {error}", found.values);
 }

@@ -71,6 +71,51 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     };
     let ball = |gap: f64| Machine::parse(&text(gap), "ball.toml", &no_records).unwrap();
     let measured = contacts(&ball(0.5), &["floor"], 1.5, 1e-5, &mut Noise(56));
-    let found = fitted(&request(ball(0.8), measured, &["stop.floor.restitution"]));
+    let own = request(ball(0.8), measured, &["stop.floor.restitution"]);
+    // Without a given noise few times that are off say nothing of whether it is noise.
+    assert!(matches!(fitted(&own).verdict, Verdict::Undecided(_)));
+    let found = fitted(&FitRequest { sigma: Some(vec![1e-5]), ..own });
     assert!(matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
+}
+
+#[test]
+fn invariant_noise_of_contacts_alone_is_not_called_another_law() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.87 }\n";
+    let m = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let free = ["stop.floor.gap", "stop.floor.restitution"];
+    // Times that are off by 4 % of the mean interval.
+    let measured = contacts(&m, &["floor"], 6.0, 2e-2, &mut Noise(65));
+    let own = request(off(&m, &free, |i| [0.95, 0.98][i]), measured, &free);
+    let found = fitted(&own);
+    assert!(found.verdict.to_string().contains("--sigma contacts=TIME"), "{}", found.verdict);
+    let given = fitted(&FitRequest { sigma: Some(vec![2e-2]), ..own });
+    assert_eq!(given.verdict, Verdict::Fits);
+    for ((name, value), error) in given.values.iter().zip(&given.uncertainty.errors) {
+        let truth = m.description.get(name).unwrap();
+        assert!((value - truth).abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}");
+    }
+}
+
+#[test]
+fn invariant_a_rounded_input_is_undecided_unless_its_steps_are_below_the_noise() {
+    let cart = |quantum: f64| {
+        let text = format!(
+            "name = \"Cart\"\nbody.cart = {{ mass = 2.0, start = {{ s = 0.05 }} }}\n\
+             damper.d = {{ between = [\"ground\", \"cart\"], damping = 4.0 }}\n\
+             block.p = {{ inputs = [\"cart.s\"], d = [[-400.0]], outputs = [\"u\"], sample = 0.01, \
+             quantum = {{ \"cart.s\" = {quantum:?} }} }}\n\
+             load.motor = {{ on = \"cart\", from = \"p.u\" }}\n"
+        );
+        Machine::parse(&text, "cart.toml", &no_records).unwrap()
+    };
+    for (quantum, is_seen) in [(1e-2, true), (1e-9, false)] {
+        let m = cart(quantum);
+        let measured = record(&m, &[("cart.s", 1e-5)], 1.0, 200, &mut Noise(66));
+        let free = ["damper.d.damping", "body.cart.mass"];
+        let found = fitted(&request(off(&m, &free, |_| 1.1), measured, &free));
+        let says = found.verdict.to_string().contains("a block rounds what it reads");
+        assert_eq!((says, found.verdict == Verdict::Fits), (is_seen, !is_seen), "{}", found.verdict);
+        assert!(!matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
+    }
 }

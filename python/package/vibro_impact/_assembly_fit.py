@@ -65,7 +65,7 @@ class AssemblyFit(Result):
     residuals: dict[str, Floats]
     "By column the fitted motion less the record, shape (m,)."
     contacts: dict[str, Floats]
-    "By stop the times of the fitted motion's contacts less those of the record, s."
+    "By stop the times of the fitted motion's contacts less those of the record, s; NaN where it has none."
     simulations: int
     "Number of motions that were followed."
     near_until: float

@@ -16,7 +16,8 @@ const POINTS: usize = 2000;
 /// Most columns that are drawn.
 const DRAWN: usize = 4;
 
-/// The study of a fit: `residuals.csv`, `fit.json`, and a picture of record, motion and residual.
+/// The study of a fit: `residuals.csv` of columns, `residuals-contacts.csv` of contacts, and a
+/// picture of record, motion and residual.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -29,8 +30,14 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
         let unit = request.machine.si_unit(name);
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         remarks.push(match error {
-            Some(error) => format!("{name} = {} ± {}{unit}", significant(*value), significant(*error)),
-            None => format!("{name} = {}{unit}: the record does not determine it", significant(*value)),
+            Some(error) => {
+                let vague = if *error > value.abs() { ", which may be 0: less than its error" } else { "" };
+                format!("{name} = {} ± {}{unit}{vague}", significant(*value), significant(*error))
+            }
+            None if is_undetermined(fitted, name) => {
+                format!("{name} = {}{unit}: the record does not determine it", significant(*value))
+            }
+            None => format!("{name} = {}{unit}, without an error", significant(*value)),
         });
     }
     for own in &fitted.uncertainty.undetermined {
@@ -60,16 +67,24 @@ pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     let what = format!(
         "fit of {} numbers to {} samples in {} simulations",
         fitted.values.len(),
-        request.measured.times.len() * request.measured.columns.len()
-            + request.measured.contacts.iter().map(|(_, times)| times.len()).sum::<usize>(),
+        request.measured.samples(),
         fitted.simulations
     );
+    let mut tables = Vec::new();
+    if !request.measured.columns.is_empty() {
+        tables.push(("residuals".into(), residual_table(request, fitted)?));
+    }
+    if !request.measured.contacts.is_empty() {
+        tables.push(("residuals-contacts".into(), contact_table(request, fitted)?));
+    }
     let figure = (!request.measured.columns.is_empty()).then(|| figure(request, fitted)).transpose()?;
-    Ok(Study {
-        tables: vec![("residuals".into(), residual_table(request, fitted)?)],
-        figure,
-        ..Study::without_figure("fit", what).with_remarks(remarks)
-    })
+    Ok(Study { tables, figure, ..Study::without_figure("fit", what).with_remarks(remarks) })
+}
+
+/// Whether a number takes part in what the record does not determine.
+fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
+    let all = fitted.uncertainty.undetermined.iter().flat_map(|own| &own.combination);
+    all.into_iter().any(|(own, _)| own == name)
 }
 
 /// The text of `fit.json`.
@@ -134,6 +149,19 @@ fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
             [exact(values[i]), exact(values[i] + residual), exact(*residual)]
         });
         table.push(std::iter::once(exact(*time)).chain(cells))?;
+    }
+    table.text()
+}
+
+/// For each contact of the record its stop, its time, that of the motion and their difference; empty
+/// cells where the motion has none.
+fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["element", "time", "time.fit", "time.residual"])?;
+    for ((name, times), (_, off)) in request.measured.contacts.iter().zip(&fitted.contacts) {
+        for (time, off) in times.iter().zip(off) {
+            let cell = |x: f64| if x.is_nan() { String::new() } else { exact(x) };
+            table.push([name.clone(), exact(*time), cell(time + off), cell(*off)])?;
+        }
     }
     table.text()
 }

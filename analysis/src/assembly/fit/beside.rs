@@ -69,6 +69,27 @@ impl Beside {
         })
     }
 
+    /// The length of what two motions of one record differ by, in units of deviations of columns,
+    /// then of lists of contacts; infinite where one has contacts that the other lacks.
+    pub fn apart(&self, other: &Self, sigma: &[f64]) -> f64 {
+        let one = |(a, b): (&Varied, &Varied), sigma: &f64| ((a.0 - b.0) / sigma).powi(2);
+        let mut sum = 0.0;
+        for (own, other) in self.samples().zip(other.samples()) {
+            sum += own.iter().zip(other).zip(sigma).map(|(pair, sigma)| one(pair, sigma)).sum::<f64>();
+        }
+        for (own, other) in self.0.iter().zip(&other.0) {
+            let columns = own.samples.first().map_or(sigma.len() - own.contacts.len(), Vec::len);
+            for (k, ((range, a), (_, b))) in own.contacts.iter().zip(&other.contacts).enumerate() {
+                if a.len().min(range.len()) != b.len().min(range.len()) {
+                    return f64::INFINITY;
+                }
+                let pairs = a.iter().zip(b).take(range.len());
+                sum += pairs.map(|pair| one(pair, &sigma[columns + k])).sum::<f64>();
+            }
+        }
+        sum.sqrt()
+    }
+
     /// Why derivatives are lost, in words.
     pub fn lost(&self) -> Vec<String> {
         self.0.iter().flat_map(|own| own.lost.iter().cloned()).collect()
@@ -87,7 +108,7 @@ fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
 }
 
 /// The indices of the stops whose contacts a record has.
-fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
+pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
     let of = |(element, _): &(String, Vec<f64>)| {
         let plain = element.strip_prefix("stop.").unwrap_or(element);
         d.stops.iter().position(|stop| stop.name == plain).ok_or_else(|| {
@@ -304,7 +325,8 @@ impl Followed {
             Rows::of(&rows, shape)
         });
         let weights = joint.map_or(Vec::new(), |(_, weights)| weights.to_vec());
-        Segment { rows: Rows::of(&rows, shape), places, defect, weights }
+        let has_differences = !self.lost.is_empty();
+        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences }
     }
 }
 

@@ -4,20 +4,31 @@
 //! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with the sum S of products of J's rows with their residuals over
 //! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation
 //! asks for (D. Andrews, Econometrica 59, 1991).
+//!
+//! Where large residuals count less, s² is the mean square of the scores over the square of their
+//! mean slope (P. Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of
+//! outliers.
 
 use super::elimination::Triangle;
 use super::evaluated::{Evaluated, Point};
 use super::loss::Loss;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular value, relative to the largest, below which a combination of numbers is not determined.
-const SINGULAR: f64 = 1e-8;
-/// Relative standard error of a combination above which it is not determined.
-const VAGUE: f64 = 1.0;
-/// Share of an undetermined combination above which a number is not determined.
-const SHARE: f64 = 1e-4;
-/// Coefficient below which a number does not count to a combination.
+/// Singular values, relative to the largest, below which a combination of numbers is not
+/// determined, by the accuracy of columns of unit length: derivatives are exact to rounding, some
+/// 1e-15, and what they grow by over segments ends where these may miss a next start, a billionth of
+/// its size; differences over a millionth of a number are good to some 1e-6.
+const SINGULAR: f64 = 1e-12;
+const SINGULAR_BY_DIFFERENCES: f64 = 1e-5;
+/// Part of a number in an undetermined combination, in columns of unit length, above which it is
+/// not determined: well above the error of the combination, of the order of the derivatives'
+/// accuracy over the other singular values.
+const TAKES_PART: f64 = 1e-4;
+/// Coefficient below which a number is not named in a combination.
 const COUNTS: f64 = 1e-3;
+
+/// Part of the motion's size that a value moves up to which it counts as 0 in a combination.
+const HARDLY: f64 = 1e-3;
 
 /// A combination of relative changes that leaves the motion at the record as it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +36,8 @@ pub struct Undetermined {
     /// By free number its part: the number changes by so many of its own values (of a number that
     /// is 0, of the change that moves the motion by the record's own size).
     pub combination: Vec<(String, f64)>,
-    /// Change of the residuals by such a change, relative to that of the best determined one.
+    /// Change of the residuals by such a change, relative to that of the best determined one, where
+    /// each number counts by what it does alone.
     pub singular_value: f64,
 }
 
@@ -64,72 +76,31 @@ impl Uncertainty {
         let p = values.len();
         // States of segments follow the numbers: errors are of all that is free.
         let sizes = Point::default();
-        let triangle = Triangle::of(at, loss, &sizes, 0.0, &vec![false; p]);
-        let Some(jacobian) = triangle.reduced(at, p) else { return Self::none(names) };
-        let residuals: Vec<f64> = at.residuals().collect();
-        let m = residuals.len();
-        let weights: Vec<f64> = residuals.iter().map(|r| loss.weight(*r)).collect();
-        let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
-        let mut matrix = jacobian;
-        for i in 0..m {
-            for j in 0..p {
-                matrix[(i, j)] *= weights[i] * scales[j];
-            }
+        let triangle = Triangle::of(at, Loss::Linear, &sizes, 0.0, &vec![false; p]);
+        let Some(mut matrix) = triangle.reduced(at, p) else { return Self::none(names) };
+        let scales: Vec<f64> = (0..p).map(|j| size_of_part(&matrix, values[j], j)).collect();
+        let Some(scores) = Scores::of(at, loss, (has_sigma, p)) else { return Self::none(names) };
+        let idle: Vec<bool> = (0..p).map(|j| at.is_idle(j, values[j])).collect();
+        let cut = if at.has_differences() { SINGULAR_BY_DIFFERENCES } else { SINGULAR };
+        let Some(basis) = Basis::of(triangle.of_numbers(), &idle, cut) else { return Self::none(names) };
+        for (mut column, length) in matrix.column_iter_mut().zip(&basis.lengths) {
+            column *= if *length > 0.0 { length.recip() } else { 0.0 };
         }
-        let residuals: Vec<f64> = residuals.iter().zip(&weights).map(|(r, w)| r * w).collect();
-        let squares: f64 = residuals.iter().map(|r| r * r).sum();
-        let variance = if has_sigma { 1.0 } else { squares / m.saturating_sub(p).max(1) as f64 };
-        let r = matrix.clone().qr().r();
-        let svd = r.svd(false, true);
-        let Some(right) = svd.v_t.as_ref() else { return Self::none(names) };
-        let largest = svd.singular_values.max().max(f64::MIN_POSITIVE);
-        let is_known = |k: usize| {
-            let value = svd.singular_values[k];
-            value > SINGULAR * largest && variance.sqrt() / value < VAGUE
-        };
-        let known: Vec<usize> = (0..p).filter(|&k| is_known(k)).collect();
-        // The inverse of JᵀJ over what is determined.
-        let mut inverse = DMatrix::zeros(p, p);
-        for &k in &known {
-            let v = right.row(k).transpose();
-            inverse.ger(svd.singular_values[k].powi(-2), &v, &v, 1.0);
-        }
-        let persistence = persistence(at, &residuals);
-        let white = &inverse * variance;
-        let is_white = persistence.abs() < 2.0 / (m.max(1) as f64).sqrt();
+        let inverse = basis.inverse() / scores.slope;
+        let persistence = persistence(at, &scores.all);
+        let white = &inverse * (scores.variance / scores.slope);
+        let is_white = persistence.abs() < 2.0 / (scores.all.len().max(1) as f64).sqrt();
         let covariance = if is_white {
             white.clone()
         } else {
-            &inverse * lagged(at, &matrix, &residuals, persistence) * &inverse
+            &inverse * lagged(at, &matrix, &scores.all, persistence) * &inverse
         };
-        let share =
-            |j: usize| (0..p).filter(|k| !known.contains(k)).map(|k| right[(k, j)].powi(2)).sum::<f64>();
-        let error = |covariance: &DMatrix<f64>, j: usize| {
-            (share(j) < SHARE).then(|| scales[j] * covariance[(j, j)].max(0.0).sqrt())
-        };
-        let errors: Vec<Option<f64>> = (0..p).map(|j| error(&covariance, j)).collect();
-        let correlation = DMatrix::from_fn(p, p, |i, j| {
-            let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-            match (i == j, errors[i].is_some() && errors[j].is_some() && size > 0.0) {
-                (true, _) => 1.0,
-                (false, true) => (covariance[(i, j)] / size).clamp(-1.0, 1.0),
-                (false, false) => 0.0,
-            }
-        });
-        let undetermined = (0..p).filter(|k| !known.contains(k)).map(|k| Undetermined {
-            combination: names
-                .iter()
-                .enumerate()
-                .map(|(j, name)| (name.clone(), right[(k, j)]))
-                .filter(|(_, part)| part.abs() > COUNTS)
-                .collect(),
-            singular_value: svd.singular_values[k] / largest,
-        });
+        let errors = basis.errors(&covariance);
         Self {
             names: names.to_vec(),
-            white: (0..p).map(|j| error(&white, j)).collect(),
-            correlation,
-            undetermined: undetermined.collect(),
+            white: basis.errors(&white),
+            correlation: correlation(&covariance, &errors),
+            undetermined: basis.undetermined(names, &scales),
             persistence,
             errors,
         }
@@ -148,6 +119,142 @@ impl Uncertainty {
     }
 }
 
+/// What the residuals say.
+struct Scores {
+    /// Of each residual; itself where it counts by its square.
+    all: Vec<f64>,
+    /// Their mean slope, over the correction for few residuals by number.
+    slope: f64,
+    variance: f64,
+}
+
+impl Scores {
+    /// `None` where nothing tells their variance: as many numbers as residuals, or outliers alone.
+    fn of(at: &Evaluated, loss: Loss, (has_sigma, p): (bool, usize)) -> Option<Self> {
+        let all: Vec<f64> = at.residuals().map(|r| loss.score(r)).collect();
+        let is_told = all.len() > p;
+        if has_sigma && (loss == Loss::Linear || !is_told) {
+            return Some(Self { all, slope: 1.0, variance: 1.0 });
+        }
+        let m = all.len() as f64;
+        let slopes = || at.residuals().map(|r| loss.slope(r));
+        let mean = slopes().sum::<f64>() / m;
+        let spread = slopes().map(|slope| (slope - mean).powi(2)).sum::<f64>() / m;
+        let correction = 1.0 + p as f64 / m * spread / (mean * mean);
+        let variance = all.iter().map(|score| score * score).sum::<f64>() / (m - p as f64);
+        (is_told && mean > 0.0).then(|| Self { all, slope: mean / correction, variance })
+    }
+}
+
+/// Combinations of numbers by how much they move the residuals, where each number counts by the
+/// length of its column of derivatives: no number's unit or size then has a part in what is
+/// determined.
+struct Basis {
+    /// Lengths of the columns; 0 of a number that moves nothing.
+    lengths: Vec<f64>,
+    /// Combinations in rows, and what they move.
+    rows: DMatrix<f64>,
+    singular: Vec<f64>,
+    /// Part of the largest of these below which one is not told from 0.
+    cut: f64,
+}
+
+impl Basis {
+    /// The combinations of a matrix of derivatives; `None` where it has no finite ones. An idle
+    /// number is a combination of its own.
+    fn of(mut matrix: DMatrix<f64>, idle: &[bool], cut: f64) -> Option<Self> {
+        let p = idle.len();
+        let mut lengths = vec![0.0; p];
+        for (j, mut column) in matrix.column_iter_mut().enumerate() {
+            let length = column.norm();
+            if !idle[j] && length > 0.0 {
+                lengths[j] = length;
+                column /= length;
+            }
+        }
+        if matrix.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let moves: Vec<usize> = (0..p).filter(|&j| lengths[j] > 0.0).collect();
+        let (mut rows, mut singular) = (DMatrix::zeros(p, p), vec![0.0; p]);
+        if !moves.is_empty() {
+            // Rows of zeros: fewer samples than numbers leave a combination for each number, too.
+            let own = matrix.select_columns(&moves);
+            let height = own.nrows().max(moves.len());
+            let svd = own.resize_vertically(height, 0.0).qr().r().svd(false, true);
+            let right = svd.v_t?;
+            for k in 0..moves.len() {
+                singular[k] = svd.singular_values[k];
+                moves.iter().enumerate().for_each(|(c, &j)| rows[(k, j)] = right[(k, c)]);
+            }
+        }
+        let idle = (0..p).filter(|&j| lengths[j] == 0.0);
+        idle.enumerate().for_each(|(i, j)| rows[(moves.len() + i, j)] = 1.0);
+        Some(Self { lengths, rows, singular, cut })
+    }
+
+    fn largest(&self) -> f64 {
+        self.singular.iter().fold(f64::MIN_POSITIVE, |most, x| most.max(*x))
+    }
+
+    /// Whether a combination is told from the error of its derivatives.
+    fn is_known(&self, k: usize) -> bool {
+        self.singular[k] > self.cut * self.largest()
+    }
+
+    fn unknown(&self) -> impl Iterator<Item = usize> {
+        (0..self.singular.len()).filter(|&k| !self.is_known(k))
+    }
+
+    /// The inverse of JᵀJ over what is determined.
+    fn inverse(&self) -> DMatrix<f64> {
+        let p = self.lengths.len();
+        let mut inverse = DMatrix::zeros(p, p);
+        for k in (0..p).filter(|&k| self.is_known(k)) {
+            let v = self.rows.row(k).transpose();
+            inverse.ger(self.singular[k].powi(-2), &v, &v, 1.0);
+        }
+        inverse
+    }
+
+    /// The standard errors of a covariance; `None` of numbers that take part in what is not
+    /// determined.
+    fn errors(&self, covariance: &DMatrix<f64>) -> Vec<Option<f64>> {
+        let takes_part = |j: usize| self.unknown().any(|k| self.rows[(k, j)].abs() > TAKES_PART);
+        let error = |j: usize| covariance[(j, j)].max(0.0).sqrt() / self.lengths[j];
+        (0..self.lengths.len()).map(|j| (!takes_part(j)).then(|| error(j))).collect()
+    }
+
+    /// What is not determined, in parts of the numbers' scales.
+    fn undetermined(&self, names: &[String], scales: &[f64]) -> Vec<Undetermined> {
+        let of = |k: usize| {
+            let part = |j: usize, _| match (self.rows[(k, j)], self.lengths[j] * scales[j]) {
+                (part, 0.0) => part,
+                (part, unit) => part / unit,
+            };
+            let parts = DVector::from_fn(names.len(), part).normalize();
+            let named = names.iter().cloned().zip(parts.iter().copied());
+            Undetermined {
+                combination: named.filter(|(_, part)| part.abs() > COUNTS).collect(),
+                singular_value: self.singular[k] / self.largest(),
+            }
+        };
+        self.unknown().map(of).collect()
+    }
+}
+
+/// The correlations of a covariance; 0 beside a number without an error.
+fn correlation(covariance: &DMatrix<f64>, errors: &[Option<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(errors.len(), errors.len(), |i, j| {
+        let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        match (i == j, errors[i].is_some() && errors[j].is_some() && size > 0.0) {
+            (true, _) => 1.0,
+            (false, true) => (covariance[(i, j)] / size).clamp(-1.0, 1.0),
+            (false, false) => 0.0,
+        }
+    })
+}
+
 /// The change of a number that counts as one: its own value, or that which moves the motion by one
 /// standard deviation of a column throughout.
 pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
@@ -156,6 +263,13 @@ pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     }
     let norm = jacobian.column(j).norm();
     if norm > 0.0 { (jacobian.nrows() as f64).sqrt() / norm } else { 1.0 }
+}
+
+/// The change of a number by which its part in a combination counts: as [`scale`], where a value is
+/// 0 that hardly moves the motion, as that of a shift which is fitted to be 0.
+fn size_of_part(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
+    let of_zero = scale(jacobian, 0.0, j);
+    if value.abs() > HARDLY * of_zero { value.abs() } else { of_zero }
 }
 
 /// Correlation of a residual with the next one of its column, over all columns.

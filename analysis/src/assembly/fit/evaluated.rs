@@ -5,6 +5,8 @@ use nalgebra::DMatrix;
 /// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
 /// nothing: a derivative that is rounding would ask for a change without bound.
 const IDLE: f64 = 1e-12;
+/// Size of a number, SI, up to which it counts as 0: one that is fitted to be 0 is its rounding.
+const NEARLY_0: f64 = 1e-12;
 
 /// Where a fit stands: the free numbers, and the states in which segments after the first begin.
 #[derive(Clone, Debug, Default)]
@@ -100,6 +102,8 @@ pub(super) struct Segment {
     pub defect: Option<Rows>,
     /// Derivative of a row of `defect` by its number of the next segment's state, negative.
     pub weights: Vec<f64>,
+    /// Whether differences stand in for some of its derivatives.
+    pub has_differences: bool,
 }
 
 /// Residuals over all segments.
@@ -121,6 +125,11 @@ impl Evaluated {
         self.0.iter().flat_map(|own| own.places.iter().copied())
     }
 
+    /// Whether differences stand in for some of the derivatives.
+    pub fn has_differences(&self) -> bool {
+        self.0.iter().any(|own| own.has_differences)
+    }
+
     /// What the defects count.
     pub fn defects(&self) -> f64 {
         let all = self.0.iter().filter_map(|own| own.defect.as_ref());
@@ -131,7 +140,7 @@ impl Evaluated {
 impl Evaluated {
     /// Whether the motion stays as it is whatever a free number of some value does.
     pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
-        let size = if value == 0.0 { 1.0 } else { value.abs() };
+        let size = if value.abs() <= NEARLY_0 { 1.0 } else { value.abs() };
         self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
     }
 }

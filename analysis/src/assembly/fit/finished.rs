@@ -33,7 +33,9 @@ impl Model<'_> {
         for (k, (name, _)) in self.measured.contacts.iter().enumerate() {
             let off = self.contacts_off(&beside, k);
             sizes.push((name.clone(), rms(off.iter().copied())));
-            contacts.push((name.clone(), off));
+            let times = &self.measured.contacts[k].1;
+            let off = beside.contacts(k).map(|(i, time)| time.map_or(f64::NAN, |time| time - times[i]));
+            contacts.push((name.clone(), off.collect()));
         }
         let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
         let at = self.evaluated(&beside, point, reach);
@@ -41,9 +43,17 @@ impl Model<'_> {
         let all = beside.0.iter().flat_map(|own| &own.events);
         let named =
             |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
-        let verdict = match (self.verdict(&beside), doubt) {
-            (Verdict::Fits, Some(doubt)) => Verdict::Undecided(doubt),
-            (found, _) => found,
+        let variance = self.variance(cost, point.values.len());
+        let rounding = self.rounding(request, (point, reach), &beside, variance)?;
+        let doubt = self.lacks_noise().or(self.begins_early(&point.values)?).or(doubt);
+        // Steps that derivatives do not see may have kept the fit from a motion that is the record's.
+        let verdict = match (self.verdict(&beside), rounding, doubt) {
+            (Verdict::Fits, None, Some(doubt)) => Verdict::Undecided(doubt),
+            (Verdict::Fits, Some(rounding), _) => Verdict::Undecided(rounding),
+            (Verdict::Misses(why) | Verdict::Undecided(why), Some(rounding), _) => {
+                Verdict::Undecided(format!("{rounding}; {why}"))
+            }
+            (found, None, _) => found,
         };
         Ok(Fitted {
             verdict,

@@ -33,4 +33,19 @@ impl Loss {
     pub fn weight(self, residual: f64) -> f64 {
         self.of(residual).1.sqrt()
     }
+
+    /// Half the derivative of the loss by the residual: what a residual says.
+    pub fn score(self, residual: f64) -> f64 {
+        residual * self.of(residual).1
+    }
+
+    /// The derivative of the score by the residual.
+    pub fn slope(self, residual: f64) -> f64 {
+        let z = residual * residual;
+        match self {
+            Self::Linear => 1.0,
+            Self::SoftL1 => (1.0 + z).powf(-1.5),
+            Self::Huber => f64::from(u8::from(z <= 1.0)),
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! A machine beside a record: how far its motion keeps near it, and what is fitted in the end.
 
 use super::beside::{Beside, Compared, Followed};
+use super::checks::EARLY;
 use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
 use super::statistics::{deviation, deviations, interval, noise, rms, rounding, size, typical};
@@ -122,6 +123,22 @@ impl<'a> Model<'a> {
         beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
 
+    /// Why nothing tells the noise of the record, in words: as many numbers as samples meet all.
+    pub fn lacks_noise(&self) -> Option<String> {
+        let (rows, free) = (self.rows(), self.unknowns.begin.len());
+        let why =
+            || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
+        (!self.has_sigma && rows <= free).then(why)
+    }
+
+    /// Why rows of the record are not those of the motion, in words: it begins before the start.
+    pub fn begins_early(&self, values: &[f64]) -> Result<Option<String>> {
+        let made = self.unknowns.with(values)?;
+        let first = self.first() + made.shift;
+        let why = || format!("the record begins at {first:?} s of the motion, before its start");
+        Ok((first < made.start.time - EARLY * (self.end() - self.first())).then(why))
+    }
+
     /// Number of rows of the record.
     pub fn rows(&self) -> usize {
         self.times.len()
@@ -240,9 +257,19 @@ impl<'a> Model<'a> {
         self.has_sigma.then(|| self.sigma[self.noise.len() + list])
     }
 
-    /// Variance of residuals in units of the standard deviations' squares, by their least sum.
+    /// Standard deviations of columns, then of lists of contacts, by which residuals are weighed.
+    pub fn deviations(&self) -> &[f64] {
+        &self.sigma
+    }
+
+    /// Variance of residuals in units of the standard deviations' squares, by their least sum; where
+    /// large ones count less these are the residuals' own, and the sum is that of outliers.
     pub fn variance(&self, cost: f64, free: usize) -> f64 {
-        if self.has_sigma { 1.0 } else { cost / self.rows().saturating_sub(free).max(1) as f64 }
+        if self.has_sigma || self.loss != Loss::Linear {
+            1.0
+        } else {
+            cost / self.rows().saturating_sub(free).max(1) as f64
+        }
     }
 
     /// Half the range of what a number of the start begins, over the record's times: of

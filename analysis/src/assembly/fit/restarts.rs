@@ -2,7 +2,7 @@
 //! many minima, and friction ridges on which a number at rest moves nothing.
 
 use super::elimination::Triangle;
-use super::errors::scale;
+use super::errors::{Uncertainty, scale};
 use super::evaluated::{Evaluated, Point, Solved};
 use super::model::Model;
 use super::solver::{Bounds, Convergence, solve};
@@ -26,6 +26,11 @@ const BETTER: [f64; 2] = [0.01, 1.0];
 /// there.
 const AS_GOOD: f64 = 4.0;
 const ELSEWHERE: f64 = 9.0;
+/// Standard errors within which minima are one: they say the same of the numbers. The rise alone
+/// would tell apart what differs by rounding, since a chaotic motion grows from it. Of a number
+/// without an error so many parts of its value.
+const ONE: f64 = 3.0;
+const ONE_PART: f64 = 1e-3;
 
 /// What starts beside a point lead to.
 pub(super) enum Found {
@@ -102,10 +107,17 @@ pub(super) fn restarted(
     if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
         return Ok(Found::Better(own.clone()));
     }
+    let errors =
+        Uncertainty::of(&at, &bounds.names, &best.point.values, (model.loss, model.has_sigma)).errors;
     let is_other = |own: &&Solved| {
+        let mut near = errors.iter().zip(&best.point.values).zip(&own.point.values);
+        let is_one = |((error, a), b): ((&Option<f64>, &f64), &f64)| {
+            (a - b).abs() <= error.map_or(ONE_PART * a.abs(), |error| ONE * error)
+        };
+        let is_one = near.all(is_one);
         let off = own.point.values.iter().zip(&best.point.values).map(|(a, b)| a - b);
         let rise = (&jacobian * DVector::from_iterator(p, off)).norm_squared();
-        own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance
+        own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance && !is_one
     };
     Ok(all.iter().find(is_other).map_or(Found::Same, |own| Found::Other(own.point.values.clone())))
 }
@@ -120,7 +132,11 @@ fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, 
     let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
     let mut scaled = jacobian.clone();
     scaled.column_iter_mut().zip(&scales).for_each(|(mut column, scale)| column *= *scale);
-    let svd = scaled.qr().r().svd(false, true);
+    let triangular = scaled.qr().r();
+    if triangular.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let svd = triangular.svd(false, true);
     let right = svd.v_t.as_ref()?;
     let largest = svd.singular_values.max();
     let mut known: Vec<usize> =

@@ -17,8 +17,11 @@ const CHANCE: f64 = 3.0;
 const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Noise of contacts' times, in parts of their interval, where it is not given.
+/// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise where
+/// that is not given, and above which contacts are those of another motion: a wrong one lies a
+/// quarter of the interval off in the mean, wherever it is.
 const MET: f64 = 0.01;
+const APART: f64 = 0.25;
 /// Least noise of a column, in parts of its size: differences of records without noise are
 /// rounding.
 const LEAST: f64 = 1e-6;
@@ -80,12 +83,11 @@ impl Model<'_> {
                 let lacks = times.len() - off.len();
                 return Verdict::Misses(format!("{lacks} of {} contacts of {name} have none", times.len()));
             }
-            let limit = self.deviation_of_contacts(k).unwrap_or(MET * interval(times));
-            let many = self.spread(off.iter().copied()) / limit;
-            let chance = 1.0 + CHANCE / (2.0 * times.len() as f64).sqrt();
-            if many > MISSES.max(chance) {
-                let many = significant(many);
-                return Verdict::Misses(format!("contacts of {name} are off by {many} times what they may"));
+            let spread = self.spread(off.iter().copied());
+            match self.contacts_off_by(k, spread, times) {
+                Some(Verdict::Undecided(why)) => _ = doubt.get_or_insert(why),
+                Some(verdict) => return verdict,
+                None => {}
             }
             let follow = persistence(off.into_iter());
             if follow > FOLLOWS.max(CHANCE / (times.len() as f64).sqrt()) {
@@ -95,5 +97,33 @@ impl Model<'_> {
             }
         }
         doubt.map_or(Verdict::Fits, Verdict::Undecided)
+    }
+
+    /// What the deviation of a list of contacts' times says against a motion. Without a given noise
+    /// it is itself the only measure of it: a contact has no neighbour whose difference is noise.
+    fn contacts_off_by(&self, list: usize, spread: f64, times: &[f64]) -> Option<Verdict> {
+        let name = &self.measured.contacts[list].0;
+        let chance = 1.0 + CHANCE / (2.0 * times.len() as f64).sqrt();
+        let Some(noise) = self.deviation_of_contacts(list) else {
+            let part = spread / interval(times);
+            let why = || {
+                let (off, percent) = (significant(spread), significant(100.0 * part));
+                format!("contacts of {name} are off by {off} s, {percent} % of their interval")
+            };
+            return if part > APART {
+                Some(Verdict::Misses(why()))
+            } else if part > MET * FITS.max(chance) {
+                Some(Verdict::Undecided(why() + "; --sigma contacts=TIME tells whether this is noise"))
+            } else {
+                None
+            };
+        };
+        let times = spread / noise;
+        let why = || format!("contacts of {name} are off by {} times their noise", significant(times));
+        if times > MISSES.max(chance) {
+            Some(Verdict::Misses(why()))
+        } else {
+            (times > FITS.max(chance)).then(|| Verdict::Undecided(why()))
+        }
     }
 }

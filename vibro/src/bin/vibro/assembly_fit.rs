@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::read_record;
+use vibro::assembly::{check_record, read_record};
 use vibro::part_folder::write_whole;
 use vibro::studies::{self, fit_json};
 use vibro::{Error, Result};
@@ -42,7 +42,30 @@ fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
         None if name == "record.shift" => "s",
         None => "1",
     };
-    Ok((number(name, unit, low)?, number(name, unit, high)?))
+    let ends = (number(name, unit, low)?, number(name, unit, high)?);
+    if ends.0 < ends.1 { Ok(ends) } else { Err(reversed(text)) }
+}
+
+/// A range that ends where it begins or below.
+fn reversed(text: &str) -> Error {
+    let problem = "its ends do not rise; allowed is NAME=LOW:HIGH with LOW below HIGH".into();
+    Error::Refused { what: format!("--within {text}"), problem }
+}
+
+/// The range of a parameter, SI, with numbers as those of an axis.
+fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(f64, f64)> {
+    let (_, range) = text.split_once('=').unwrap_or_default();
+    let ends: Vec<f64> =
+        range.split(':').filter_map(|end| Some(machine.quantity(name, end).ok()?.value)).collect();
+    // An axis of values would speak of their number.
+    if let [low, high] = ends[..]
+        && low >= high
+    {
+        return Err(reversed(text));
+    }
+    let axis = read_axis(machine, text)?;
+    let form = || Error::form(text, "a range without a count, NAME=LOW:HIGH");
+    Ok(axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?.ends)
 }
 
 /// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
@@ -55,13 +78,13 @@ fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
             what: format!("--within {text}"),
             problem: format!("{name} is not free; allowed are {}", a.free.join(", ")),
         })?;
+        if own.within.is_some() {
+            let problem = format!("{name} has two ranges; allowed is one");
+            return Err(Error::Refused { what: format!("--within {text}"), problem });
+        }
         own.within = Some(match machine.description.parameter(name) {
             Err(_) => range_of(machine, text)?,
-            Ok(_) => {
-                let axis = read_axis(machine, text)?;
-                let form = || Error::form(text, "a range without a count, NAME=LOW:HIGH");
-                axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?.ends
-            }
+            Ok(_) => range_of_parameter(machine, name, text)?,
         });
     }
     Ok(all)
@@ -93,6 +116,10 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
                 names.iter().map(|n| n.0.clone()).collect::<Vec<_>>().join(", ")
             ),
         })?;
+        if found[place].is_some() {
+            let problem = format!("{name} has two deviations; allowed is one");
+            return Err(Error::Refused { what: format!("--sigma {text}"), problem });
+        }
         found[place] = Some(number(name, names[place].1, value)?);
     }
     match found.iter().position(Option::is_none) {
@@ -124,7 +151,9 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
             return Err(Error::Refused { what: format!("column {name}"), problem });
         }
     }
-    let (free, sigma) = (free(&mut machine, a)?, sigma(&machine, &measured, &a.sigma)?);
+    let free = free(&mut machine, a)?;
+    check_record(&measured, (a.data.as_deref(), a.events.as_deref()), (&machine, &start), &free)?;
+    let sigma = sigma(&machine, &measured, &a.sigma)?;
     let path =
         |path: &Option<PathBuf>| path.as_ref().map_or(String::new(), |path| path.display().to_string());
     let options = [
