@@ -6,10 +6,19 @@ mod command;
 #[path = "common/guide.rs"]
 mod guide;
 
-use command::folder;
+use command::{folder, numbers};
 use guide::Guide;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
+use vibro_assembly::{Assembly, Description, Motion};
+use vibro_figures::canvas::palette::{BLUE, VERMILLION};
+use vibro_figures::canvas::svg;
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path as Line};
+
+/// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
+/// them by less.
+const MOVED: f64 = 2.0;
 
 /// Standard errors within which an estimate lies but for one in some ten thousand.
 const FAR: f64 = 4.0;
@@ -19,6 +28,62 @@ fn number_after(text: &str, place: &str, key: &str) -> f64 {
     let from = text.find(place).unwrap_or_else(|| panic!("{place}: {text}"));
     let rest = text[from..].split_once(&format!("\"{key}\": ")).unwrap().1;
     rest.split([',', '}']).next().unwrap().parse().unwrap()
+}
+
+/// Compares a picture of docs/fit/, or writes it anew with `VIBRO_IMPACT_UPDATE=1`.
+fn is_kept(name: &str, now: &str) {
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/fit/{name}.svg"));
+    if std::env::var("VIBRO_IMPACT_UPDATE").is_ok_and(|v| v == "1") {
+        std::fs::write(&kept, now).unwrap();
+    }
+    let before = std::fs::read_to_string(&kept).expect("a picture; VIBRO_IMPACT_UPDATE=1 writes it");
+    let (old, new) = (numbers(&before), numbers(now));
+    let is_near = old.len() == new.len() && old.iter().zip(&new).all(|(a, b)| (a - b).abs() <= MOVED);
+    assert!(is_near, "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
+}
+
+/// Root mean square, in µm, of what the page's fitted machine with changed numbers is off its record.
+fn off(machine: &Description, factor: f64, names: &[&str], record: &[Vec<f64>]) -> f64 {
+    let changes = names.iter().map(|name| (*name, factor * machine.get(name).unwrap()));
+    let changed = machine.with(changes).unwrap();
+    let mut motion = Motion::new(Arc::new(Assembly::new(changed).unwrap())).unwrap();
+    let mut squares = 0.0;
+    for row in record {
+        motion.advance_to(row[0]).unwrap();
+        squares += (motion.state()[0] - row[1]).powi(2);
+    }
+    1e6 * (squares / record.len() as f64).sqrt()
+}
+
+/// What a flat valley looks like: residuals over one number alone, and over all three together.
+fn valley_picture(home: &Path) -> String {
+    let machine = vibro_assembly::file::read(&home.join("fit/fitted.toml")).unwrap();
+    let record = guide::rows("fit", "record.csv");
+    let three = ["body.slide.mass", "spring.mount.stiffness", "friction.guide.force"];
+    let factors: Vec<f64> = (0..=80).map(|i| 0.8 + 0.005 * f64::from(i)).collect();
+    let line = |names: &[&str]| -> Line {
+        factors.iter().map(|factor| (*factor, off(&machine, *factor, names, &record))).collect()
+    };
+    let (alone, together) = (line(&three[1..2]), line(&three));
+    let flat = together.iter().map(|point| (point.1 / alone[40].1 - 1.0).abs()).fold(0.0, f64::max);
+    assert!(flat < 1e-9 && alone[0].1 > 10.0 * alone[40].1, "{flat}");
+    let figure = Figure {
+        title: "A valley, and a flat one".into(),
+        caption: Vec::new(),
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::new("number over its fitted value"),
+            y: Axis::new("rms of motion less record (µm)"),
+            layers: vec![
+                Layer::line("stiffness alone", BLUE, Dash::Solid, alone),
+                Layer::line("mass, stiffness and friction together", VERMILLION, Dash::Solid, together),
+            ],
+        }],
+        columns: 1,
+        panel: (2000, 900),
+        shared_legend: false,
+    };
+    svg(&figure).unwrap()
 }
 
 #[test]
@@ -47,6 +112,9 @@ fn made_record_of_the_page() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let within = std::fs::read_to_string(home.join("within/fit.json")).unwrap();
     assert_eq!(number_after(&within, "spring.mount.stiffness", "value"), 9e3);
+    let drawn = std::fs::read_to_string(home.join("fit/fit.svg")).unwrap();
+    is_kept("fit", &drawn);
+    is_kept("valley", &valley_picture(&home));
     // The fitted file is a machine.
     let fitted = std::fs::read_to_string(home.join("fit/fitted.toml")).unwrap();
     assert!(fitted.contains("[spring.mount]"), "{fitted}");

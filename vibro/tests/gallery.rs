@@ -4,7 +4,7 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::folder;
+use command::{folder, numbers};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -27,13 +27,6 @@ const CHAOS: [&str; 1] = ["paper_machine"];
 fn block<'a>(page: &'a str, info: &str) -> &'a str {
     let (_, rest) = page.split_once(&format!("```{info}\n")).expect("a block");
     rest.split_once("\n```").expect("its end").0
-}
-
-/// The numbers of a drawing.
-fn numbers(svg: &str) -> Vec<f64> {
-    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
-        .filter_map(|n| n.parse().ok())
-        .collect()
 }
 
 /// What `vibro draw` draws of an example.

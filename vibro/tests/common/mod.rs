@@ -118,3 +118,10 @@ pub fn number(rows: &[HashMap<String, String>], quantity: &str, theory: &str, ro
     let found = rows.iter().find(|r| r["quantity"] == quantity && r["theory"] == theory && r["root"] == root);
     found.unwrap_or_else(|| panic!("{quantity}, {theory}, {root}"))["value"].parse().expect("a number")
 }
+
+/// The numbers of a drawing.
+pub fn numbers(svg: &str) -> Vec<f64> {
+    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+        .filter_map(|n| n.parse().ok())
+        .collect()
+}
