@@ -166,18 +166,18 @@ fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The contacts of the fitted motion, as ticks below a record.
-fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Layer {
+/// The contacts of the fitted motion, as ticks below a record; `None` where it has none.
+fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Layer> {
     let times = &request.measured.times;
     let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let inside = fitted.events.iter().map(|(time, _)| *time).filter(|time| (first..=last).contains(time));
     let every = fitted.events.len().div_ceil(POINTS).max(1);
-    let ticks = inside
-        .step_by(every)
-        .map(|time| vec![(time, least - 0.1 * (most - least)), (time, least - 0.04 * (most - least))]);
-    Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks.collect())
+    let ends = [0.1, 0.04].map(|below| least - below * (most - least));
+    let ticks = inside.step_by(every).map(|time| ends.map(|y| (time, y)).to_vec());
+    let ticks: Vec<Path> = ticks.collect();
+    (!ticks.is_empty()).then(|| Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks))
 }
 
 /// For each column the record with the fitted motion, and the residual.
@@ -191,20 +191,16 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
         let path = |of: &dyn Fn(usize) -> f64| -> Path {
             (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
         };
+        let moved = path(&|i| values[i] + fitted.residuals[i][k]);
+        let drawn = [
+            Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
+            Layer::line("fitted motion", BLUE, Dash::Solid, moved),
+        ];
         panels.push(Panel {
             title: name.to_string(),
             x: Axis::new("time (s)"),
             y: shown_axis(&name.to_string(), unit, size),
-            layers: vec![
-                Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
-                Layer::line(
-                    "fitted motion",
-                    BLUE,
-                    Dash::Solid,
-                    path(&|i| values[i] + fitted.residuals[i][k]),
-                ),
-                contacts(request, fitted, values),
-            ],
+            layers: drawn.into_iter().chain(contacts(request, fitted, values)).collect(),
         });
         let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));
         panels.push(Panel {
