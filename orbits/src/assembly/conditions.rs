@@ -288,7 +288,7 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
 fn is_zero_at(letter: &Letter, watch: Watch) -> bool {
     let is_rate = matches!(watch, Watch::Stops(_) | Watch::Reverses(_));
     let jumps = letter.chatter.is_none() && letter.hits().next().is_some();
-    !is_level(watch) && !(is_rate && jumps)
+    !(is_level(watch) || is_rate && jumps)
 }
 
 /// Whether a functional is the force of a held contact less what it can bear. At an event of
