@@ -2,8 +2,9 @@
 //! points further ones begin.
 
 use super::branch::{Branch, Kind, Special};
+use super::kept::{KeptPaths, path as followed};
 use super::orbit::Orbit;
-use super::path::{Departure, Follower, Path, PathEnd, follow};
+use super::path::{Departure, Follower, Path, PathEnd};
 use super::place::Family;
 use super::problem::Problem;
 use super::switching;
@@ -112,12 +113,16 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
         }
         other => failed(other),
     })?;
-    let (traced, _) = trace(&StartKind::Departures(departures.to_vec()), options).map_err(failed)?;
+    let (traced, _) = trace(&StartKind::Departures(departures.to_vec()), options, &()).map_err(failed)?;
     Ok(traced)
 }
 
 /// The branch of a start, with its ends in the order of its points.
-fn trace(start: &StartKind, options: &PathOptions) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+fn trace(
+    start: &StartKind,
+    options: &PathOptions,
+    kept: &dyn KeptPaths,
+) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
     let departures = match start {
         StartKind::Orbit(orbit) => match both_ways(orbit) {
             Err(Obstacle::Singular) => return alone(orbit),
@@ -126,7 +131,7 @@ fn trace(start: &StartKind, options: &PathOptions) -> std::result::Result<(Branc
         StartKind::Departures(departures) => departures.clone(),
     };
     let paths: Vec<Path> =
-        departures.iter().map(|d| follow(d, options)).collect::<std::result::Result<_, _>>()?;
+        departures.iter().map(|d| followed(d, options, kept)).collect::<std::result::Result<_, _>>()?;
     let problem = departures[0].problem.clone();
     let mut paths = paths.into_iter();
     let (first, second) = (paths.next(), paths.next());
@@ -159,6 +164,7 @@ fn alone(orbit: &Orbit) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle>
 struct Grower<'a> {
     family: &'a Arc<Family>,
     options: &'a TreeOptions,
+    kept: &'a dyn KeptPaths,
     branches: Vec<Branch>,
     queue: Vec<BranchStart>,
 }
@@ -173,8 +179,21 @@ pub fn tree(
     options: &TreeOptions,
     told: &mut dyn FnMut(usize, usize) -> bool,
 ) -> Result<Vec<Branch>> {
+    tree_on(family, options, &(), told)
+}
+
+/// As [`tree`], with the paths that an interrupted growth has kept.
+///
+/// # Errors
+/// As [`tree`].
+pub fn tree_on(
+    family: &Family,
+    options: &TreeOptions,
+    kept: &dyn KeptPaths,
+    told: &mut dyn FnMut(usize, usize) -> bool,
+) -> Result<Vec<Branch>> {
     let family = Arc::new(family.clone());
-    let mut grower = Grower { family: &family, options, branches: Vec::new(), queue: Vec::new() };
+    let mut grower = Grower { family: &family, options, kept, branches: Vec::new(), queue: Vec::new() };
     grower.plant()?;
     while !grower.queue.is_empty() {
         grower.grow();
@@ -223,11 +242,11 @@ impl Grower<'_> {
     fn grow(&mut self) {
         self.queue.sort_by_key(|start| start.depth);
         let starts: Vec<BranchStart> = self.queue.drain(..BATCH.min(self.queue.len())).collect();
-        let path = &self.options.path;
+        let (path, kept) = (&self.options.path, self.kept);
         let traced: Vec<_> = starts
             .into_par_iter()
             .filter(|start| !self.is_known(&start.kind))
-            .filter_map(|start| Some((trace(&start.kind, path).ok()?, start)))
+            .filter_map(|start| Some((trace(&start.kind, path, kept).ok()?, start)))
             .collect();
         let known = self.branches.len();
         for ((mut branch, ends), BranchStart { depth, parent, kind }) in traced {

@@ -4,6 +4,7 @@
 mod closed_forms;
 mod curves;
 mod freewheels;
+mod kept;
 mod knots;
 mod motions;
 mod paper;

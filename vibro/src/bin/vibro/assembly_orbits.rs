@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use crate::ranges::in_option;
 use crate::study_arguments::Response;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::part_folder::write_whole;
@@ -21,8 +21,8 @@ use vibro_analysis::assembly::{Machine, Measure};
 use vibro_assembly::{Assembly, Start};
 use vibro_orbits::PathOptions;
 use vibro_orbits::assembly::{
-    Branch, Family, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    check_measure, check_second, locus, tree,
+    Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    check_measure, check_second, locus, tree_on,
 };
 
 /// Longest period in common periods of the drive.
@@ -123,23 +123,51 @@ fn in_words(family: &Family) -> String {
     format!("{}={}:{}", family.parameter, family.range.0, family.range.1)
 }
 
-/// The branches of a tree, and whether all were followed; Ctrl-C ends the growth.
-fn grown(family: &Family, options: &TreeOptions) -> Result<(Vec<Branch>, bool)> {
+/// A folder of paths, a file each.
+struct FolderOfPaths(PathBuf);
+
+impl FolderOfPaths {
+    fn file(&self, key: u64) -> PathBuf {
+        self.0.join(format!("{key:016x}.txt"))
+    }
+}
+
+impl KeptPaths for FolderOfPaths {
+    fn find(&self, key: u64) -> Option<String> {
+        std::fs::read_to_string(self.file(key)).ok()
+    }
+
+    fn keep(&self, key: u64, text: &str) {
+        // A path that is not kept is followed anew.
+        let _ = std::fs::create_dir_all(&self.0);
+        let _ = write_whole(&self.file(key), text.as_bytes());
+    }
+}
+
+/// The branches of a tree, and whether all were followed; Ctrl-C ends the growth, and paths kept in
+/// a folder let it go on.
+fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<Branch>, bool)> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, "branches").ticking();
-    let found = tree(family, options, &mut |done, all| {
+    let kept = FolderOfPaths(paths);
+    let found = tree_on(family, options, &kept, &mut |done, all| {
         progress.at(done, all);
         !stop.load(Ordering::Relaxed)
     })?;
-    Ok((found, !stop.load(Ordering::Relaxed)))
+    let is_whole = !stop.load(Ordering::Relaxed);
+    if is_whole {
+        // Absent where nothing was followed.
+        let _ = std::fs::remove_dir_all(&kept.0);
+    }
+    Ok((found, is_whole))
 }
 
 /// The remark of a study whose growth was interrupted.
 fn remark(is_whole: bool) -> Option<String> {
-    (!is_whole).then(|| "interrupted: further branches were not followed".into())
+    (!is_whole).then(|| "interrupted: further branches were not followed; the same command goes on".into())
 }
 
 /// The branches over a parameter: that of the settled motion, or all. Returns whether all were
@@ -161,11 +189,12 @@ pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
-    destination.place(&[destination.result("orbits")])?;
+    let out = destination.place(&[destination.result("orbits")])?;
     let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
     let (branches, is_whole) = if a.tree {
         let (seeds, discard) = (a.seeds as usize, settling.discard);
-        grown(&family, &TreeOptions { start, seeds, discard, depth: a.depth, path })?
+        let options = TreeOptions { start, seeds, discard, depth: a.depth, path };
+        grown(&family, &options, out.join("orbits-paths"))?
     } else {
         let orbit = Orbit::settled(&machine, &start, settling.discard)?;
         (vec![branch(&family, &orbit, &path)?], true)
@@ -195,10 +224,11 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
-    destination.place(&[destination.result("response")])?;
+    let out = destination.place(&[destination.result("response")])?;
     let path = PathOptions { longest_step: *step, ..PathOptions::default() };
     let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
-    let (branches, is_whole) = grown(&family, &TreeOptions { start, seeds, discard, depth, path })?;
+    let options = TreeOptions { start, seeds, discard, depth, path };
+    let (branches, is_whole) = grown(&family, &options, out.join("response-paths"))?;
     let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
     study.remarks.extend(remark(is_whole));
     written(&[study], &machine, &destination, common).map(|()| is_whole)
