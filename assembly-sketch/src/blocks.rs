@@ -2,7 +2,7 @@
 //! loads that follow it, on its right. Signals have no lines to the machine: they are named.
 
 use crate::connections::number;
-use crate::layout::{ARM_FONT, BODY_FONT, FONT, MARGIN};
+use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN};
 use vibro_assembly::Description;
 use vibro_assembly::description::Block;
 use vibro_figures::canvas::text_width;

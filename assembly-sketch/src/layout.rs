@@ -6,24 +6,15 @@ use crate::blocks::{BlockBox, blocks};
 use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::flexible::drawn;
 use crate::order::{Side, ground_side, order};
+use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN, NAME};
 use vibro_assembly::Description;
 use vibro_assembly::description::{BodyKind, Dimension};
 use vibro_figures::canvas::text_width;
 
-/// Font sizes of the names of bodies, the names of elements, and lever arms.
-pub(crate) const BODY_FONT: f64 = 46.0;
-/// Font size of elements' names.
-pub(crate) const FONT: f64 = 40.0;
-/// Font size of lever arms.
-pub(crate) const ARM_FONT: f64 = 34.0;
-/// Height of an element's name over its symbol.
-pub(crate) const NAME: f64 = 52.0;
 /// Least length of a symbol.
 const SYMBOL: f64 = 230.0;
 /// Length of a symbol between the texts of its lever arms.
 const BARE: f64 = 240.0;
-/// Margin around the picture.
-pub(crate) const MARGIN: f64 = 40.0;
 /// Room between a text and what is beside it.
 const ROOM: f64 = 24.0;
 /// Distance from a box to the lanes over and under it.

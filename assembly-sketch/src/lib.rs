@@ -17,6 +17,7 @@ mod flexible;
 mod layout;
 mod moved;
 mod order;
+mod sizes;
 mod symbols;
 
 use layout::Layout;

@@ -2,7 +2,8 @@
 
 use crate::blocks::{ARROW, BESIDE, BlockBox};
 use crate::connections::Symbol;
-use crate::layout::{ARM_FONT, BODY_FONT, BodyBox, FONT, Layout, NAME, Placed, WALL, height_of, room_of};
+use crate::layout::{BodyBox, Layout, Placed, WALL, height_of, room_of};
+use crate::sizes::{ARM_FONT, BODY_FONT, FONT, NAME};
 use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
 use vibro_figures::canvas::{Across, Along, Canvas, CanvasPoint, Colour, Pen, Writing};
