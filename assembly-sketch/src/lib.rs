@@ -1,6 +1,6 @@
 //! Schematic sketch of a machine: bodies in a row along their coordinate, springs as zigzags,
-//! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched, blocks
-//! as boxes under them.
+//! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched.
+//! Blocks are boxes under them.
 //!
 //! ```text
 //! description ─▶ connections   elements with their ends

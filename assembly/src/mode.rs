@@ -141,12 +141,18 @@ impl Watch {
 
     /// Whether its functional belongs to an element.
     pub fn is_of(self, element: ElementState) -> bool {
-        self.contact()
-            == match element {
-                ElementState::Stop(i, _) => Contact::Stop(i),
-                ElementState::Friction(i, _) => Contact::Friction(i),
-                ElementState::Slider(i, _) => Contact::Slider(i),
-            }
+        self.contact() == element.contact()
+    }
+}
+
+impl ElementState {
+    /// The contact whose state it is.
+    pub fn contact(self) -> Contact {
+        match self {
+            Self::Stop(i, _) => Contact::Stop(i),
+            Self::Friction(i, _) => Contact::Friction(i),
+            Self::Slider(i, _) => Contact::Slider(i),
+        }
     }
 }
 

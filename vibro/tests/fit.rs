@@ -42,7 +42,8 @@ fn is_kept(name: &str, now: &str) {
     assert!(is_near, "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
 }
 
-/// Root mean square, in µm, of what the page's fitted machine with changed numbers is off its record.
+/// Root mean square, in µm, of the difference between the record and the motion of the page's
+/// fitted machine with some of its numbers multiplied by a factor.
 fn off(machine: &Description, factor: f64, names: &[&str], record: &[Vec<f64>]) -> f64 {
     let changes = names.iter().map(|name| (*name, factor * machine.get(name).unwrap()));
     let changed = machine.with(changes).unwrap();

@@ -154,7 +154,7 @@ impl Cycle {
         let after = self.after(letter);
         let leaving: Vec<ElementState> = leaving(own).collect();
         for held in &leaving {
-            let contact = contact_of(*held);
+            let contact = held.contact();
             let rate = system.elongation_of(contact).rate.as_slice();
             // The contact's own bodies may rest at both ends of a flight: their accelerations count.
             let accelerated: f64 = rate.iter().zip(&before.rate).map(|(a, x)| (a * x).abs()).sum();
@@ -322,14 +322,6 @@ fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
     frictions.chain(stops.map(|(i, _)| ElementState::Stop(i, StopState::Closed)))
 }
 
-fn contact_of(state: ElementState) -> Contact {
-    match state {
-        ElementState::Stop(i, _) => Contact::Stop(i),
-        ElementState::Friction(i, _) => Contact::Friction(i),
-        ElementState::Slider(i, _) => Contact::Slider(i),
-    }
-}
-
 /// How far the force that would hold a contact after an event is beyond what it can bear, relative
 /// to its terms: without those that are let go with it, or with them, since any of them may be the
 /// first. `None` where the contact would depend on others.
@@ -339,14 +331,12 @@ fn beyond_level(
     (held, all): (ElementState, &[ElementState]),
     z: &[f64],
 ) -> Option<f64> {
-    let (system, own) = (place.assembly.system(), contact_of(held));
+    let (system, own) = (place.assembly.system(), held.contact());
     let alone = system.with_element(&letter.modes[1], held);
     let together = all.iter().fold(letter.modes[1].clone(), |mode, own| system.with_element(&mode, *own));
     let of = |mode: Mode| {
         let flow = mode.basis.contains(&own).then(|| place.flow(&mode))?;
-        let is_level =
-            |watch: &Watch| watch.contact() == own && matches!(watch, Watch::Slips(..) | Watch::Opens(_));
-        let levels = flow.watched.iter().filter(|(watch, _)| is_level(watch));
+        let levels = flow.watched.iter().filter(|(watch, _)| watch.contact() == own && is_level(*watch));
         levels.map(|(_, row)| beyond(row.as_slice(), z)).reduce(f64::max)
     };
     [alone, together].into_iter().filter_map(of).reduce(f64::max)

@@ -120,18 +120,18 @@ impl LocusStart {
         self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
     }
 
-    /// Whether two starts over one parameter are one point of a curve: of one kind, element and
-    /// value, with an orbit of one period and the same events in the shortest word. Orbits on both
-    /// sides of a touch end there, each on its branch, and a pair of orbits that mirror each other.
+    /// Whether two starts over one parameter, each in its [shortest](Self::shortest) word, are one
+    /// point of a curve: of one kind, element and value, with an orbit of one period and the same
+    /// events. Orbits on both sides of a touch end there, each on its branch, and a pair of orbits
+    /// that mirror each other.
     pub fn is_same(&self, other: &Self) -> bool {
-        let told = |start: &Self| {
-            let own = start.shortest();
+        let told = |own: &Self| {
             let Ok(place) = own.problem.place(&own.u) else { return None };
             let letters = own.problem.word.letters.iter();
             let mut events: Vec<String> = letters.map(|letter| letter.in_words(&place.assembly)).collect();
             events.sort();
             let period = own.problem.numbers(&place, &own.u).period;
-            Some((own.special, events, own.problem.word.periods, own.problem.value(&own.u), period))
+            Some((own.special.clone(), events, own.problem.word.periods, own.problem.value(&own.u), period))
         };
         let (Some(own), Some(their)) = (told(self), told(other)) else { return false };
         let (from, to) = self.problem.family.range;

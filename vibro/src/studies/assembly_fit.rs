@@ -153,8 +153,8 @@ fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// For each contact of the record its stop, its time, that of the motion and their difference; empty
-/// cells where the motion has none.
+/// For each contact of the record its stop, its time, that of the motion and their difference;
+/// empty cells where the motion has none.
 fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["element", "time", "time.fit", "time.residual"])?;
     for ((name, times), (_, off)) in request.measured.contacts.iter().zip(&fitted.contacts) {

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Singular values, relative to the largest, below which a combination of numbers is not
 /// determined, by the accuracy of columns of unit length: derivatives are exact to rounding, some
-/// 1e-15, and what they grow by over segments ends where these may miss a next start, a billionth of
-/// its size; differences over a millionth of a number are good to some 1e-6.
+/// 1e-15, and what they grow by over segments ends where these may miss a next start, a billionth
+/// of its size; differences over a millionth of a number are good to some 1e-6.
 const SINGULAR: f64 = 1e-12;
 const SINGULAR_BY_DIFFERENCES: f64 = 1e-5;
 /// Part of a number in an undetermined combination, in columns of unit length, above which it is

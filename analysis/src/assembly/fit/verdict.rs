@@ -17,9 +17,9 @@ const CHANCE: f64 = 3.0;
 const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise where
-/// that is not given, and above which contacts are those of another motion: a wrong one lies a
-/// quarter of the interval off in the mean, wherever it is.
+/// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise
+/// where that is not given, and above which contacts are those of another motion: a wrong one lies
+/// a quarter of the interval off in the mean, wherever it is.
 const MET: f64 = 0.01;
 const APART: f64 = 0.25;
 /// Least noise of a column, in parts of its size: differences of records without noise are

@@ -271,9 +271,9 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let (mut starts, mut problems) = (Vec::<Row>::new(), Vec::new());
     for ((from, point), found) in points.into_iter().zip(found) {
         match found {
-            Ok(start) => match starts.iter_mut().find(|row| row.start.is_same(&start)) {
+            Ok((start, shortest)) => match starts.iter_mut().find(|row| row.shortest.is_same(&shortest)) {
                 Some(same) => same.also.push(point.row),
-                None => starts.push(Row { from, point, start, also: Vec::new() }),
+                None => starts.push(Row { from, point, start, shortest, also: Vec::new() }),
             },
             Err(error) => problems.push(told(&from, &point, error)),
         }
@@ -287,9 +287,9 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let followed: Vec<_> = followed.collect();
     drop(progress);
     let mut curves = Vec::new();
-    for (Row { from, point, start, also }, found) in starts.into_iter().zip(followed) {
+    for (Row { from, point, shortest, also, .. }, found) in starts.into_iter().zip(followed) {
         match found {
-            Ok(points) => curves.push(CurveOfFile { from, point, start: start.shortest(), points, also }),
+            Ok(points) => curves.push(CurveOfFile { from, point, start: shortest, points, also }),
             Err(error) => problems.push(told(&from, &point, error.into())),
         }
     }
@@ -305,16 +305,21 @@ struct Row {
     from: String,
     point: PointOfFile,
     start: LocusStart,
+    /// The start in the shortest word.
+    shortest: LocusStart,
     also: Vec<usize>,
 }
 
-/// The special point of a row, sought on the branch of the orbit beside it.
+/// The special point of a row, sought on the branch of the orbit beside it, also in its shortest
+/// word.
 fn start(
     over: &Family,
     PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
-) -> Result<LocusStart> {
+) -> Result<(LocusStart, LocusStart)> {
     let machine = over.at(*at)?;
     let orbit = Orbit::near(&machine, start, *period)?;
     let family = Family::new(&machine, &over.parameter, over.range)?;
-    Ok(LocusStart::find(&family, &orbit, special, *value)?)
+    let start = LocusStart::find(&family, &orbit, special, *value)?;
+    let shortest = start.shortest();
+    Ok((start, shortest))
 }
