@@ -157,19 +157,21 @@ pub struct AssemblyBranchArrays<'py> {
     labels: Vec<&'static str>,
     elements: Vec<String>,
     measure: Array1<'py, f64>,
+    starts: Vec<Option<Numbers>>,
 }
 
-/// A branch with a measure of each of its orbits.
+/// A branch with a measure of each of its orbits, and a start on it.
 struct Measured {
     branch: Branch,
-    values: Vec<f64>,
+    values: Vec<(f64, Option<Numbers>)>,
 }
 
 fn measured(branch: Branch, measure: &Measure, control: &Control) -> Result<Measured, Failure> {
     let value = |point| {
         control.check()?;
         let orbit = branch.orbit(point);
-        Ok(orbit.and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN))
+        let value = orbit.as_ref().and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN);
+        Ok((value, orbit.map(|orbit| orbit.start().numbers())))
     };
     let values = branch.points.iter().map(value).collect::<Result<_, Failure>>()?;
     Ok(Measured { branch, values })
@@ -178,6 +180,7 @@ fn measured(branch: Branch, measure: &Measure, control: &Control) -> Result<Meas
 fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<AssemblyBranchArrays<'py>> {
     let Measured { branch, values } = found;
     let points = &branch.points;
+    let (values, starts): (Vec<_>, Vec<_>) = values.into_iter().unzip();
     let place = family.place(points[0].value).map_err(Failure::from)?;
     let special = |of: fn(&vibro_orbits::assembly::Special) -> String| -> Vec<String> {
         points.iter().map(|p| p.special.as_ref().map_or_else(String::new, of)).collect()
@@ -198,6 +201,7 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<As
         labels: points.iter().map(|p| p.special.as_ref().map_or("", |s| s.kind.name())).collect(),
         elements: special(|s| s.element.clone()),
         measure: column(py, &values),
+        starts,
     })
 }
 

@@ -79,6 +79,7 @@ def test_invariant_a_motion_goes_on_from_the_end_of_another(tmp_path):
         second = machine.simulate(1.0, samples=10, start=start)
         assert second.t[0] == 0.5 and np.abs(second.values - whole.values[10:]).max() < 1e-6
     # What is not named is the machine's own.
+    assert np.array_equal(machine.simulate("500 ms", samples=1).values, first.values)
     moved = machine.simulate(times=[0.2], start={"time": 0.2, "box.v": "5 cm/s"})
     assert moved["box.v"][0] == 0.05 and moved["box.s"][0] == machine.simulate(times=[0.0])["box.s"][0]
     with pytest.raises(KeyError, match="allowed are time, "):
@@ -261,7 +262,9 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
         (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: allowed is a pair"),
-        (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "equally spaced"),
+        (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "stop.steel.gap[1] = 0.003 instead of 0.0025: allowed is"),
+        (lambda: damper().simulate("1 m"), ValueError, "time"),
+        (lambda: damper().simulate("1"), ValueError, "a number, which is in SI, or a text with a unit"),
         (lambda: vi.simulate_many([damper(), vi.Assembly(OSCILLATOR)], until=1.0), ValueError, "columns"),
         (lambda: vi.simulate_many([damper()], periods=10), TypeError, "of assemblies allowed is `until`"),
         (lambda: vi.simulate_many([vi.Machine()], times=[1.0]), TypeError, "machines[0] is of type Machine"),

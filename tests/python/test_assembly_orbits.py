@@ -70,6 +70,18 @@ def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator
     assert {label for label, _, element in free[0].special if element == "stop.wall"} == {"GR"}
 
 
+def test_starts_of_a_branch_lead_back_to_its_orbits():
+    oscillator = vi.Assembly(OSCILLATOR)
+    curves = oscillator.response("load.shaker.frequency", "1.5 Hz", "6 Hz", of="amplitude.box.s", seeds=8)
+    curve = next(curve for curve in curves if curve.word == "impact wall" and len(curve.value) > 20)
+    assert len(curve.starts) == len(curve.value)
+    for i in range(3, len(curve.value) - 3, 7):
+        machine = oscillator.replace({curve.name: curve.value[i]})
+        # A word alone is sought from the start on, on branches that are unstable, too.
+        orbit = machine.orbit(curve.word, period=f"{curve.periods}T", start=curve.starts[i])
+        assert abs(orbit.measure(curve.of) / curve.measure[i] - 1) < 1e-9, i
+
+
 def test_second_method_basins_are_where_single_motions_settle():
     bistable = vi.Assembly(OSCILLATOR).replace({"load.shaker.frequency": "4.2 Hz"})
     found = bistable.basins(**{"box.s": ("-10 mm", "9.9 mm", 5), "box.v": (-0.5, 0.5, 4)})

@@ -1,5 +1,7 @@
 """Fits of machines of your own to made records."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import vibro_impact as vi
@@ -41,6 +43,22 @@ def test_made_record_and_its_errors() -> None:
     assert np.allclose(run["a.s"] - s, found.residuals["a.s"], atol=1e-15)
     same = vi.fit(begin, {"a.s": (t, s)}, free=free, sigma={"a.s": NOISE}, within={"friction.f.force": (0.5, 2.0)})
     assert np.allclose([same.values[name] for name in free], [found.values[name] for name in free], rtol=1e-6)
+
+
+def test_a_table_and_ranges_with_units_are_the_arrays_and_numbers_in_si(tmp_path: Path) -> None:
+    t, s = made()
+    free, path = ["friction.f.force", "start.a.s"], tmp_path / "record.csv"
+    path.write_text("time,a.s\n" + "".join(f"{float(a)!r},{float(b)!r}\n" for a, b in zip(t, s)))
+    within = {"friction.f.force": ("0.5 N", "2 N"), "start.a.s": ("0.5 mm", 1e-3)}
+    found = vi.fit(slide(), path, free=free, within=within)
+    same = vi.fit(slide(), {"a.s": (t, s)}, free=free, within={"friction.f.force": (0.5, 2.0), "start.a.s": (5e-4, 1e-3)})
+    assert found.values == same.values
+    with pytest.raises(ValueError, match="a.s = .1 N.: allowed is a finite number, in m"):
+        vi.fit(slide(), path, free=free, within={"start.a.s": ("1 N", "2 N")})
+    for text, words in [("a.s\n1\n", "names 'time'"), ("time,a.s\n0,x\n", "line 2, column a.s: 'x'"), ("time,a.s\n0\n", "line 2: 1 values")]:
+        path.write_text(text)
+        with pytest.raises(ValueError, match=words):
+            vi.fit(slide(), str(path), free=free)
 
 
 def test_only_ratios_are_determined() -> None:

@@ -89,6 +89,22 @@ def array(name: str, value: ArrayLike, allowed: str, dimensions: int = 1) -> Flo
     return found
 
 
+def evenly_spaced(name: str, given: ArrayLike, most: int) -> tuple[tuple[float, float], int]:
+    """Ends and number of rising, equally spaced values; the first one that is off is named."""
+    allowed = "an array of shape (n,), n >= 2, of rising, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
+    values = array(name, given, allowed)
+    whole(f"len({name})", len(values), 2, most)
+    first, last = float(values[0]), float(values[-1])
+    if not first < last:
+        raise ValueError(f"{name} does not rise, {name}[0] = {first:.12g} and {name}[{len(values) - 1}] = {last:.12g}: allowed is {allowed}")
+    even = np.linspace(first, last, len(values))
+    off = np.flatnonzero(np.abs(values - even) > 1e-9 * (last - first))
+    if len(off):
+        i = off[0]
+        raise ValueError(f"{name} is not equally spaced, {name}[{i}] = {values[i]:.12g} instead of {even[i]:.12g}: allowed is {allowed}")
+    return (first, last), len(values)
+
+
 def displacement(of: Optional[str]) -> str:
     """A displacement of the paper's machine, x2 unless given; columns are other names."""
     names = {"box.s": "x1", "block.s": "x2", "secondary.s": "x3"}

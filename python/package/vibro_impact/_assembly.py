@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, array, discarded_and_kept, whole
+from ._arguments import MOST_PERIODS, discarded_and_kept, evenly_spaced, whole
 from ._base import merged
 from ._instants import after, instants
 from ._assembly_description import AssemblyDescription
@@ -26,7 +26,7 @@ from ._assembly_results import (
     run_of,
     transition_of,
 )
-from ._assembly_start import StartLike, numbers_of, time_of
+from ._assembly_start import StartLike, numbers_of, seconds, time_of
 from ._sketch import Sketch
 from ._start import Start
 from ._assembly_studies import AssemblyBasins, AssemblySection, AssemblySpectrum, basins_of, poincare_of, spectrum_of
@@ -37,6 +37,7 @@ from ._result import direction
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from ._base import RecordLike
     from ._table import Table
 
 _MOST_VALUES = 20_000
@@ -72,7 +73,7 @@ class Assembly(AssemblyDescription):
 
     def simulate(
         self,
-        until: Optional[float] = None,
+        until: Union[None, float, str] = None,
         *,
         periods: Optional[int] = None,
         times: Optional[ArrayLike] = None,
@@ -87,7 +88,7 @@ class Assembly(AssemblyDescription):
         Parameters
         ----------
         until, samples
-            End of the motion, s, and number of equal parts; there is a sample at the start too.
+            End of the motion, in s or as a text with a unit, and number of equal parts; there is a sample at the start too.
         periods, per_period
             Instead of a time: common periods of what drives the machine (:attr:`period`), and reports in each.
         times
@@ -108,7 +109,7 @@ class Assembly(AssemblyDescription):
             For a motion that cannot go on, with the elements and the time.
         """
         numbers = numbers_of(self, start)
-        t = instants(time_of(numbers), self.period, until, periods, times, samples, per_period)
+        t = instants(time_of(numbers), self.period, seconds(self, until), periods, times, samples, per_period)
         parameters = names_of(derivatives)
         with Bar(progress, len(t), "samples") as bar:
             found = _native.simulate_assembly(self._described, numbers, t, parameters, bar.report)
@@ -125,7 +126,7 @@ class Assembly(AssemblyDescription):
         """
         return Start({"time": 0.0, **dict(numbers_of(self, numbers, "numbers"))})
 
-    def transition(self, until: float, *, start: StartLike = None, progress: bool = False) -> AssemblyTransition:
+    def transition(self, until: Union[float, str], *, start: StartLike = None, progress: bool = False) -> AssemblyTransition:
         """The exact derivatives of the state at a time by the state at the start, through impacts, contacts and sticking.
 
         The product of the matrices of parts of a motion is that of the whole. Over a period its eigenvalues are the multipliers of a periodic
@@ -134,7 +135,7 @@ class Assembly(AssemblyDescription):
         Parameters
         ----------
         until
-            End of the motion, s.
+            End of the motion, in s or as a text with a unit.
         start
             As of :meth:`simulate`.
 
@@ -144,7 +145,7 @@ class Assembly(AssemblyDescription):
             As :meth:`simulate`.
         """
         numbers = numbers_of(self, start)
-        end = after("until", until, time_of(numbers))
+        end = after("until", seconds(self, until), time_of(numbers))
         with Bar(progress, 0, "parts") as bar:
             found = _native.assembly_transition(self._described, numbers, end, bar.report)
         return transition_of(self, found)
@@ -328,17 +329,13 @@ class Assembly(AssemblyDescription):
         if len(given_by_name) != 1:
             raise TypeError(f"parameters {list(given_by_name)}: allowed is exactly one with its values, rising and equally spaced")
         ((name, given),) = given_by_name.items()
-        values = array(name, self._in_si(name, given), "an array of shape (n,) of values in SI, or of texts with units")
-        even = len(values) >= 2 and np.allclose(np.diff(values), (values[-1] - values[0]) / (len(values) - 1), rtol=1e-6, atol=0)
-        if not even or len(values) > _MOST_VALUES or not values[0] < values[-1]:
-            raise ValueError(f"{name}: allowed are 2 to {_MOST_VALUES} values, rising and equally spaced")
+        ends, count = evenly_spaced(name, self._in_si(name, given), _MOST_VALUES)
         discard, keep = discarded_and_kept(periods)
         counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
         start_numbers = numbers_of(self, start)
         with Bar(progress, 0, "parts") as bar:
-            ends = (float(values[0]), float(values[-1]))
             found = _native.assembly_diagram(
-                self._described, name, ends, len(values), of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), start_numbers, bar.report
+                self._described, name, ends, count, of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), start_numbers, bar.report
             )
         up, down = (direction(AssemblyDirection, found[way]) for way in ("up", "down"))
         return AssemblyDiagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
@@ -452,7 +449,7 @@ class Assembly(AssemblyDescription):
             )
         return found
 
-    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+    def fit(self, record: RecordLike, **options: Any) -> Any:
         """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
         return fit(self, record, **options)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
+import os
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,7 +13,7 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, number, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_start import StartLike, numbers_of
+from ._assembly_start import StartLike, numbers_of, seconds
 from ._base import AnyMachine
 from ._parameters import SI_NAMES
 from ._progress import Bar
@@ -22,6 +24,8 @@ from ._values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from ._base import RecordLike
 
 _LOSSES = ("linear", "soft_l1", "huber")
 
@@ -92,10 +96,33 @@ class MachineFit(AssemblyFit):
     "The same as a machine of your own, whose names columns and starts have."
 
 
-def _record(record: Mapping[str, tuple[ArrayLike, ArrayLike]]) -> tuple[Floats, list[tuple[str, Floats]]]:
+def _table(path: Union[str, os.PathLike[str]]) -> dict[str, tuple[Floats, Floats]]:
+    """The columns of a table, with its times."""
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file)) or [[]]
+    names = [name.strip() for name in header]
+    if "time" not in names or len(set(names)) < len(names):
+        raise ValueError(f"{path}: its first line is {','.join(header)[:200]!r}; allowed is one that names 'time' and columns such as 'box.s', each once")
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    for line, row in enumerate(rows, start=2):
+        if len(row) != len(names):
+            raise ValueError(f"{path}, line {line}: {len(row)} values; allowed are {len(names)}, as its first line has")
+        for name, cell in zip(names, row):
+            try:
+                columns[name].append(float(cell))
+            except ValueError:
+                raise ValueError(f"{path}, line {line}, column {name}: {cell!r} is no number") from None
+    t = np.array(columns.pop("time"))
+    return {name: (t, np.array(values)) for name, values in columns.items()}
+
+
+def _record(record: RecordLike) -> tuple[Floats, list[tuple[str, Floats]]]:
     """The times and the columns of a record."""
+    if isinstance(record, (str, os.PathLike)):
+        record = _table(record)
     if not isinstance(record, Mapping):
-        raise TypeError(f"record is of type {type(record).__name__}: allowed is a dictionary such as {{'box.s': (t, s)}}")
+        allowed = "a dictionary such as {'box.s': (t, s)}, or the path of a table"
+        raise TypeError(f"record is of type {type(record).__name__}: allowed is {allowed}")
     t: Optional[Floats] = None
     columns = []
     for name, pair in record.items():
@@ -138,7 +165,7 @@ def _twin(machine: ParameterValues) -> AssemblyDescription:
     return found
 
 
-def _fit_machine(machine: ParameterValues, record: Mapping[str, Any], free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
+def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
     """The fit of the twin, by the machine's own names."""
     from ._arguments import state
 
@@ -152,6 +179,7 @@ def _fit_machine(machine: ParameterValues, record: Mapping[str, Any], free: Iter
         bodies = ("box", "block", "secondary")
         start = {f"{body}.{what}": float(values[3 * k + i]) for k, what in enumerate("sv") for i, body in enumerate(bodies)}
     dotted = {f"{body}_{what}": f"{body}.{what}" for body in ("box", "block", "secondary") for what in "sv"}
+    record = _table(record) if isinstance(record, (str, os.PathLike)) else record
     columns = {dotted.get(name, name): pair for name, pair in record.items()}
     found = fit(_twin(machine), columns, free=names, start=start, **arguments)
     fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
@@ -161,10 +189,10 @@ def _fit_machine(machine: ParameterValues, record: Mapping[str, Any], free: Iter
 
 def fit(
     machine: AnyMachine,
-    record: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    record: RecordLike,
     *,
     free: Iterable[str],
-    within: Optional[Mapping[str, tuple[float, float]]] = None,
+    within: Optional[Mapping[str, tuple[Union[float, str], Union[float, str]]]] = None,
     events: Optional[Mapping[str, ArrayLike]] = None,
     sigma: Optional[Mapping[str, float]] = None,
     loss: str = "linear",
@@ -193,11 +221,12 @@ def fit(
     machine
         The machine with the values from which the fit begins.
     record
-        By column, such as ``box.s``, times (s) and values (SI); all columns at the same times.
+        By column, such as ``box.s``, times (s) and values (SI); all columns at the same times. Or the path of a table (CSV) whose first
+        line names ``time`` and columns, as the command line's ``--data``.
     free
         The numbers that are fitted: parameters, numbers of the start, ``record.shift``, ``record.offset.COLUMN``.
     within
-        Least and largest value of a free number, SI.
+        Least and largest value of a free number, in SI or as texts with units.
     events
         By stop the times of its impacts or first touches, s.
     sigma
@@ -227,10 +256,10 @@ def fit(
     names = [free] if isinstance(free, str) else list(free)
     t, columns = _record(record)
     contacts = [(stop, [float(time) for time in np.asarray(times)]) for stop, times in (events or {}).items()]
-    ranges = {name: (number("within", low), number("within", high)) for name, (low, high) in (within or {}).items()}
-    unknown = [name for name in ranges if name not in names]
+    unknown = [name for name in within or {} if name not in names]
     if unknown:
         raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
+    ranges = {name: (_bound(machine, name, low), _bound(machine, name, high)) for name, (low, high) in (within or {}).items()}
     if loss not in _LOSSES:
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
     with Bar(progress, 1, "fit") as bar:
@@ -248,6 +277,20 @@ def fit(
             bar.report,
         )
     return _fitted(type(machine), names, t, [name for name, _ in columns], found)
+
+
+def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) -> float:
+    """An end of the range of a free number, SI."""
+    if not isinstance(value, str):
+        return number("within", value)
+    if name == "record.shift":
+        return float(seconds(machine, value))
+    if name.startswith("start."):
+        own = name.removeprefix("start.")
+        return dict(numbers_of(machine, {own: value}))[own]
+    if name.startswith("record."):
+        raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
+    return float(np.asarray(machine._in_si(name, [value]))[0])
 
 
 def _length(segments: Union[str, float]) -> Optional[float]:

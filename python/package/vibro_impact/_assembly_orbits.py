@@ -10,7 +10,7 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, number, whole
 from ._assembly_many import Section, positive, section_of
-from ._assembly_start import StartLike, numbers_of
+from ._assembly_start import StartLike, numbers_of, seconds
 from ._progress import Bar
 from ._start import Start
 from ._show import Line, lines
@@ -159,6 +159,9 @@ class AssemblyBranch(Result):
     "The output that is kept."
     measure: Floats
     "That output of each orbit, shape (n,), SI."
+    starts: list[Optional[Start]]
+    """A start on each orbit, none where it cannot be told: with the machine of a point,
+    ``machine.replace({branch.name: branch.value[i]})``, it leads :meth:`Assembly.orbit` back to the orbit."""
 
     @property
     def special(self) -> list[tuple[str, float, str]]:
@@ -192,6 +195,7 @@ def _of(machine: AssemblyDescription, of: Optional[str]) -> str:
 def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, Any]) -> AssemblyBranch:
     for key in ("stability", "labels", "elements"):
         found[key] = np.array(found[key], dtype=np.str_)
+    found["starts"] = [None if numbers is None else Start(dict(numbers)) for numbers in found["starts"]]
     return AssemblyBranch(machine=machine, name=name, of=of, **found)
 
 
@@ -231,7 +235,7 @@ def _period(machine: AssemblyDescription, period: Union[None, float, str]) -> tu
         if not turns[:-1].strip().isdecimal() or not 1 <= int(turns[:-1]) <= 32:
             raise ValueError(f"period = {period!r}: allowed are '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
         return int(turns[:-1]), None
-    return None, positive("period", dict(numbers_of(machine, {"time": period}))["time"])
+    return None, positive("period", seconds(machine, period))
 
 
 def find_branches(

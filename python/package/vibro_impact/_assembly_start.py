@@ -41,6 +41,11 @@ def _value(name: str, value: Union[float, str]) -> Union[float, str]:
     return value
 
 
+def seconds(machine: AssemblyDescription, time: Any) -> Any:
+    """A time in s: a text with a unit is converted, all else returned unchanged."""
+    return dict(numbers_of(machine, {"time": time}))["time"] if isinstance(time, str) else time
+
+
 def time_of(numbers: Numbers) -> float:
     """The time of a start."""
     return dict(numbers).get("time", 0.0)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
     from ._sketch import Sketch
 
+    #: A record: times and values by column, or the path of a table.
+    RecordLike = Union[Mapping[str, tuple[ArrayLike, ArrayLike]], str, os.PathLike[str]]
+
 #: A new value of a parameter: a number in SI, or a text with a unit.
 Value = Union[float, str]
 
@@ -195,7 +198,7 @@ class AnyMachine:
         """Basins of attraction over two numbers of the starts."""
         raise NotImplementedError
 
-    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+    def fit(self, record: RecordLike, **options: Any) -> Any:
         """Numbers of the machine fitted to a record."""
         raise NotImplementedError
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from ._base import RecordLike
     from ._studies import Basins, Diagram
     from ._table import Table
 
@@ -484,7 +485,7 @@ class Machine(ParameterValues):
         middle = [0.0] * 6 if start is None else state("start", start, self._system)
         return basins_of(self, merged(ranges, more, "ranges"), settle, middle, progress)
 
-    def fit(self, record: Mapping[str, tuple[ArrayLike, ArrayLike]], **options: Any) -> Any:
+    def fit(self, record: RecordLike, **options: Any) -> Any:
         """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
         return fit(self, record, **options)
 

@@ -14,7 +14,7 @@ from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array
 from ._assembly_description import AssemblyDescription
 from ._assembly_many import Section, names_of, runs, section_of
 from ._assembly_results import AssemblyEnds, AssemblyRun
-from ._assembly_start import StartLike, numbers_of, starts_of, time_of
+from ._assembly_start import StartLike, numbers_of, seconds, starts_of, time_of
 from ._base import AnyMachine, merged
 from ._instants import after
 from ._measures import MEASURES, keeping, measure_names, measured
@@ -231,7 +231,7 @@ def simulate_many(
     periods
         Of :class:`Machine`: drive periods, each machine's own; 400 unless given.
     until
-        Of assemblies: end of the motions, s.
+        Of assemblies: end of the motions, in s or as a text with a unit.
     times, derivatives
         Of assemblies: as of :meth:`Assembly.simulate`; a run for each.
     errors, executor, checkpoint
@@ -260,6 +260,7 @@ def simulate_many(
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     count = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     motions = _motions(several, starts, given, is_assembly, "a motion over periods")
+    until = seconds(motions.machines[0], until) if is_assembly and motions.machines else until
     end = after("until", until, max((time_of(begin) for begin in motions.starts), default=0.0)) if is_assembly else 0.0
     if is_assembly:
         _of_one_structure(motions.machines)

@@ -31,10 +31,10 @@ class Line:
 
     def drawn(self, x: Floats, y: Floats) -> str:
         """The path with these coordinates in pixels."""
-        if self.dots:
-            step = -(-len(x) // _DOTS) or 1
+        if self.dots or len(x) == 1:
+            step, width = -(-len(x) // _DOTS) or 1, 1.6 if self.dots else 4
             path = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(x[::step], y[::step]))
-            return f'<path d="{path}" stroke="{self.colour}" stroke-width="1.6" stroke-linecap="round"/>'
+            return f'<path d="{path}" stroke="{self.colour}" stroke-width="{width}" stroke-linecap="round"/>'
         x, y = _thinned(x, y)
         path = "L".join(f"{a:.0f} {b:.1f}" for a, b in zip(x, y))
         dash = ' stroke-dasharray="4 3"' if self.dashed else ""

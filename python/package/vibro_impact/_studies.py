@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, StartOfMachine, array, choice, coordinates, discarded_and_kept, displacement, state, whole
+from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, StartOfMachine, choice, coordinates, discarded_and_kept, displacement, evenly_spaced, state, whole
 from ._parameters import find
 from ._progress import Bar
 from ._show import Line, cells, lines
@@ -84,7 +84,7 @@ def diagram_of(
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
     ((given, values),) = parameter.items()
     name, of = find(given), displacement(of)
-    ends, count = _axis(given, machine._in_si(given, values))
+    ends, count = evenly_spaced(given, machine._in_si(given, values), _MOST_VALUES)
     discard, keep = discarded_and_kept(periods)
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
     own = None if start is None else state("start", start, machine._system)
@@ -93,18 +93,6 @@ def diagram_of(
             machine._system, own, name, ends, count, discard, keep, of, over, bar.report
         )
     return Diagram(machine, name, of, direction(Direction, found["up"]), direction(Direction, found["down"]), found["hysteresis"])
-
-
-def _axis(name: str, given: ArrayLike) -> tuple[tuple[float, float], int]:
-    """Ends and number of equally spaced values."""
-    allowed = "an array of shape (n,), n >= 2, of rising, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
-    values = array(name, given, allowed)
-    whole(f"len({name})", len(values), 2, _MOST_VALUES)
-    first, last = float(values[0]), float(values[-1])
-    off = np.abs(values - np.linspace(first, last, len(values)))
-    if not first < last or not (off <= 1e-9 * (last - first)).all():
-        raise ValueError(f"{name} is not equally spaced: allowed is {allowed}")
-    return (first, last), len(values)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)

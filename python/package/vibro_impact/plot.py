@@ -454,6 +454,8 @@ def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -
             points = np.append(run, run[-1:] + 1)
             axes.plot(branch.value[points], top[points], color=colour, linewidth=1.4, linestyle=style, label=label)
             label = "_"  # one entry of the legend for all runs
+    if len(top) == 1:  # an orbit of a family, which no branch leaves
+        axes.plot(branch.value, top, "o", color=colour, markersize=3.5, label="stable" if branch.stable[0] else "unstable")
     for index in np.flatnonzero(branch.labels != ""):
         if branch.labels[index] == "EP":
             continue
