@@ -8,6 +8,8 @@ use vibro_assembly::system::System;
 
 /// Relative difference of values of a plateau.
 const FLAT: f64 = 1e-12;
+/// Rounding of an event's time, relative to the time: the clock's, and that of the flight's length.
+const CLOCK: f64 = 4.0 * f64::EPSILON;
 /// Size relative to the largest value below which an extremum is zero, as at a stop with gap 0. Its
 /// time is known to the clock's rounding, which after 1e5 periods is some 1e-11 of one.
 const ZERO: f64 = 1e-10;
@@ -36,6 +38,10 @@ pub struct Maxima {
     last: Option<f64>,
     rising: bool,
     size: f64,
+    /// Largest rate of the last stretch of a flight.
+    rate: f64,
+    /// Difference of the next value from the last one that is rounding of the clock.
+    slack: f64,
     /// Maxima in order.
     pub found: Vec<f64>,
 }
@@ -43,7 +49,13 @@ pub struct Maxima {
 impl Maxima {
     /// Of a quantity.
     pub fn new(quantity: Quantity) -> Self {
-        Self { quantity, last: None, rising: false, size: 0.0, found: Vec::new() }
+        Self { quantity, last: None, rising: false, size: 0.0, rate: 0.0, slack: 0.0, found: Vec::new() }
+    }
+
+    /// Begins a flight at a time. Its first value differs from the last of the flight before by as
+    /// much as the quantity moves within the rounding of the clock, which is no rise or fall.
+    fn begin(&mut self, time: f64, rate: f64) {
+        self.slack = CLOCK * time.abs() * rate.max(self.rate);
     }
 
     /// Includes the next value; the quantity is monotone from one to the next.
@@ -53,9 +65,10 @@ impl Maxima {
             self.last = Some(value);
             return;
         };
-        if value > last + FLAT * self.size {
+        let flat = FLAT * self.size + std::mem::take(&mut self.slack);
+        if value > last + flat {
             self.rising = true;
-        } else if value < last - FLAT * self.size {
+        } else if value < last - flat {
             if self.rising {
                 self.found.push(rounded(last, self.size));
             }
@@ -65,6 +78,12 @@ impl Maxima {
         }
         self.last = Some(value);
     }
+}
+
+/// Bound of the rate of a quantity with these coefficients over a stretch of a length, s.
+fn largest_rate(q: &[f64], length: f64) -> f64 {
+    let sum: f64 = q.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum();
+    if sum == 0.0 { 0.0 } else { sum / length }
 }
 
 /// Summary of the contacts of a stop.
@@ -143,6 +162,7 @@ impl Observer for Watcher {
         let rows: Vec<Vec<f64>> =
             self.extents.iter().map(|e| flight.flow.row_of(system, e.quantity)).collect();
         let top = self.maxima.as_ref().map(|m| flight.flow.row_of(system, m.quantity));
+        let mut is_first = true;
         flight.flow.stretches(flight.start, flight.span, &mut |series, length| {
             for (extent, row) in self.extents.iter_mut().zip(&rows) {
                 let q = coefficients(row, series);
@@ -161,7 +181,13 @@ impl Observer for Watcher {
                 }
             }
             if let (Some(maxima), Some(row)) = (&mut self.maxima, &top) {
-                monotone_pieces(&coefficients(row, series), &mut |x| maxima.meet(x));
+                let q = coefficients(row, series);
+                let rate = largest_rate(&q, length);
+                if std::mem::take(&mut is_first) {
+                    maxima.begin(flight.time, rate);
+                }
+                maxima.rate = rate;
+                monotone_pieces(&q, &mut |x| maxima.meet(x));
             }
         });
     }
