@@ -106,7 +106,9 @@ fn number(machine: &Machine, name: &str, line: usize) -> Option<Value> {
     let parameter = machine.description.parameter(name).ok()?;
     let ((factor, symbol), range) = (machine.unit(name), parameter.range());
     let bound = |x: f64| if x.is_finite() { Value::from(factor * x) } else { Value::Null };
-    let value: f64 = vibro_analysis::significant(factor * parameter.value).parse().unwrap_or(parameter.value);
+    let exact = factor * parameter.value;
+    // Shown with a minus sign, which no number is read with.
+    let value: f64 = vibro_analysis::significant(exact).replace('\u{2212}', "-").parse().unwrap_or(exact);
     Some(json!({
         "name": name, "meaning": parameter.meaning, "unit": symbol, "si": parameter.unit,
         "value": value, "exact": parameter.value, "factor": factor,

@@ -176,6 +176,12 @@ fn settled_at(
     Ok(now(&motion))
 }
 
+/// The numbers of a state that are free at a value, of which a start's file may consist.
+fn own_start(machine: &Machine, request: &DiagramRequest, value: f64, state: &Start) -> Result<Start> {
+    let (motion, _) = request.at(machine, value)?.motion_on(state)?;
+    Ok(Start::of(&motion))
+}
+
 /// Observes the motion at one value.
 ///
 /// # Errors
@@ -263,8 +269,9 @@ impl Iterator for Direction {
         let before = self.before.as_ref().filter(|_| !request.anew);
         let start = settled_at(machine, request, value, before).ok();
         let point = start.as_ref().and_then(|start| observe(machine, request, value, start).ok());
-        (self.next, self.before) = (self.next + 1, start.clone());
-        Some((i, start, point))
+        let own = start.as_ref().and_then(|start| own_start(machine, request, value, start).ok());
+        (self.next, self.before) = (self.next + 1, start);
+        Some((i, own, point))
     }
 }
 
@@ -334,8 +341,10 @@ mod tests {
                 start,
                 ..request(9)
             };
-            for (_, _, point) in Direction::new(machine.clone(), request, true).unwrap() {
-                let point = point.unwrap();
+            for (_, own, point) in Direction::new(machine.clone(), request, true).unwrap() {
+                let (own, point) = (own.unwrap(), point.unwrap());
+                // The state reads back as a start, without the prescribed frame.
+                assert_eq!(Start::parse(&own.to_toml(), "start", &machine.description), Ok(own));
                 assert_eq!((point.settled.period, point.maxima.len()), (Some(1), 1), "{time}: {point:?}");
             }
         }

@@ -129,11 +129,11 @@ export function readout(g, frames, px, py) {
   g.fillText(text, left + 5, top + 9.5);
 }
 
-/** The least range that holds all finite numbers, with some air. @param {Iterable<number>} numbers @param {number} air @returns {[number, number]} */
+/** The least range that holds all finite numbers, with some air; around numbers that are alike one in which its numbers can be told apart. @param {Iterable<number>} numbers @param {number} air @returns {[number, number]} */
 export function reach(numbers, air = 0.06) {
   let low = Infinity, high = -Infinity;
   for (const x of numbers) { if (x < low) low = x; if (x > high) high = x; }
   if (!(low <= high)) return [-1, 1];
-  const more = Math.max((high - low) * air, 1e-9, 1e-6 * Math.abs(high));
+  const size = Math.max(Math.abs(low), Math.abs(high)), more = high - low > 1e-4 * size ? (high - low) * air : 0.05 * size || 1;
   return [low - more, high + more];
 }

@@ -29,10 +29,55 @@ function gutter() {
 
 const follow = () => { element("gutter").scrollTop = area().scrollTop; };
 
+/** Milliseconds within which changes of one kind are undone as one. */
+const AT_ONCE = 700;
+/** Most states that are kept, and most letters of all. */
+const STATES = 200, LETTERS = 20_000_000;
+/** Texts before the present one, and those that were undone, each with the cursor's place. @type {{text: string, at: number}[]} */
+const before = [];
+/** @type {{text: string, at: number}[]} */
+const undone = [];
+let shownLast = { text: "", at: 0 }, lastKind = "", lastAt = 0;
+
+/** Keeps the text that stood here before a change: browsers forget what they could undo where a page sets a text. @param {string} kind */
+function remember(kind) {
+  const now = performance.now(), isOne = kind === lastKind && kind !== "whole" && now - lastAt < AT_ONCE;
+  [lastKind, lastAt] = [kind, now];
+  if (area().value === shownLast.text) return;
+  if (!isOne) before.push(shownLast);
+  undone.length = 0;
+  while (before.length > STATES || before.reduce((sum, own) => sum + own.text.length, 0) > LETTERS) before.shift();
+  shownLast = { text: area().value, at: area().selectionStart };
+}
+
+/** Goes back to the text before the last change, or forth again. @param {boolean} forth @param {() => void} changed */
+function undo(forth, changed) {
+  const [from, to] = forth ? [undone, before] : [before, undone], found = from.pop();
+  if (!found || held !== null) return;
+  to.push({ text: area().value, at: area().selectionStart });
+  area().value = found.text;
+  area().setSelectionRange(found.at, found.at);
+  [shownLast, lastKind] = [found, ""];
+  count();
+  changed();
+}
+
 /** Begins to listen; `changed` is called after each change. @param {() => void} changed */
 export function listen(changed) {
-  area().addEventListener("input", () => { count(); changed(); });
+  area().addEventListener("input", () => { remember("typed"); count(); changed(); });
   area().addEventListener("scroll", follow);
+  area().addEventListener("keydown", (event) => {
+    const key = event.key.toLowerCase();
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || (key !== "z" && key !== "y")) return;
+    event.preventDefault();
+    undo(key === "y" || event.shiftKey, changed);
+  });
+  // From the browser's menus.
+  area().addEventListener("beforeinput", (event) => {
+    if (event.inputType !== "historyUndo" && event.inputType !== "historyRedo") return;
+    event.preventDefault();
+    undo(event.inputType === "historyRedo", changed);
+  });
 }
 
 function count() {
@@ -40,8 +85,8 @@ function count() {
   if (now !== lines) { lines = now; gutter(); }
 }
 
-/** Puts a text into the editor; the cursor and the scroll stay. @param {string} text */
-export function put(text) {
+/** Puts a text into the editor; the cursor and the scroll stay. @param {string} text @param {string} [kind] changes of one kind in a row are undone as one */
+export function put(text, kind = "whole") {
   const box = area(), { selectionStart, selectionEnd, scrollTop } = box;
   held = text.length > SHOWN ? text : null;
   box.readOnly = held !== null;
@@ -50,6 +95,7 @@ export function put(text) {
   box.value = shown;
   if (document.activeElement === box) box.setSelectionRange(selectionStart, selectionEnd);
   box.scrollTop = scrollTop;
+  if (held === null) remember(kind);
   count();
 }
 

@@ -27,6 +27,14 @@ const numberOf = (/** @type {string} */ name) => run.machine?.numbers.find((n) =
 /** Whether a table's first line is that of a record: `time` and names of quantities, or `element`. @param {string} text */
 export const isRecord = (text) => { const names = text.slice(0, 5000).split("\n")[0].replace(/["\uFEFF\r]/g, "").split(",").map((name) => name.trim()); return names.includes("time") && names.some((name) => name === "element" || /^\S+\.\w+$/.test(name)); };
 
+/** Says why a table is no record, which no line of the machine reads either. @param {string} name @param {string} table */
+export function refuse(name, table) {
+  const first = table.slice(0, 200).split("\n")[0].replace(/\r/g, "");
+  const cure = first.includes(";") ? " Columns are divided by commas, and numbers have points: 0.5, not 0,5." : "";
+  say(`${name} is no record to fit to: its first line is “${first}”; allowed is one that names time and quantities of the machine such as box.s, divided by commas.${cure}`);
+  element("fit").scrollIntoView({ block: "nearest" });
+}
+
 /** Takes a record that was dropped. @param {string} name @param {string} table */
 export async function receive(name, table) {
   stop("");
@@ -78,6 +86,7 @@ function stop(words) {
 }
 
 async function begin() {
+  /** @type {HTMLDetailsElement} */ (element("free")).open = false;
   const names = free(), seconds = Number(select("fitTime").value), begun = performance.now(), helper = new Helper();
   Object.assign(fit, { found: null, helper });
   const progress = /** @type {HTMLProgressElement} */ (element("fitProgress"));
@@ -149,6 +158,7 @@ export function drawFit(g, w, h) {
 /** Begins to listen. @param {Page} of @param {() => void} told */
 export function listen(of, told) {
   page = of; changed = told;
+  element("free").addEventListener("keydown", (event) => { if (event.key === "Escape") /** @type {HTMLDetailsElement} */ (element("free")).open = false; });
   element("fitBegin").addEventListener("click", () => void begin());
   element("fitHalt").addEventListener("click", () => { stop("Stopped; the numbers are as they were."); show(); });
   element("fitTake").addEventListener("click", () => void takeOver());

@@ -35,6 +35,8 @@ let on;
 const gallery = new Map(), records = new Map();
 /** @type {Uint8Array | null} */
 let kit = null;
+/** The last text of one's own. */
+let mine = "";
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
 const { text } = editor;
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
@@ -86,7 +88,7 @@ async function adoptLink() {
     if (linked !== null) return void await adopt(linked);
   } catch (error) {
     await adopt(gallery.get("damper_with_buffer.toml") ?? "");
-    return say(`The link is damaged: ${/** @type {Error} */ (error).message}. This is an example instead.`, true);
+    return say(`The link is cut or changed (${/** @type {Error} */ (error).message}). This is an example instead.`, true);
   }
   const name = `${example.replace(/\.toml$/, "")}.toml`;
   await adopt(gallery.get(name) ?? gallery.get("damper_with_buffer.toml") ?? "");
@@ -102,6 +104,9 @@ async function adopt(content) {
   for (const name of gallery.keys()) if (!name.endsWith(".toml") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
   select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
   length = null; start = ""; run.at = 0;
+  if (select("example").dataset.shown === "") mine = text();
+  select("example").dataset.shown = select("example").value;
+  studies.forget();
   editor.put(content);
   showRecords();
   await changed();
@@ -131,7 +136,7 @@ async function read() {
     show();
     look();
     dirty = true;
-    say(start ? "The motion goes on from the attractor that was clicked; Restart returns to the file's own start." : "");
+    say(start ? "The motion begins on the attractor that was clicked, and time is counted from there; Restart returns to the file's own start." : "");
     workbench.edit = performance.now() - began;
   } catch (error) {
     const { problems, message } = /** @type {Refused} */ (error);
@@ -151,7 +156,8 @@ async function extend() {
     const of = run.machine;
     try {
       const more = await helper.ask("run", { to: run.length, step: run.step, time: 14, most: 400_000 }, PATIENCE);
-      if (run.machine !== of || opening) break;
+      // What is asked before a newer text is opened is of this one, and is answered before it.
+      if (run.machine !== of) break;
       take(more);
     } catch (error) { run.problem = /** @type {Error} */ (error).message; alive = false; }
     look();
@@ -201,10 +207,13 @@ async function change(name, value) {
     const [which, what] = next;
     next = null;
     try {
-      editor.put(await helper.ask("edit", { ...machineFile(), name: which, value: what }, PATIENCE));
-      select("example").value = "";
+      editor.put(await helper.ask("edit", { ...machineFile(), name: which, value: what }, PATIENCE), which);
+      select("example").value = select("example").dataset.shown = "";
       await changed();
-    } catch (error) { numbers.refuse(which, /** @type {Error} */ (error).message); }
+    } catch (error) {
+      const broken = document.querySelector("#problems button")?.textContent;
+      numbers.refuse(which, broken ? `The text has a problem (${broken.toLowerCase()}), which comes first.` : /** @type {Error} */ (error).message);
+    }
   }
   editing = false;
 }
@@ -220,11 +229,11 @@ function write() {
 }
 
 async function copyLink() {
-  if (records.size) return note("taken", `A link holds no records (${[...records.keys()].join(", ")}): download the machine's file and send both.`);
+  if (records.size) return say(`A link holds no records (${[...records.keys()].join(", ")}): download the machine's file and send both.`);
   const hash = await toHash(text());
-  if (!hash) return note("taken", `The file is longer than a link may be (${LONGEST} letters compressed): download it and send the file.`);
+  if (!hash) return say(`The file is longer than a link may be (${LONGEST} letters compressed): download it and send the file.`);
   const link = `${location.href.split("#")[0]}#${hash}`;
-  try { await navigator.clipboard.writeText(link); note("taken", "The link is copied; it holds the whole file."); } catch { note("taken", link); }
+  try { await navigator.clipboard.writeText(link); say("The link is copied; it holds the whole file."); } catch { say(link); }
 }
 
 const note = (/** @type {string} */ id, /** @type {string} */ words) => { element(id).textContent = words; };
@@ -249,12 +258,15 @@ async function receive(files) {
     if (/\.zip$/i.test(file.name)) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
-    } else if (/\.(csv|mtx)$/i.test(file.name)) tables.push([file.name, await file.text()]);
+    } else if (!/\.(csv|mtx|toml|txt)$/i.test(file.name)) say(`${file.name}: allowed are machines (.toml, .txt), records (.csv, .mtx) and kits (.zip).`, true);
+    else if (/\.(csv|mtx)$/i.test(file.name)) tables.push([file.name, await file.text()]);
     else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }
   // A record that no line of the machine reads is one to fit to.
   const reads = main ?? text(), measured = tables.filter(([name, own]) => !reads.includes(`"${name}"`) && fits.isRecord(own)), beside = tables.filter((own) => !measured.includes(own));
+  const idle = beside.find(([name]) => /\.csv$/i.test(name) && !reads.includes(`"${name}"`));
+  if (idle) fits.refuse(...idle);
   for (const [name, own] of beside) records.set(name, own);
   if (main !== null) await adopt(main); else if (beside.length) { showRecords(); await changed(); }
   for (const [name, own] of measured) await fits.receive(name, own);
@@ -396,10 +408,10 @@ async function pack(version) {
 }
 
 function listen() {
-  editor.listen(() => { select("example").value = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
+  editor.listen(() => { select("example").value = select("example").dataset.shown = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
   // With a worker that took too long the motion is lost, until the next text.
   completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
-  select("example").addEventListener("change", () => { const name = select("example").value; if (name) void adopt(gallery.get(name) ?? ""); });
+  select("example").addEventListener("change", () => { const name = select("example").value, own = name ? gallery.get(name) : mine; if (own) void adopt(own); });
   element("open").addEventListener("click", () => input("files").click());
   input("files").addEventListener("change", () => { void receive([...(input("files").files ?? [])]); input("files").value = ""; });
   element("copy").addEventListener("click", () => void copyLink());

@@ -18,7 +18,7 @@ export const plane = {
 
 /** Kinds of motion, each with its colour; the last takes all others. @type {[string, () => string, (cell: Cell) => boolean][]} */
 const KINDS = [
-  ["no motion", () => theme.card, ([own]) => own === null],
+  ["no returns", () => theme.card, ([own]) => own === null],
   ["without impacts", () => theme.grid, ([, contacts, rests]) => contacts === 0 && !rests],
   ["1T", () => theme.falling, ([own]) => own === "1T"],
   ["2T", () => theme.secondary, ([own]) => own === "2T"],
@@ -108,6 +108,6 @@ export function cellOf([i, j]) {
   if (!x || !y || !cell) return null;
   const [vx, vy] = [valueOn(x, i) * x.factor, valueOn(y, j) * y.factor].map((v) => Number(v.toPrecision(8)));
   const kind = KINDS[kindOf(cell)][0], own = cell[0] ?? "", contacts = cell[1] ?? 0;
-  const words = kind === "undecided" ? "undecided: not settled within what was followed" : kind === "no motion" ? "no machine, or its motion cannot go on" : `${own}, ${Number(contacts.toPrecision(3))} impacts and first touches a return${cell[2] ? ", rests" : ""}`;
+  const words = kind === "undecided" ? "undecided: not settled within what was followed" : kind === "no returns" ? "no machine, its motion cannot go on, or it returns to no event (it may move on without any)" : `${own}, ${Number(contacts.toPrecision(3))} impacts and first touches a return${cell[2] ? ", rests" : ""}`;
   return { x: vx, y: vy, words: `${x.name} = ${Number(vx.toPrecision(4))} ${x.unit}, ${y.name} = ${Number(vy.toPrecision(4))} ${y.unit}: ${words}.` };
 }

@@ -1,7 +1,7 @@
 // The studies' card: which numbers and ranges, what is shown, and what a click plays.
 import { classify, cellAt, cellOf, drawPlane, legend, plane } from "./plane.js";
 import { run } from "./run.js";
-import { diagram, drawStudy, halt, nearest, orbits, study, valueAt } from "./study.js";
+import { diagram, drawStudy, forget as forgetStudy, halt, nearest, orbits, step, study } from "./study.js";
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (document.getElementById(id));
@@ -59,10 +59,18 @@ async function during(what) {
   study.changed();
 }
 
+/** Forgets what is on show. */
+export function forget() {
+  forgetStudy();
+  element("halt").hidden = element("progress").hidden = true;
+  say("Local maxima of settled motions, value rising and falling. Click a point to play it.");
+  study.changed();
+}
+
 async function compute(/** @type {typeof diagram | typeof orbits} */ what) {
   const x = axis(FIRST), of = run.machine?.columns.find((c) => c.name === select("of").value);
   if (!x || !of) return;
-  await during(() => what(page.machineFile(), { parameter: x.name, range: x.range, factor: x.factor, unit: x.unit, of: of.name, ofUnit: of.unit, count: Number(select("values").value) }));
+  await during(() => what(page.machineFile(), { parameter: x.name, range: x.range, factor: x.factor, unit: x.unit, of: of.name, ofUnit: of.unit, count: Number(select("values").value), seconds: Number(select("orbitTime").value) }));
 }
 
 async function computePlane() {
@@ -94,12 +102,16 @@ function showLegend() {
 async function playFrom(px, py) {
   if (study.shown === "plane") { const place = cellAt(px, py); return place && playCell(place); }
   const found = nearest(px, py);
-  if (!found) return;
+  if (found) await playMotion(found);
+}
+
+/** Plays a motion of the diagram: its value into the text, its state as the run's begin. @param {import("./study.js").Played} found */
+async function playMotion(found) {
   if (!numberOf(study.parameter)) return say(`The machine has no ${study.parameter}: the diagram is that of another one.`);
   page.begin(found.start ?? "");
-  const value = Number((valueAt(found.index) * study.factor).toPrecision(8));
+  const value = Number((found.value * study.factor).toPrecision(17));
   await page.change(study.parameter, String(value));
-  say(`${study.parameter} = ${value} ${study.unit}: ${found.words}.`);
+  say(`${study.parameter} = ${Number(value.toPrecision(8))} ${study.unit}: ${found.words || "no motion that returns to the section"}.`);
   page.play();
 }
 
@@ -119,8 +131,13 @@ async function playCell(place) {
 /** @param {KeyboardEvent} event */
 function walk(event) {
   const { x, y } = plane, by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] }[event.key];
-  if (study.shown !== "plane" || !x || !y) return;
-  if (by) {
+  if (study.shown !== "plane" && by) {
+    const found = step(by[0], by[1]);
+    if (found) say(`${study.parameter} = ${Number((found.value * study.factor).toPrecision(8))} ${study.unit}: ${found.words}. Enter plays it.`);
+    study.changed();
+  } else if (study.shown !== "plane" && event.key === "Enter" && study.at) void playMotion(study.at);
+  else if (study.shown !== "plane" || !x || !y) return;
+  else if (by) {
     const [i, j] = plane.at ?? [Math.floor(x.count / 2), Math.floor(y.count / 2)];
     plane.at = [Math.max(0, Math.min(x.count - 1, i + by[0])), Math.max(0, Math.min(y.count - 1, j + by[1]))];
     say(cellOf(plane.at)?.words ?? "not computed yet");

@@ -5,11 +5,14 @@ import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";
 
 /** @typedef {{index: number, start: string | null, values: number[], words: string}} Found */
+/** @typedef {[number, number | null, number, string | null, string | null]} Point value (SI), largest of the quantity, 1 if stable, label, start on the orbit */
+/** @typedef {{value: number, start: string | null, words: string}} Played a motion of the picture that can be played */
 
 export const study = {
   parameter: "", /** @type {[number, number]} */ range: [0, 1], factor: 1, unit: "", of: "", ofUnit: "1", count: 0,
   /** @type {{rising: Found[], falling: Found[]}} */ found: { rising: [], falling: [] },
-  /** @type {[number, number | null, number, string | null][][]} */ branches: [],
+  /** @type {Point[][]} */ branches: [],
+  /** The motion that the keyboard is at, and its place in the picture. */ at: /** @type {Played & {x: number, y: number} | null} */ (null),
   /** @type {Helper[]} */ helpers: [],
   /** @type {Frame | null} */ frame: null,
   running: false,
@@ -31,7 +34,7 @@ export function halt(words = "Stopped; what was found stays.") {
 /** @param {{text: string, names: string[], texts: string[]}} machine @param {{parameter: string, range: [number, number], factor: number, unit: string, of: string, ofUnit: string, count: number}} asked */
 export async function diagram(machine, asked) {
   halt();
-  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], running: true, shown: "diagram" });
+  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], at: null, running: true, shown: "diagram" });
   const begun = performance.now(), helpers = [new Helper(), new Helper()];
   study.helpers = helpers;
   study.told(0, "Begun.");
@@ -42,7 +45,9 @@ export async function diagram(machine, asked) {
   };
   try {
     await Promise.all(/** @type {const} */ (["rising", "falling"]).map((way, i) => helpers[i].ask("diagram", { ...machine, ...asked, atSection: false, discard: 400, keep: 60, upward: way === "rising" }, 0, (part) => { study.found[way].push(part); heard(); })));
-    if (study.helpers === helpers) { study.running = false; study.told(1, `${2 * asked.count} values in ${((performance.now() - begun) / 1000).toFixed(1)} s. Click a point to play it.`); }
+    const none = [...study.found.rising, ...study.found.falling].filter((found) => !found.start || !found.words).length;
+    const without = none ? ` ${none} of them without a motion that returns to the section: there is no machine, it cannot go on, or its events cease.` : "";
+    if (study.helpers === helpers) { study.running = false; study.told(1, `${2 * asked.count} values in ${((performance.now() - begun) / 1000).toFixed(1)} s.${without} Black: value rising; grey: falling. Click a point to play it.`); }
   } catch (error) {
     if (study.helpers === helpers) { study.running = false; study.told(NaN, String(/** @type {Error} */ (error).message ?? error)); }
   }
@@ -50,20 +55,24 @@ export async function diagram(machine, asked) {
   study.changed();
 }
 
-/** @param {{text: string, names: string[], texts: string[]}} machine @param {{parameter: string, range: [number, number], factor: number, unit: string, of: string, ofUnit: string, count: number}} asked */
+const several = (/** @type {number} */ n, /** @type {string} */ one, /** @type {string} */ more) => `${n} ${n === 1 ? one : more}`;
+
+/** @param {{text: string, names: string[], texts: string[]}} machine @param {{parameter: string, range: [number, number], factor: number, unit: string, of: string, ofUnit: string, count: number, seconds: number}} asked */
 export async function orbits(machine, asked) {
   const isSame = asked.parameter === study.parameter && asked.of === study.of && String(asked.range) === String(study.range);
   halt();
   if (!isSame) study.found = { rising: [], falling: [] };
-  Object.assign(study, asked, { branches: [], running: true, shown: "diagram" });
+  Object.assign(study, asked, { branches: [], at: null, running: true, shown: "diagram" });
   const begun = performance.now(), helper = new Helper();
   study.helpers = [helper];
-  study.told(0, "Motions settle; then their orbits are followed over the range.");
+  const { seconds } = asked, passed = () => (performance.now() - begun) / 1000;
+  study.told(0, `Motions settle; then their orbits are followed over the range, for ${seconds} s at most.`);
   try {
-    study.branches = await helper.ask("orbits", { ...machine, ...asked }, 0, ({ done, known }) => study.told(done / Math.max(1, known), `${done} branches of ${known} known of, after ${((performance.now() - begun) / 1000).toFixed(0)} s.`));
-    const stable = study.branches.filter((b) => b.some((p) => p[2])).length;
+    const { branches, known } = await helper.ask("orbits", { ...machine, ...asked }, 0, ({ done, known }) => study.told(Math.max(done / Math.max(1, known), passed() / seconds), `${several(done, "branch", "branches")} of ${known} known of so far, after ${passed().toFixed(0)} s of ${seconds} s at most; Stop loses them.`));
+    study.branches = branches;
+    const stable = branches.filter((/** @type {Point[]} */ b) => b.some((p) => p[2])).length, rest = known - branches.length;
     study.running = false;
-    study.told(1, `${study.branches.length} branches of periodic orbits, ${stable} stable somewhere, in ${((performance.now() - begun) / 1000).toFixed(1)} s. Full: stable; dashed: unstable.`);
+    study.told(1, `${several(branches.length, "branch", "branches")} of periodic orbits, ${stable} stable somewhere, in ${passed().toFixed(1)} s${rest > 0 ? `; ${several(rest, "more beginning was", "more beginnings were")} not followed in that time` : ""}. Full: stable; dashed: unstable. Click one to play its motion.`);
   } catch (error) {
     if (study.helpers[0] === helper) { study.running = false; study.told(NaN, String(/** @type {Error} */ (error).message ?? error)); }
   }
@@ -77,7 +86,7 @@ export function drawStudy(g, w, h, here) {
   study.frame = null;
   if (!study.parameter || !tops.length) {
     g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "center"; g.textBaseline = "middle";
-    g.fillText(study.running ? "Computing…" : "Not computed yet", w / 2, h / 2);
+    g.fillText(study.running ? "Computing…" : study.parameter ? "Nothing was found" : "Not computed yet", w / 2, h / 2);
     return;
   }
   const [f, u] = shownIn(study.ofUnit, Math.max(...tops.map((x) => Math.abs(Number(x))))), k = study.factor;
@@ -100,20 +109,47 @@ export function drawStudy(g, w, h, here) {
       }
     }
     g.setLineDash([]);
+    if (study.at) { g.strokeStyle = theme.here; g.lineWidth = 2; g.beginPath(); g.arc(frame.px(study.at.x), frame.py(study.at.y), 6, 0, 2 * Math.PI); g.stroke(); }
     if (Number.isFinite(here)) { g.strokeStyle = theme.here; g.lineWidth = 1; g.beginPath(); g.moveTo(frame.px(here * k), frame.box.top); g.lineTo(frame.px(here * k), frame.box.bottom); g.stroke(); }
   });
 }
 
-/** The motion of the diagram that is nearest to a place of its picture. @param {number} px @param {number} py */
+/** Forgets what is on show: it is another machine's. */
+export function forget() {
+  halt("");
+  Object.assign(study, { parameter: "", found: { rising: [], falling: [] }, branches: [], at: null, frame: null, shown: "diagram" });
+}
+
+/** All that can be played, each with its place in the picture's units. @returns {(Played & {x: number, y: number})[]} */
+function all() {
+  const { frame, factor: k } = study;
+  if (!frame) return [];
+  const [f] = shownIn(study.ofUnit, Math.max(Math.abs(frame.y[0]), Math.abs(frame.y[1])));
+  const dots = [...study.found.rising, ...study.found.falling].flatMap(({ index, start, values, words }) => values.map((y) => ({ value: valueAt(index), start, words, x: valueAt(index) * k, y: y * f })));
+  const orbit = (/** @type {Point} */ [value, top, stable, label, start]) => ({ value, start, words: `periodic orbit, ${stable ? "stable" : "unstable: rounding leads the motion away from it"}${label ? `, ${label}` : ""}`, x: value * k, y: (top ?? NaN) * f });
+  return [...dots, ...study.branches.flat().map(orbit).filter(({ y, start }) => start && Number.isFinite(y))];
+}
+
+/** The motion that is nearest to a place of the picture. @param {number} px @param {number} py */
 export function nearest(px, py) {
   const { frame } = study;
+  let least = Infinity, best = null;
   if (!frame) return null;
-  let least = Infinity, /** @type {Found | null} */ best = null;
-  for (const found of [...study.found.rising, ...study.found.falling]) {
-    const dx = frame.px(valueAt(found.index) * study.factor) - px;
-    if (Math.abs(dx) > 12) continue;
-    const [f] = shownIn(study.ofUnit, Math.max(Math.abs(frame.y[0]), Math.abs(frame.y[1])));
-    for (const y of found.values) { const dy = frame.py(y * f) - py, away = 4 * dx * dx + dy * dy; if (away < least) { least = away; best = found; } }
+  for (const one of all()) {
+    const dx = frame.px(one.x) - px, dy = frame.py(one.y) - py, away = 4 * dx * dx + dy * dy;
+    if (Math.abs(dx) <= 12 && away < least) { least = away; best = one; }
   }
   return best;
+}
+
+/** Goes with the keyboard to the next motion: across to the next value, up and down among those there. @param {number} across @param {number} up */
+export function step(across, up) {
+  const { frame } = study, list = all();
+  if (!frame || !list.length) return null;
+  const from = study.at ?? { x: (frame.x[0] + frame.x[1]) / 2, y: (frame.y[0] + frame.y[1]) / 2 }, tiny = 1e-9 * (frame.x[1] - frame.x[0]);
+  const ahead = list.filter(({ x, y }) => (across ? (x - from.x) * across > tiny : Math.abs(x - from.x) <= tiny && (y - from.y) * up > 0));
+  const away = (/** @type {{x: number, y: number}} */ { x, y }) => 1e3 * Math.abs(frame.px(x) - frame.px(from.x)) + Math.abs(frame.py(y) - frame.py(from.y));
+  const next = (study.at ? ahead : list).sort((a, b) => away(a) - away(b))[0];
+  if (next) study.at = next;
+  return study.at;
 }

@@ -4,9 +4,9 @@ import * as core from "vibro-core";
 const post = (/** @type {any} */ message, /** @type {Transferable[]} */ moved = []) => /** @type {any} */ (self).postMessage(message, moved);
 let id = 0;
 /** @type {any} */ (globalThis).panicked = (/** @type {string} */ words) => post({ panicked: words });
-/** @type {any} */ (globalThis).progressed = (/** @type {number} */ done, /** @type {number} */ known) => post({ id, part: { done, known } });
+/** @type {any} */ (globalThis).progressed = (/** @type {number} */ done, /** @type {number} */ known) => { post({ id, part: { done, known } }); return performance.now() < until; };
 
-/** When a fit ends at the latest, how many steps it has made, when they were last told. */
+/** When a fit or a search of orbits ends at the latest, how many steps it has made, when they were last told. */
 let until = 0, steps = 0, toldAt = 0;
 /** @type {any} */ (globalThis).goesOn = () => {
   const now = performance.now();
@@ -17,24 +17,30 @@ let until = 0, steps = 0, toldAt = 0;
 
 /** @type {core.Bench | null} */
 let bench = null;
+/** Time at which the run begins, s: the page counts from there. */
+let zero = 0;
 /** @type {core.Plane | null} */
 let plane = null;
 
+/** Lines of events, each with its time first, counted from the run's begin. @param {string} lines */
+const sinceZero = (lines) => (zero ? lines.replace(/^[^\t\n]+/gm, (time) => String(Number(time) - zero)) : lines);
+
 /** Rows and events until a time, or until so many milliseconds have passed. @param {{to: number, step: number, time: number, most: number}} asked */
 function run({ to, step, time, most }) {
-  const until = performance.now() + time, parts = /** @type {Float64Array[]} */ ([]);
-  let problem = "", length = 0, at = bench ? bench.time() : 0;
+  const until = performance.now() + time, parts = /** @type {Float64Array[]} */ ([]), now = () => (bench ? bench.time() - zero : 0);
+  let problem = "", length = 0, at = now();
   while (bench && at < to - 1e-9 * step && length < most) {
     // The instants are whole multiples of the step, so that they do not depend on the slices.
     const next = Math.min(to, (Math.floor(at / step + 1e-9) + 1) * step);
-    try { const rows = bench.record(next, 1, 2000); parts.push(rows); length += rows.length; } catch (error) { problem = String(/** @type {Error} */ (error).message ?? error); break; }
-    at = bench.time();
+    try { const rows = bench.record(zero + next, 1, 2000); parts.push(rows); length += rows.length; } catch (error) { problem = String(/** @type {Error} */ (error).message ?? error); break; }
+    at = now();
     if (performance.now() > until) break;
   }
   const rows = new Float64Array(length);
   let place = 0;
   for (const part of parts) { rows.set(part, place); place += part.length; }
-  return { rows, events: bench ? bench.take_events() : "", time: at, problem };
+  if (bench && zero) { const width = bench.now().length; for (let i = 0; i < length; i += width) rows[i] -= zero; }
+  return { rows, events: bench ? sinceZero(bench.take_events()) : "", time: at, problem };
 }
 
 /** @type {Record<string, (asked: any) => {answer: any, moved?: Transferable[]}>} */
@@ -45,7 +51,10 @@ const answers = {
     bench?.free();
     bench = next;
     if (start) bench.restart(start);
-    return { answer: { machine: JSON.parse(bench.described()), words: bench.words().split("\n"), now: bench.now(), marks: bench.sketch(new Float64Array(0), new Float64Array(0)) } };
+    zero = bench.time();
+    const now = bench.now();
+    now[0] = 0;
+    return { answer: { machine: JSON.parse(bench.described()), words: bench.words().split("\n"), now, marks: bench.sketch(new Float64Array(0), new Float64Array(0)) } };
   },
   run: (asked) => { const answer = run(asked); return { answer, moved: [answer.rows.buffer] }; },
   sketch: ({ shifts, openings }) => { const answer = bench ? bench.sketch(shifts, openings) : new Float32Array(0); return { answer, moved: [answer.buffer] }; },
@@ -69,7 +78,10 @@ const answers = {
     [until, steps, toldAt] = [performance.now() + 1000 * seconds, 0, 0];
     return { answer: JSON.parse(core.fitted(text, names, texts, table, free)) };
   },
-  orbits: ({ text, names, texts, parameter, range, of }) => ({ answer: JSON.parse(core.branches(text, names, texts, parameter, Float64Array.from(range), of)) }),
+  orbits: ({ text, names, texts, parameter, range, of, seconds }) => {
+    until = performance.now() + 1000 * seconds;
+    return { answer: JSON.parse(core.branches(text, names, texts, parameter, Float64Array.from(range), of)) };
+  },
 };
 
 self.onmessage = ({ data }) => {

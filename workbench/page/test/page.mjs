@@ -92,6 +92,23 @@ const tests = {
     await tab.press("[id='n-stop.steel.restitution']", "Enter");
     await tab.waitForSelector(".field.bad");
     assert.match(await tab.textContent(".field.bad .why"), /allowed is a number from 0 to 1/);
+    // Undone and done again: what was typed, numbers, and the example that took the text's place.
+    await pick(tab, "gear_backlash.toml");
+    await tab.focus("#text");
+    const gears = await text(tab);
+    await tab.keyboard.press("Control+z");
+    assert.equal(await text(tab), after);
+    await tab.keyboard.press("Control+z");
+    assert.match(await text(tab), /restitution = 0.7\n/);
+    await tab.keyboard.press("Control+y"); await tab.keyboard.press("Control+y");
+    assert.equal(await text(tab), gears);
+    await settled(tab);
+    // A number below zero keeps its unit.
+    const turned = "[id='n-body.wheel.start.v']", own = gears.replace("[body.wheel]", "[body.wheel]\nstart = { v = \"-900 rpm\" }");
+    await tab.fill("#text", gears.includes("-937.5 rpm") ? gears : own);
+    await settled(tab);
+    const negative = gears.match(/"(-[\d.]+) rpm"/)?.[1] ?? "-900";
+    assert.ok((await tab.$$eval("#fields input[type=text]", (/** @type {any[]} */ all) => all.map((i) => i.value))).includes(String(Number(negative))), turned);
     assert.deepEqual(wrong, []);
     await close();
   },
@@ -113,12 +130,12 @@ const tests = {
     await tab.fill("#text", `${written}\n${noise}`);
     await settled(tab);
     await tab.click("#copy");
-    await tab.waitForFunction("/longer than a link may be/.test(document.querySelector('#taken').textContent)");
+    await tab.waitForFunction("/longer than a link may be/.test(document.querySelector('#status').textContent)");
     await pick(tab, "valve_train.toml");
     await tab.click("#copy");
-    await tab.waitForFunction("/holds no records \\(cam_lift.csv\\)/.test(document.querySelector('#taken').textContent)");
+    await tab.waitForFunction("/holds no records \\(cam_lift.csv\\)/.test(document.querySelector('#status').textContent)");
     const damaged = await browser.tab({}, "#m=AAAA");
-    assert.match(await damaged.tab.textContent("#status"), /link is damaged/);
+    assert.match(await damaged.tab.textContent("#status"), /link is cut or changed/);
     await damaged.close();
     assert.deepEqual(wrong, []);
     await close();
@@ -184,6 +201,17 @@ const tests = {
     await tab.waitForFunction((/** @type {string} */ t) => /** @type {any} */ (document.querySelector("#text")).value !== t, before);
     await settled(tab);
     assert.match(await tab.textContent("#studyWords"), /load\.shaker\.frequency = .* Hz: \d+T|chaotic|quasi/);
+    // The motion is there, and its time counted from where it begins.
+    const played = () => tab.evaluate("({ first: workbench.run.rows[0], last: workbench.run.rows[(workbench.run.count - 1) * workbench.run.width], events: workbench.run.events.map((e) => e.time), length: workbench.run.length, problem: workbench.run.problem })");
+    await whole(tab);
+    const { first, last, events, length } = await played();
+    assert.equal(first, 0); assert.ok(Math.abs(last - length) < 1e-9 && events.length > 5 && events.every((/** @type {number} */ t) => t >= 0 && t <= length), `${first} ${last} ${events.slice(0, 3)}`);
+    // By the keyboard, too.
+    const clicked = await text(tab);
+    await tab.focus("#diagram");
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowUp", "Enter"]) await tab.keyboard.press(key);
+    await tab.waitForFunction((/** @type {string} */ t) => /** @type {any} */ (document.querySelector("#text")).value !== t, clicked);
+    await settled(tab);
     await tab.selectOption("#values", "600");
     await tab.click("#compute");
     await tab.waitForFunction("workbench.study.found.rising.length > 3");
@@ -194,6 +222,17 @@ const tests = {
     await tab.click("#orbits");
     await tab.waitForFunction("!workbench.study.running && workbench.study.branches.length > 0", null, { timeout: 120_000 });
     assert.ok(await tab.evaluate("workbench.study.branches.some((b) => b.length > 3 && b.some((p) => p[2]))"));
+    // A point of a branch is played: of a machine with a prescribed body, whose start is not in the start's file.
+    const [px, py] = await tab.evaluate("(() => { const { study } = workbench, b = study.branches.find((b) => b.length > 9), p = b[5], [k] = workbench.shownIn(study.ofUnit, Math.max(...study.frame.y.map(Math.abs))); return [study.frame.px(p[0] * study.factor), study.frame.py(p[1] * k)]; })()");
+    await tab.click("#diagram", { position: { x: px, y: py } });
+    await tab.waitForFunction("/periodic orbit, (un)?stable/.test(document.querySelector('#studyWords').textContent)");
+    await settled(tab); await whole(tab);
+    assert.ok(await tab.isHidden("#problems"), await tab.textContent("#problems"));
+    const orbit = await played();
+    assert.ok(orbit.problem === "" && orbit.events.length > 3, JSON.stringify(orbit));
+    // Another machine does not keep the picture.
+    await pick(tab, "bouncing_ball.toml");
+    assert.equal(await tab.evaluate("workbench.study.parameter"), "");
     assert.deepEqual(wrong, []);
     await close();
   },

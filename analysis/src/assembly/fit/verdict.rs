@@ -59,8 +59,8 @@ impl Model<'_> {
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
-            let noise = self.noise_of(k).max(LEAST * size(values));
-            let times = self.spread(beside.residuals(k)) / noise;
+            let (spread, least) = (self.spread(beside.residuals(k)), LEAST * size(values));
+            let times = spread / self.noise_of(k).max(least);
             // What differences say of few samples is vaguer than a root mean square.
             let share = if self.has_sigma { CHANCE / 2f64.sqrt() } else { VAGUE };
             let chance = 1.0 + share / (values.len() as f64).sqrt();
@@ -68,7 +68,8 @@ impl Model<'_> {
             if times > MISSES.max(chance) {
                 return Verdict::Misses(many);
             }
-            let follow = persistence(beside.residuals(k));
+            // Residuals within rounding of the record follow each other as it was rounded.
+            let follow = if spread > least { persistence(beside.residuals(k)) } else { 0.0 };
             if times > FITS.max(chance) {
                 doubt.get_or_insert(many);
             } else if follow > FOLLOWS.max(CHANCE / (values.len() as f64).sqrt()) {
