@@ -64,7 +64,12 @@ function undo(forth, changed) {
 
 /** Begins to listen; `changed` is called after each change. @param {() => void} changed */
 export function listen(changed) {
-  area().addEventListener("input", () => { remember("typed"); count(); changed(); });
+  area().addEventListener("input", (event) => {
+    // What is pasted or completed is undone by itself.
+    remember(/** @type {InputEvent} */ (event).data?.length === 1 ? "typed" : "whole");
+    count();
+    changed();
+  });
   area().addEventListener("scroll", follow);
   area().addEventListener("keydown", (event) => {
     const key = event.key.toLowerCase();
