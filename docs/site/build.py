@@ -21,6 +21,8 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "site"
 REQUIREMENTS = ["docs/site/requirements.txt", "tests/fmpy/requirements.txt", "tests/python/requirements.txt"]
 # A link of Markdown to a file or folder of this repository: its text, name and anchor.
 LINK = re.compile(r"\[([^\]]*)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
+# A picture of HTML, which GitHub shows in a given width: its file, width and words.
+PICTURE = re.compile(r'<img src="([^":]+)" width="(\d+)" alt="([^"]*)">')
 
 
 def environment() -> Path:
@@ -58,7 +60,7 @@ def gather(sources: Path) -> None:
         copy((HERE / name).resolve().relative_to(ROOT), sources)
     (sources / "index.md").write_text(LINK.sub(lambda link: link[0].replace(link[2], os.path.relpath(HERE / link[2], ROOT)), first))
     for page in tracked("*.md"):
-        text = (ROOT / page).read_text()
+        text = PICTURE.sub(r"![\3](\1){width=\2px}", (ROOT / page).read_text())
         for _, name, _ in LINK.findall(text):
             linked = (ROOT / page.parent / name).resolve()
             inside = linked.is_relative_to(ROOT) and linked.is_file() and linked.suffix != ".md"

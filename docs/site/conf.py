@@ -10,7 +10,7 @@ copyright = "the vibro-impact maintainers"
 release = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)[1]
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax", "sphinx-mathjax-offline"]
 # As GitHub reads these pages: equations between dollars, anchors from headings.
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "attrs_inline"]
 myst_heading_anchors = 6
 myst_fence_as_directive = ["math"]
 root_doc = "index"

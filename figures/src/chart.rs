@@ -147,6 +147,10 @@ pub enum Mark {
     Plus,
     /// Filled square on its corner.
     Diamond,
+    /// Empty square.
+    Frame,
+    /// Empty triangle on its tip.
+    Funnel,
 }
 
 /// Stroke of curves in units of the drawing.

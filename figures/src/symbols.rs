@@ -1,6 +1,6 @@
 //! Strokes, marks and their samples in legends.
 
-use crate::canvas::palette::BLACK;
+use crate::canvas::palette::{BLACK, WHITE};
 use crate::canvas::{Across, Along, Canvas, CanvasPoint, Pen, Writing, text_width};
 use crate::chart::{Colour, Dash, Layer, Mark, Shape};
 
@@ -82,9 +82,19 @@ pub(super) fn marks(canvas: &mut Canvas, places: &[CanvasPoint], colour: Colour,
             let corners = [(0.0, -1.3 * r), (1.3 * r, 0.0), (0.0, 1.3 * r), (-1.3 * r, 0.0)];
             places.iter().for_each(|&p| canvas.polygon(&around(p, &corners), colour, 1.0));
         }
+        Mark::Frame => outlines(canvas, places, &[(-r, -r), (r, -r), (r, r), (-r, r)], colour),
+        Mark::Funnel => outlines(canvas, places, &[(-r, -r), (r, -r), (0.0, r)], colour),
         Mark::Cross => strokes(canvas, places, [[(-r, -r), (r, r)], [(-r, r), (r, -r)]], colour),
         Mark::Plus => strokes(canvas, places, [[(-r, 0.0), (r, 0.0)], [(0.0, -r), (0.0, r)]], colour),
     }
+}
+
+/// An outline filled with white.
+fn outlines(canvas: &mut Canvas, places: &[CanvasPoint], corners: &[CanvasPoint], colour: Colour) {
+    places.iter().for_each(|&p| canvas.polygon(&around(p, corners), WHITE, 1.0));
+    let closed = [corners, &corners[..1]].concat();
+    let pieces: Vec<_> = places.iter().map(|&p| around(p, &closed)).collect();
+    canvas.lines(&pieces, Pen::solid(colour, FINE));
 }
 
 /// A mark of two strokes.

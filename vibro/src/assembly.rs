@@ -58,7 +58,14 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
         machine.note_unit(name, value);
         changes.push((name, read.value));
     }
-    Ok(machine.with(changes)?)
+    let mut machine = machine.with(changes.iter().copied())?;
+    for (name, value) in changes {
+        let name = machine.description.parameter(name)?.name;
+        let (factor, unit) = machine.unit(&name);
+        let words = format!("{} {unit}", vibro_analysis::significant(factor * value));
+        machine.changes.insert(name, words.trim_end().to_owned());
+    }
+    Ok(machine)
 }
 
 /// Note of the unit in which numbers without a unit were read; `None` if the unit makes no

@@ -79,7 +79,7 @@ impl Subject for assembly::Machine {
             }
             _ => format!(", looked at after {}", s.in_words(d)),
         });
-        format!("{}{section}", d.name)
+        format!("{}{section}", self.name_with_changes())
     }
 
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit> {

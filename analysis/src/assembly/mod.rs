@@ -68,6 +68,8 @@ pub struct Machine {
     pub section: SectionRule,
     /// Unit in which each parameter is shown, where it is not SI.
     pub units: BTreeMap<String, String>,
+    /// Values that differ from those of the file, in words, by parameter.
+    pub changes: BTreeMap<String, String>,
 }
 
 /// Serialized form of a machine: the text of its file.
@@ -76,11 +78,14 @@ struct Written {
     file: String,
     section: SectionRule,
     units: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    changes: BTreeMap<String, String>,
 }
 
 impl From<Machine> for Written {
     fn from(machine: Machine) -> Self {
-        Self { file: machine.description.to_toml(), section: machine.section, units: machine.units }
+        let Machine { description, section, units, changes } = machine;
+        Self { file: description.to_toml(), section, units, changes }
     }
 }
 
@@ -89,7 +94,8 @@ impl TryFrom<Written> for Machine {
 
     fn try_from(written: Written) -> Result<Self> {
         let description = file::parse(&written.file, "machine", &file::no_records)?;
-        Ok(Self { description, section: written.section, units: written.units })
+        let Written { section, units, changes, .. } = written;
+        Ok(Self { description, section, units, changes })
     }
 }
 
@@ -99,7 +105,24 @@ const ROUNDING: f64 = 1e-12;
 impl Machine {
     /// A machine with the default section and SI units.
     pub fn new(description: Description) -> Self {
-        Self { description, section: SectionRule::Auto, units: BTreeMap::new() }
+        Self { description, section: SectionRule::Auto, units: BTreeMap::new(), changes: BTreeMap::new() }
+    }
+
+    /// Its name, with the values that differ from those of its file.
+    ///
+    /// ```
+    /// # use vibro_analysis::assembly::Machine;
+    /// # let text = "name = \"Pendulum\"\nbody.a = { mass = 1.0 }";
+    /// # let mut machine = Machine::parse(text, "pendulum.toml", &vibro_assembly::file::no_records)?;
+    /// machine.changes.insert("body.a.mass".into(), "2 kg".into());
+    /// assert_eq!(machine.name_with_changes(), "Pendulum with body.a.mass = 2 kg");
+    /// # Ok::<(), vibro_analysis::Error>(())
+    /// ```
+    pub fn name_with_changes(&self) -> String {
+        let changes: Vec<String> =
+            self.changes.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let with = if changes.is_empty() { "" } else { " with " };
+        format!("{}{with}{}", self.description.name, changes.join(", "))
     }
 
     /// The machine with other values of some parameters, SI.

@@ -141,9 +141,9 @@ impl Family {
     /// # Errors
     /// [`Error::Refusal`] for a value that is not allowed.
     pub fn at(&self, value: f64) -> Result<Machine> {
-        let Machine { section, units, .. } = &self.machine;
-        let (section, units) = (section.clone(), units.clone());
-        Ok(Machine { description: self.described(value)?, section, units })
+        let Machine { section, units, changes, .. } = &self.machine;
+        let (section, units, changes) = (section.clone(), units.clone(), changes.clone());
+        Ok(Machine { description: self.described(value)?, section, units, changes })
     }
 
     /// The bodies and elements at a value.

@@ -234,7 +234,7 @@ impl<'a> Seeker<'a> {
         };
         let problem = format!(
             "no orbit{word}{period} was found near the motions from the start and from {} random starts; found were: {found}; allowed are \
-             other starts (--start) and more random ones (--starts)",
+             other starts (--start; start= in Python) and more random ones (--starts; tries=)",
             self.request.starts
         );
         Error::Described { problem }

@@ -213,7 +213,7 @@ impl Orbit {
         let MotionClass::Periodic(returns) = found.class else {
             let words = section.in_words(&motion.assembly().description);
             let problem = format!(
-                "the motion settles on no periodic orbit: it is {} at {words}; allowed are other starts (--start) and more discarded returns",
+                "the motion settles on no periodic orbit: it is {} at {words}; allowed are other starts and more discarded returns",
                 found.class.name()
             );
             return Err(Error::Described { problem });

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -239,7 +239,8 @@ def fit(
     starts
         Number of further starts of the fit, spread over ``within``.
     start
-        As of :meth:`Assembly.simulate`.
+        Where the motion begins, as of :meth:`Assembly.simulate`. Without it the machine's own start: of a :class:`Machine` that in units of the
+        gap that it is given with.
 
     Raises
     ------
@@ -255,11 +256,13 @@ def fit(
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Assembly and Machine")
     names = [free] if isinstance(free, str) else list(free)
     t, columns = _record(record)
+    if events is not None and not isinstance(events, Mapping):
+        raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
     contacts = [(stop, [float(time) for time in np.asarray(times)]) for stop, times in (events or {}).items()]
     unknown = [name for name in within or {} if name not in names]
     if unknown:
         raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
-    ranges = {name: (_bound(machine, name, low), _bound(machine, name, high)) for name, (low, high) in (within or {}).items()}
+    ranges = {name: _range(machine, name, ends) for name, ends in (within or {}).items()}
     if loss not in _LOSSES:
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
     with Bar(progress, 1, "fit") as bar:
@@ -277,6 +280,13 @@ def fit(
             bar.report,
         )
     return _fitted(type(machine), names, t, [name for name, _ in columns], found)
+
+
+def _range(machine: AssemblyDescription, name: str, ends: Any) -> tuple[float, float]:
+    """The range of a free number, SI."""
+    if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
+        raise TypeError(f"within: {name} = {ends!r}: allowed is a pair of its least and largest value, in SI or as texts with units")
+    return _bound(machine, name, ends[0]), _bound(machine, name, ends[1])
 
 
 def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) -> float:
@@ -311,7 +321,7 @@ def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[l
     missing: Union[set[str], Any] = set(names) ^ set(sigma)
     if missing:
         raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or no column: needed are {', '.join(names)}")
-    return [number("sigma", sigma[name]) for name in names]
+    return [number(f"sigma[{name!r}]", sigma[name]) for name in names]
 
 
 def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:

@@ -60,6 +60,7 @@ class Machine(ParameterValues):
 
     Two machines are equal when their physical parameters are, loads included.
 
+    >>> from vibro_impact import Machine
     >>> Machine.from_groups(f10=2.5).replace(kappa=0.8)
     Machine.from_groups(f10=2.5, kappa=0.8)
     >>> Machine().replace(stop_gap=0.5, load_block=-0.02).drive_frequency

@@ -25,8 +25,8 @@ const SAMPLES: u32 = 800;
 /// Marks of the special points that the 3-DOF machine does not have.
 const FURTHER: [(Kind, &str, Mark); 3] = [
     (Kind::Stick, "ST stick", Mark::Diamond),
-    (Kind::Crossing, "CC events change places", Mark::Ring),
-    (Kind::Saturation, "SA limit of an output", Mark::Square),
+    (Kind::Crossing, "CC events change places", Mark::Frame),
+    (Kind::Saturation, "SA limit of an output", Mark::Funnel),
 ];
 
 /// The study of a machine's branches over a parameter: tables of points and special points, and a

@@ -102,7 +102,7 @@ impl Bounds {
         let at = |i: usize| {
             if !self.given[i] {
                 let problem = format!(
-                    "--starts needs a range of each free number; allowed is --within {}=LOW:HIGH",
+                    "further starts need a range of each free number; allowed is a range of {}: --within, or within= in Python",
                     self.names[i]
                 );
                 return Err(Error::Described { problem });

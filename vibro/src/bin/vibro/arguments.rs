@@ -34,7 +34,7 @@ use vibro_analysis::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`new` writes a machine's file to start from. `check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit`, `orbits` and `fmu` take a machine's FILE.
+`new` writes a machine's file to start from. `check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit`, `orbits`, `locus`, `fit` and `fmu` take a machine's FILE.
 Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\

@@ -219,7 +219,7 @@ fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
     for given in given {
         let folders = folders_of_parts(given)?;
         if folders.is_empty() {
-            let problem = "holds no shard: no folder that ends in .parts".into();
+            let problem = "holds no shard: no folder that ends in .parts; a study of one part is drawn as a whole by the shard that has it".into();
             return Err(Error::Config { path: given.clone(), problem });
         }
         for path in folders {

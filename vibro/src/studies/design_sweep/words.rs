@@ -156,7 +156,7 @@ impl Labelled for assembly::Machine {
         let varies = self.section == assembly::SectionRule::Auto
             && matches!(section, Ok(assembly::Section::Period(_)))
             && names.iter().any(is_frequency);
-        let name = &self.description.name;
+        let name = self.name_with_changes();
         let what = crate::subject::periodic_parts(&self.description);
         varies.then(|| format!("{name}, looked at after each common period of its {what}, which varies"))
     }
