@@ -75,6 +75,7 @@ def test_only_ratios_are_determined() -> None:
     [
         ({"free": ["spring.k.stifness"]}, "spring.k.stiffness"),
         ({"free": ["spring.k.stiffness"], "within": {"friction.f.force": (0, 1)}}, "is not free"),
+        ({"free": ["spring.k.stiffness"], "starts": 2}, "within= in Python"),
         ({"free": ["spring.k.stiffness"], "loss": "cubic"}, "allowed are linear, soft_l1, huber"),
         ({"free": ["spring.k.stiffness"], "sigma": {"b.s": 1.0}}, "missing or no column"),
         ({"free": ["spring.k.stiffness"], "events": {"a": [1.0]}}, "no stop is named"),
@@ -84,6 +85,17 @@ def test_what_is_refused(arguments: "dict[str, object]", words: str) -> None:
     t, s = made()
     with pytest.raises(ValueError, match=words):
         vi.fit(slide(), {"a.s": (t, s)}, **arguments)  # type: ignore[arg-type]
+
+
+def test_wrong_types_are_named() -> None:
+    t, s = made()
+    for arguments, words in [
+        ({"within": {"friction.f.force": "0.5:2"}}, "within: friction.f.force = '0.5:2': allowed is a pair"),
+        ({"events": "events.csv"}, "events is of type str: allowed is a dictionary"),
+        ({"sigma": {"a.s": "2 um"}}, "a.s"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            vi.fit(slide(), {"a.s": (t, s)}, free=["friction.f.force"], **arguments)  # type: ignore[arg-type]
 
 
 def test_records_that_are_refused() -> None:

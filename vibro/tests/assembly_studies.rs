@@ -60,6 +60,18 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
 }
 
 #[test]
+fn screen_and_picture_tell_the_values_that_are_not_those_of_the_file() {
+    let out = folder("assembly-set");
+    let line = ["bifurcation", DAMPER, "--vary", "stop.steel.gap=60mm:61mm:2", "--of", "box.s"];
+    let rest = ["--discard", "20", "--keep", "4", "--set", "body.block.mass=400g"];
+    let said = drawn(&out, &[&line[..], &rest].concat());
+    let words = "DamperWithBuffer with body.block.mass = 400 g";
+    assert!(said.contains(words), "{said}");
+    let picture = std::fs::read_to_string(out.join("assembly-bifurcation.svg")).unwrap();
+    assert!(picture.contains(words));
+}
+
+#[test]
 fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let out = folder("assembly-best");
     let line = ["sweep", DAMPER, "--vary", "stop.steel.gap=60mm,90mm,92mm"];

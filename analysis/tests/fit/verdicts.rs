@@ -35,6 +35,19 @@ fn invariant_noise_that_lasts_is_undecided_or_no_fit() {
     assert_ne!(found.verdict, Verdict::Fits);
 }
 
+/// A record with the digits of a table, whose last ones follow each other as its writer rounded.
+#[test]
+fn invariant_residuals_within_rounding_of_the_record_fit() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 0.0)], 0.25, 400, &mut Noise(54));
+    let largest = measured.columns[0].1.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    for (time, value) in measured.times.iter().zip(&mut measured.columns[0].1) {
+        *value += 3e-7 * largest * (8.0 * time).sin();
+    }
+    let found = fitted(&request(off(&m, &FREE, |_| 1.05), measured, &FREE));
+    assert_eq!(found.verdict, Verdict::Fits);
+}
+
 #[test]
 fn invariant_a_fit_that_is_ended_is_undecided() {
     let m = example("coulomb_oscillator.toml");

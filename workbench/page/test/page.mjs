@@ -353,6 +353,14 @@ const tests = {
     await tab.setInputFiles("#files", [{ name: "record.csv", mimeType: "text/csv", buffer: Buffer.from(record) }]);
     await tab.waitForFunction("/record.csv: 41 samples of slide.s, from 0 to 0.2 s/.test(document.querySelector('#fitWords').textContent)");
     assert.ok(await tab.isDisabled("#fitBegin"));
+    // A table of another form is told, and nothing is lost.
+    await tab.setInputFiles("#files", [{ name: "european.csv", mimeType: "text/csv", buffer: Buffer.from("time;slide.s\n0,1;0,5\n") }]);
+    await tab.waitForFunction("/european.csv is no record.*numbers have points/.test(document.querySelector('#fitWords').textContent)");
+    await tab.setInputFiles("#files", [{ name: "picture.png", mimeType: "image/png", buffer: Buffer.from("\x89PNG") }]);
+    await tab.waitForFunction("/picture.png: allowed are machines/.test(document.querySelector('#status').textContent)");
+    assert.equal(await text(tab), machine);
+    await tab.setInputFiles("#files", [{ name: "record.csv", mimeType: "text/csv", buffer: Buffer.from(record) }]);
+    await tab.waitForFunction("/record.csv: 41 samples/.test(document.querySelector('#fitWords').textContent)");
     for (const name of ["spring.mount.stiffness", "friction.guide.force"]) await tab.check(`#freeNumbers input[value='${name}']`);
     await tab.click("#free summary");
     await tab.click("#fitBegin");
