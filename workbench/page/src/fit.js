@@ -128,7 +128,7 @@ async function takeOver() {
     const n = numberOf(one.name);
     await page.change(one.name, String(Number((one.value * n.factor).toPrecision(9))));
   }
-  say(`${own.length} numbers stand in the text.`);
+  say(own.length === 1 ? "The number stands in the text." : `${own.length} numbers stand in the text.`);
 }
 
 /** Record and fitted motion above, their difference below. @param {any} g @param {number} w @param {number} h */
