@@ -196,7 +196,7 @@ fn records_and_names_that_are_not_allowed_are_refused() {
         (&|own| own.free[0].name = "friction.floor.forc".into(), "friction.floor.force"),
         (&|own| own.free[0].within = Some((2.0, 3.0)), "outside 2 to 3"),
         (&|own| own.measured = Measured::default(), "no sample"),
-        (&|own| own.starts = 3, "--within friction.floor.force=LOW:HIGH"),
+        (&|own| own.starts = 3, "a range of friction.floor.force: --within"),
         (&|own| own.free.clear(), "0 free numbers"),
     ];
     for (change, words) in cases {
