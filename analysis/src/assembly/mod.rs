@@ -112,7 +112,8 @@ impl Machine {
     ///
     /// ```
     /// # use vibro_analysis::assembly::Machine;
-    /// # let text = "name = \"Pendulum\"\nbody.a = { mass = 1.0 }";
+    /// # let text = "name = \"Pendulum\"\nbody.a = { mass = 1.0 }\n\
+    /// #     spring.s = { between = [\"ground\", \"a\"], stiffness = 1.0 }";
     /// # let mut machine = Machine::parse(text, "pendulum.toml", &vibro_assembly::file::no_records)?;
     /// machine.changes.insert("body.a.mass".into(), "2 kg".into());
     /// assert_eq!(machine.name_with_changes(), "Pendulum with body.a.mass = 2 kg");
