@@ -9,7 +9,7 @@ const area = () => /** @type {HTMLTextAreaElement} */ (document.getElementById("
 const isOpen = () => !element("offers").hidden;
 
 /** What is open, the place of its marked offer, and whether Enter takes that. */
-let found = /** @type {Found | null} */ (null), marked = 0, isChosen = false;
+let found = /** @type {(Found & {at: number}) | null} */ (null), marked = 0, isChosen = false;
 /** Number of the last question: an answer to an older one is dropped. */
 let asked = 0;
 /** @type {(head: string, tail: string) => Promise<Found>} */
@@ -52,7 +52,7 @@ async function open(chosen) {
   const answer = await ask(text.slice(0, at), text.slice(at)).catch(() => null);
   if (own !== asked) return;
   if (!answer || box.value !== text || box.selectionStart !== at || document.activeElement !== box || !(answer.offers.length || answer.allowed)) return close();
-  found = answer; isChosen = chosen;
+  found = { ...answer, at }; isChosen = chosen;
   element("offersList").replaceChildren(...answer.offers.map(([name], i) => {
     const item = Object.assign(document.createElement("li"), { id: `offer-${i}`, textContent: name });
     item.setAttribute("role", "option");
@@ -69,9 +69,11 @@ async function open(chosen) {
 /** Takes an offer into the text; undone like what is typed. @param {number} place */
 function take(place) {
   if (!found) return;
-  const box = area(), at = box.selectionStart, text = found.offers[place][1];
+  const box = area(), at = box.selectionStart, [name, text] = found.offers[place], typed = at - found.at, before = found.before + typed;
+  // A letter may have been typed that the list does not know of yet.
+  if (typed !== 0 && (typed < 0 || !name.startsWith(box.value.slice(at - before, at)))) return close();
   box.focus();
-  box.setSelectionRange(at - found.before, at + found.after);
+  box.setSelectionRange(at - before, at + found.after);
   if (!document.execCommand("insertText", false, text)) {
     box.setRangeText(text, box.selectionStart, box.selectionEnd, "end");
     box.dispatchEvent(new Event("input"));
