@@ -70,8 +70,9 @@ async function open(chosen) {
 function take(place) {
   if (!found) return;
   const box = area(), at = box.selectionStart, [name, text] = found.offers[place], typed = at - found.at, before = found.before + typed;
-  // A letter may have been typed that the list does not know of yet.
-  if (typed !== 0 && (typed < 0 || !name.startsWith(box.value.slice(at - before, at)))) return close();
+  // Letters may have been typed that the list does not know of yet.
+  const own = box.value.slice(at - Math.max(0, before), at);
+  if (typed !== 0 && !(before >= 0 && (name.startsWith(own) || text.startsWith(own)))) return void open(true);
   box.focus();
   box.setSelectionRange(at - before, at + found.after);
   if (!document.execCommand("insertText", false, text)) {
