@@ -61,9 +61,8 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     let mut machine = machine.with(changes.iter().copied())?;
     for (name, value) in changes {
         let name = machine.description.parameter(name)?.name;
-        let (factor, unit) = machine.unit(&name);
-        let words = format!("{} {unit}", vibro_analysis::significant(factor * value));
-        machine.changes.insert(name, words.trim_end().to_owned());
+        let words = machine.told(&name, value);
+        machine.changes.insert(name, words);
     }
     Ok(machine)
 }

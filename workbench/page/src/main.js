@@ -35,10 +35,12 @@ let on;
 const gallery = new Map(), records = new Map();
 /** @type {Uint8Array | null} */
 let kit = null;
-/** The last text of one's own. */
+/** The last text of one's own, which the list of examples leads back to. */
 let mine = "";
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
 const { text } = editor;
+/** The text is no example any more. */
+const becomesOwn = () => { select("example").value = ""; mine = text(); };
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
 
 /** @param {string} words @param {boolean} [bad] */
@@ -104,8 +106,7 @@ async function adopt(content) {
   for (const name of gallery.keys()) if (!name.endsWith(".toml") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
   select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
   length = null; start = ""; run.at = 0;
-  if (select("example").dataset.shown === "") mine = text();
-  select("example").dataset.shown = select("example").value;
+  if (!select("example").value) mine = content;
   studies.forget();
   editor.put(content);
   showRecords();
@@ -208,7 +209,7 @@ async function change(name, value) {
     next = null;
     try {
       editor.put(await helper.ask("edit", { ...machineFile(), name: which, value: what }, PATIENCE), which);
-      select("example").value = select("example").dataset.shown = "";
+      becomesOwn();
       await changed();
     } catch (error) {
       const broken = document.querySelector("#problems button")?.textContent;
@@ -408,7 +409,7 @@ async function pack(version) {
 }
 
 function listen() {
-  editor.listen(() => { select("example").value = select("example").dataset.shown = ""; start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
+  editor.listen(() => { becomesOwn(); start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
   // With a worker that took too long the motion is lost, until the next text.
   completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
   select("example").addEventListener("change", () => { const name = select("example").value, own = name ? gallery.get(name) : mine; if (own) void adopt(own); });

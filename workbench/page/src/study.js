@@ -121,7 +121,7 @@ export function forget() {
 }
 
 /** All that can be played, each with its place in the picture's units. @returns {(Played & {x: number, y: number})[]} */
-function all() {
+function playable() {
   const { frame, factor: k } = study;
   if (!frame) return [];
   const [f] = shownIn(study.ofUnit, Math.max(Math.abs(frame.y[0]), Math.abs(frame.y[1])));
@@ -135,7 +135,7 @@ export function nearest(px, py) {
   const { frame } = study;
   let least = Infinity, best = null;
   if (!frame) return null;
-  for (const one of all()) {
+  for (const one of playable()) {
     const dx = frame.px(one.x) - px, dy = frame.py(one.y) - py, away = 4 * dx * dx + dy * dy;
     if (Math.abs(dx) <= 12 && away < least) { least = away; best = one; }
   }
@@ -144,7 +144,7 @@ export function nearest(px, py) {
 
 /** Goes with the keyboard to the next motion: across to the next value, up and down among those there. @param {number} across @param {number} up */
 export function step(across, up) {
-  const { frame } = study, list = all();
+  const { frame } = study, list = playable();
   if (!frame || !list.length) return null;
   const from = study.at ?? { x: (frame.x[0] + frame.x[1]) / 2, y: (frame.y[0] + frame.y[1]) / 2 }, tiny = 1e-9 * (frame.x[1] - frame.x[0]);
   const ahead = list.filter(({ x, y }) => (across ? (x - from.x) * across > tiny : Math.abs(x - from.x) <= tiny && (y - from.y) * up > 0));
