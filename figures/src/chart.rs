@@ -151,6 +151,8 @@ pub enum Mark {
     Frame,
     /// Empty triangle on its tip.
     Funnel,
+    /// Upright cross in a circle.
+    Target,
 }
 
 /// Stroke of curves in units of the drawing.

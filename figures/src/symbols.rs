@@ -85,6 +85,10 @@ pub(super) fn marks(canvas: &mut Canvas, places: &[CanvasPoint], colour: Colour,
         Mark::Frame => outlines(canvas, places, &[(-r, -r), (r, -r), (r, r), (-r, r)], colour),
         Mark::Funnel => outlines(canvas, places, &[(-r, -r), (r, -r), (0.0, r)], colour),
         Mark::Cross => strokes(canvas, places, [[(-r, -r), (r, r)], [(-r, r), (r, -r)]], colour),
+        Mark::Target => {
+            canvas.circles(places, r, colour, Some(FINE));
+            marks(canvas, places, colour, radius, Mark::Plus);
+        }
         Mark::Plus => strokes(canvas, places, [[(-r, 0.0), (r, 0.0)], [(0.0, -r), (0.0, r)]], colour),
     }
 }

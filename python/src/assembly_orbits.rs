@@ -6,12 +6,12 @@ use crate::described::{Described, Numbers, SectionChoice};
 use crate::failure::Failure;
 use nalgebra::Complex;
 use pyo3::prelude::*;
-use vibro_analysis::assembly::{Machine, Measure, QuantityName, named};
+use vibro_analysis::assembly::{Machine, Measure, named};
 use vibro_assembly::Start;
 use vibro_orbits::PathOptions;
 use vibro_orbits::assembly::{
     Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    check_measure, tree,
+    read_measure, tree,
 };
 
 /// A periodic orbit of a described machine.
@@ -79,13 +79,13 @@ impl AssemblyOrbit {
 
     /// A measure over a period.
     fn measure(&self, name: &str) -> PyResult<f64> {
-        let measure = measure_of(name)?;
+        let measure = read_measure(name, &self.machine.description).map_err(Failure::from)?;
         Ok(self.orbit.measure(&measure).map_err(Failure::from)?)
     }
 
     /// Name, derivative and reason for which there is none, of a measure by each parameter.
     fn gradient(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Option<f64>, String)>> {
-        let measure = measure_of(name)?;
+        let measure = read_measure(name, &self.machine.description).map_err(Failure::from)?;
         let found = py.detach(|| self.orbit.gradient(&measure)).map_err(Failure::from)?;
         let row = |row: vibro_orbits::assembly::ParameterDerivative| match row.derivative {
             Ok(derivative) => (row.parameter, Some(derivative), String::new()),
@@ -97,14 +97,6 @@ impl AssemblyOrbit {
     /// Energies a period by element, J; none where no motion stays on the orbit.
     fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
         Ok(self.orbit.energies().map_err(Failure::from)?)
-    }
-}
-
-/// A measure, or the largest value of a quantity.
-fn measure_of(name: &str) -> Result<Measure, Failure> {
-    match name.parse::<Measure>() {
-        Ok(measure) => Ok(measure),
-        Err(error) => Ok(name.parse::<QuantityName>().map(Measure::Maximum).map_err(|_| error)?),
     }
 }
 
@@ -216,8 +208,8 @@ pub fn follow_assembly_orbit<'py>(
     of: &str,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<AssemblyBranchArrays<'py>> {
-    let (measure, own) = (measure_of(of)?, orbit.orbit.clone());
-    check_measure(&measure, &orbit.machine.description).map_err(Failure::from)?;
+    let measure = read_measure(of, &orbit.machine.description).map_err(Failure::from)?;
+    let own = orbit.orbit.clone();
     let family = Family::new(&orbit.machine, name, ends).map_err(Failure::from)?;
     let along = family.clone();
     let found = compute(py, progress, move |control| {
@@ -244,8 +236,8 @@ pub fn assembly_branches<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<AssemblyBranchArrays<'py>>> {
     let start: Start = machine.start_of(&start)?;
-    let (measure, machine) = (measure_of(of)?, machine.machine(section));
-    check_measure(&measure, &machine.description).map_err(Failure::from)?;
+    let machine = machine.machine(section);
+    let measure = read_measure(of, &machine.description).map_err(Failure::from)?;
     let family = Family::new(&machine, name, ends).map_err(Failure::from)?;
     let along = family.clone();
     let options = TreeOptions { start, seeds, depth, discard: settle, path: PathOptions::default() };

@@ -18,6 +18,7 @@ pub mod assembly;
 pub mod design_file;
 mod error;
 pub mod gallery;
+mod kept_branches;
 pub mod load_file;
 pub mod long_study;
 pub mod manifest;

@@ -13,6 +13,7 @@
 //! [`LongStudy::count`], [`LongStudy::check`] and [`LongStudy::run`], and a line in
 //! `tests/studies.rs`.
 
+use super::kept_branches::{Behind, PathsInParts};
 use super::studies::{self, Study};
 use super::subject::Subject;
 use crate::Result;
@@ -226,8 +227,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// Does the work of [`run`](Self::run) and if the number of parts is not known beforehand,
-    /// calls `tell` with the number of finished parts and the total known so far.
+    /// Does the work of [`run`](Self::run). Where the number of parts is not known beforehand, as of
+    /// branches, `tell` receives the number of finished parts and the total known so far.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -239,13 +240,18 @@ impl LongStudy {
         self.check()?;
         let (kind, set) = match &self.work {
             StudyOfMachine::ThreeDof { kind, set } => (kind, set),
-            StudyOfMachine::Assembly { kind, machine } => return self.run_assembly(kind, machine, task),
+            StudyOfMachine::Assembly { kind, machine } => {
+                return self.run_assembly(kind, machine, task, tell);
+            }
         };
         match kind {
             StudyKind::Sweep { at, orbits, .. } => {
                 let Some((sweep, diagram)) = self.diagram(task)? else { return Ok(None) };
                 let mut found = vec![studies::sweep(set, &sweep, &diagram, &self.name)?];
-                let follow = |options| studies::DiagramOrbits::new(set, &sweep, &diagram, options);
+                let (parts, told) = self.behind(task, tell);
+                let told = |done, waiting| told(done, done + waiting);
+                let follow =
+                    |options| studies::DiagramOrbits::new(set, &sweep, &diagram, options, (&parts, &told));
                 let orbits = orbits.as_ref().map(follow).transpose()?;
                 if let Some(orbits) = &orbits {
                     let name = format!("{}-orbits", self.name);
@@ -284,12 +290,24 @@ impl LongStudy {
         }
     }
 
+    /// The parts behind those that are counted, for branches over a diagram, and what tells of them
+    /// with the counted ones.
+    fn behind<'a>(
+        &self,
+        task: &Task<'a>,
+        tell: &'a (dyn Fn(usize, usize) + Sync),
+    ) -> (Behind<'a>, impl Fn(usize, usize) + Sync + 'a) {
+        let first = self.count();
+        (Behind { store: task.store, first }, move |done, all| tell(first + done, first + all))
+    }
+
     /// Does the work of [`run`](Self::run) for a described machine.
     fn run_assembly(
         &self,
         kind: &AssemblyStudy,
         machine: &assembly::Machine,
         task: &Task,
+        tell: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Option<Vec<Study>>> {
         let study = match kind {
             AssemblyStudy::Diagram(request) => {
@@ -302,7 +320,11 @@ impl LongStudy {
                 };
                 let own = studies::assembly_diagram(machine, request, &diagram, &self.name)?;
                 let name = format!("{}-orbits", self.name);
-                let orbits = studies::assembly_diagram_orbits(machine, request, &diagram, &name)?;
+                let (parts, told) = self.behind(task, tell);
+                let paths = PathsInParts::new(parts);
+                let (family, branches) = studies::diagram_branches(machine, request, &paths, &told)?;
+                let found = (&family, &branches[..]);
+                let orbits = studies::assembly_diagram_orbits(machine, request, &diagram, found, &name)?;
                 return Ok(Some(vec![own, orbits]));
             }
             AssemblyStudy::DesignSweep(request) => {

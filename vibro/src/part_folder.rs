@@ -219,9 +219,14 @@ fn lock(folder: &Path) -> Result<File> {
     }
 }
 
-/// `3 of 8 parts`; without the total if it is unknown (`count` is 0).
+/// `3 of 8 parts`; without the total if it is unknown (`count` is 0). What is kept beyond the total
+/// are branches.
 pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
-    if count == 0 { format!("{kept} {parts}") } else { format!("{kept} of {count} {parts}") }
+    match (kept.checked_sub(count), count) {
+        (_, 0) => format!("{kept} {parts}"),
+        (Some(behind), _) if behind > 0 => format!("all {count} {parts} and {behind} of branches"),
+        _ => format!("{kept} of {count} {parts}"),
+    }
 }
 
 /// Error for parts of another study; `there` is in the folder and `here` is asked for.

@@ -17,7 +17,7 @@ use vibro_analysis::basin::{self, InitialValueRange};
 use vibro_analysis::bifurcation::{Diagram, Sweep};
 use vibro_analysis::lyapunov::SpectrumOptions;
 use vibro_analysis::maxima::Displacement;
-use vibro_analysis::parts::Task;
+use vibro_analysis::parts::{NoStore, Task};
 use vibro_analysis::plane::{Method, PAIRS, ParameterAxis};
 use vibro_analysis::start::StartRule;
 use vibro_analysis::{Name, ParameterSet, find_group};
@@ -161,7 +161,7 @@ impl Plan {
         all.push(thirteen);
         done(false);
         let (coarse, fine) = (diagram(&self.coarse, coarse, done)?, diagram(&self.fine, fine, done)?);
-        let orbits = DiagramOrbits::new(set, &coarse.0, &coarse.1, &self.orbits);
+        let orbits = DiagramOrbits::new(set, &coarse.0, &coarse.1, &self.orbits, (&NoStore, &|_, _| ()));
         done(false);
         let (table, sweeps) = self.sweeps(&coarse, &fine, &orbits)?;
         all.extend(sweeps);

@@ -33,7 +33,7 @@ mod sweep;
 
 pub use assembly_basin::{assembly_basins, check_assembly_basins};
 pub use assembly_diagram::{assembly_diagram, assembly_exponent};
-pub use assembly_diagram_orbits::{assembly_diagram_orbits, diagram_family};
+pub use assembly_diagram_orbits::{assembly_diagram_orbits, diagram_branches, diagram_family};
 pub use assembly_fit::{assembly_fit, fit_json};
 pub use assembly_gradient::add_gradient;
 pub use assembly_locus::{CurveOfFile, assembly_loci};

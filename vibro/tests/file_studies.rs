@@ -4,7 +4,7 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{drawn, folder, refused, table};
+use command::{begun, command, drawn, files, folder, killed, parts, refused, table};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -372,4 +372,22 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
         let (_, error) = refused(&[&line[..], words].concat());
         assert!(error.contains("'--orbits' cannot be used with"), "{error}");
     }
+    // Killed while branches are followed: the diagram and the branches go on to the same bytes.
+    let (broken, study) = (out.join("k"), "assembly-bifurcation");
+    // The diagram's parts: one in each direction.
+    let count = 2;
+    killed(begun(&broken, &[&line[..], &["--threads", "1"]].concat(), study, count + 2));
+    let kept = parts(&broken, study).len();
+    let other = command(&broken, &[&line[..], &["--discard", "7"]].concat()).output().expect("vibro runs");
+    let refusal = String::from_utf8_lossy(&other.stderr).into_owned();
+    let words = format!("holds all {count} finished parts and {} of branches", kept - count);
+    assert!(kept > count && refusal.contains(&words), "{refusal}");
+    drawn(&broken, &line);
+    assert!(parts(&broken, study).is_empty());
+    let tables = |out: &Path| {
+        let mut all = files(out);
+        all.retain(|name, _| name.ends_with(".csv") || name.ends_with(".svg"));
+        all
+    };
+    assert!(tables(&broken) == tables(&out.join("d")) && tables(&broken).len() >= 6);
 }

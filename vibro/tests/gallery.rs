@@ -7,6 +7,7 @@ mod command;
 use command::{folder, numbers};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use vibro::gallery::EXAMPLES;
 
 /// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
 /// them by less.
@@ -86,6 +87,8 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
         assert!(index.contains(&format!("({name}.md)")), "{name} is not in the gallery's index");
         let page = std::fs::read_to_string(&path).unwrap();
         let file = std::fs::read_to_string(root().join(format!("examples/assembly/{name}.toml"))).unwrap();
+        let own = EXAMPLES.iter().find(|example| example.text == file).expect("one of `vibro new`");
+        assert!(page.contains(&format!("`vibro new {}`", own.name)), "{name} does not say how to begin");
         let lines: Vec<&str> = file.lines().collect();
         for line in block(&page, "toml").lines() {
             assert!(lines.contains(&line), "{name}: the file has no line `{line}`");

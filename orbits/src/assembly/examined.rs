@@ -195,6 +195,25 @@ impl Orbit {
     }
 }
 
+/// Names of the measures of an orbit.
+const MEASURES: &str = "amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as box.s or buffer.f; impacts, impact.rate, \
+                        each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP";
+
+/// The measure of an orbit with a name; the name of a quantity alone is its largest value.
+///
+/// # Errors
+/// [`Error::Described`] for a name that is no measure of an orbit; as [`check_measure`].
+pub fn read_measure(name: &str, d: &Description) -> Result<Measure> {
+    let largest = |_| name.parse().map(Measure::Maximum);
+    let measure = name.parse().or_else(largest).map_err(|_: Error| no_measure(name))?;
+    check_measure(&measure, d)?;
+    Ok(measure)
+}
+
+fn no_measure(name: &str) -> Error {
+    Error::Described { problem: format!("{name}: no measure of an orbit; allowed are {MEASURES}") }
+}
+
 /// Checks that a measure is one of an orbit's curve, of bodies and elements that a machine has.
 ///
 /// # Errors
@@ -203,13 +222,7 @@ impl Orbit {
 pub fn check_measure(measure: &Measure, d: &Description) -> Result<()> {
     let is_other =
         matches!(measure, Measure::Power(_) | Measure::PowerLost | Measure::Class | Measure::Exponent);
-    if is_other {
-        let problem = format!(
-            "{measure}: no measure of an orbit; allowed are amplitudes, extrema, mean squares and contacts"
-        );
-        return Err(Error::Described { problem });
-    }
-    measure.check(d)
+    if is_other { Err(no_measure(&measure.to_string())) } else { measure.check(d) }
 }
 
 /// The reports of a letter with the speeds and impulses of the states before and after it.

@@ -38,7 +38,7 @@ mod tests;
 pub use branch::{Branch, Kind, OrbitPoint, Special};
 pub use conditions::Condition;
 pub use cycle::Leg;
-pub use examined::check_measure;
+pub use examined::{check_measure, read_measure};
 pub use gradient::ParameterDerivative;
 pub use kept::KeptPaths;
 pub use locus::{LocusPoint, LocusStart, check_second, locus};

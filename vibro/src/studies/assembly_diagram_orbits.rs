@@ -15,7 +15,7 @@ use vibro_analysis::assembly::{Machine, Maxima, Settled, Watcher, settled};
 use vibro_analysis::bifurcation::Diagram;
 use vibro_figures::chart::{Axis, Figure, Panel};
 use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{Branch, Family, Orbit, OrbitPoint, Stability, TreeOptions, tree};
+use vibro_orbits::assembly::{Branch, Family, KeptPaths, Orbit, OrbitPoint, Stability, TreeOptions, tree_on};
 
 /// Least and largest number of values, in each direction, at which settled motions start branches.
 const SEEDS: (usize, usize) = (24, 200);
@@ -44,17 +44,17 @@ struct Seen {
     settled: Settled,
 }
 
-/// The study of the branches over a diagram: tables of the drawn curves, of special points and of
-/// the diagram's periodic rows, and a picture.
+/// The branches over the axis of a diagram, on the paths that are kept. `told` receives the number
+/// of branches, and that with the starts still known.
 ///
 /// # Errors
-/// As [`diagram_family`]; [`Error::Output`](crate::Error::Output).
-pub fn assembly_diagram_orbits(
+/// As [`diagram_family`].
+pub fn diagram_branches(
     machine: &Machine,
     request: &DiagramRequest,
-    diagram: &Diagram<AssemblyPoint>,
-    name: &str,
-) -> Result<Study> {
+    kept: &dyn KeptPaths,
+    told: &dyn Fn(usize, usize),
+) -> Result<(Family, Vec<Branch>)> {
     let family = diagram_family(machine, request)?;
     let options = TreeOptions {
         start: request.start.clone(),
@@ -63,9 +63,27 @@ pub fn assembly_diagram_orbits(
         path: PathOptions::default(),
         ..TreeOptions::default()
     };
-    let branches = tree(&family, &options, &mut |_, _| true)?;
-    let rows = rows(&family, &branches, diagram);
-    let maxima = maxima(machine, request, &branches)?;
+    let branches = tree_on(&family, &options, kept, &mut |done, all| {
+        told(done, all);
+        true
+    })?;
+    Ok((family, branches))
+}
+
+/// The study of the branches over a diagram: tables of the drawn curves, of special points and of
+/// the diagram's periodic rows, and a picture.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn assembly_diagram_orbits(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    (family, branches): (&Family, &[Branch]),
+    name: &str,
+) -> Result<Study> {
+    let rows = rows(family, branches, diagram);
+    let maxima = maxima(machine, request, branches)?;
     let parameter = &request.axis.name;
     let (of, what) = (request.of.to_string(), "branches of periodic orbits over the local maxima of");
     let what = format!("{} {what} {of} over {parameter}", branches.len());
@@ -75,16 +93,16 @@ pub fn assembly_diagram_orbits(
             "Orbits: full where stable, dashed where unstable; one colour for each period. Cells: motions of the diagram.".into(),
             format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter))),
         ],
-        panels: vec![panel(machine, request, diagram, (&branches, &maxima))?],
+        panels: vec![panel(machine, request, diagram, (branches, &maxima))?],
         columns: 1,
         panel: (2900, 1700),
         shared_legend: false,
     };
     Ok(Study {
         tables: vec![
-            (name.into(), curve_table(&family, &of, &branches, &maxima)?),
-            (format!("{name}-special-points"), special_table(&family, &branches)?),
-            (format!("{name}-rows"), row_table(&family, &branches, &rows)?),
+            (name.into(), curve_table(family, &of, branches, &maxima)?),
+            (format!("{name}-special-points"), special_table(family, branches)?),
+            (format!("{name}-rows"), row_table(family, branches, &rows)?),
         ],
         figure: Some(figure),
         subject: machine.caption_of_all(std::slice::from_ref(parameter)),

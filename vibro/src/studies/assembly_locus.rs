@@ -37,8 +37,9 @@ impl CurveOfFile {
         words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ")
     }
 
-    fn in_words(&self) -> String {
-        let ends = ends(self.points.iter().map(|p| (p.values, p.end)));
+    fn in_words(&self, machine: &Machine, names: &[String; 2]) -> String {
+        let told = |values: [f64; 2]| [0, 1].map(|i| machine.told(&names[i], values[i]));
+        let ends = ends(self.points.iter().map(|p| (p.values, p.end)), told);
         let also = rows_of_one_point(&self.also);
         format!("{} from {}{also}: {} points{ends}", self.name(), self.from, self.points.len())
     }
@@ -74,7 +75,7 @@ pub fn assembly_loci(
         panel: (2000, 1500),
         shared_legend: false,
     };
-    let mut remarks: Vec<String> = curves.iter().map(CurveOfFile::in_words).collect();
+    let mut remarks: Vec<String> = curves.iter().map(|curve| curve.in_words(machine, &names)).collect();
     remarks.extend(problems.iter().map(|problem| format!("no curve from {problem}")));
     let what = format!("{} curves of special points over ({}, {})", curves.len(), names[0], names[1]);
     Ok(Study {

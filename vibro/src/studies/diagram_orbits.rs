@@ -13,13 +13,14 @@ use drawn::{Drawn, NEVER_STABLE, UNSTABLE};
 use rayon::prelude::*;
 use vibro_analysis::attractor::{MotionClass, observe};
 use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, Window};
+use vibro_analysis::parts::PartStore;
 use vibro_analysis::stroboscopic::dimensional;
 use vibro_analysis::{Name, ParameterSet};
 use vibro_figures::chart::Figure;
 use vibro_impact::simulator::Simulator;
 use vibro_orbits::{
     Branch, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange, Tree, TreeOptions,
-    branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree,
+    branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree_in_parts,
 };
 
 /// Largest number of values, in each direction, at which settled motions start branches.
@@ -95,17 +96,25 @@ pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
 
 impl DiagramOrbits {
     /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram to
-    /// a branch.
+    /// a branch. Finished branches are kept in a store; `told` receives the number of traced starts
+    /// and the number of waiting ones.
     ///
     /// # Errors
-    /// The errors of the machines.
-    pub fn new(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, options: &TreeOptions) -> Result<Self> {
+    /// The errors of the machines and of the store.
+    pub fn new(
+        set: &ParameterSet,
+        sweep: &Sweep,
+        diagram: &Diagram,
+        options: &TreeOptions,
+        (store, told): (&dyn PartStore, &(dyn Fn(usize, usize) + Sync)),
+    ) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
         // Branches start at the diagram's values too, so that a window of a single value is not
         // missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
-        let mut tree = tree(&family, &TreeOptions { seeds, ..options.clone() }, &|_, _| ())?;
+        let options = TreeOptions { seeds, ..options.clone() };
+        let mut tree = tree_in_parts(&family, &options, store, told)?;
         let all = [&diagram.up, &diagram.down].into_iter().enumerate();
         let points: Vec<(usize, &SweepPoint)> = all
             .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))

@@ -39,7 +39,7 @@ impl LocusCurve {
             self.from,
             also,
             self.points.len(),
-            ends(self.points.iter().map(|p| (p.values, p.end)))
+            ends(self.points.iter().map(|p| (p.values, p.end)), |values| values.map(|x| format!("{x:.6}")))
         )
     }
 }
@@ -56,14 +56,18 @@ pub(super) struct DrawnCurve {
     pub points: Vec<([f64; 2], Option<LocusEnd>)>,
 }
 
-/// Special points at a curve's ends and along it, except ends of the ranges, in words.
-pub(super) fn ends(points: impl Iterator<Item = ([f64; 2], Option<LocusEnd>)>) -> String {
-    let told = |(values, end): ([f64; 2], Option<LocusEnd>)| {
+/// Special points at a curve's ends and along it, except ends of the ranges, in words; `told` gives
+/// both values with their units.
+pub(super) fn ends(
+    points: impl Iterator<Item = ([f64; 2], Option<LocusEnd>)>,
+    told: impl Fn([f64; 2]) -> [String; 2],
+) -> String {
+    let in_full = |(values, end): ([f64; 2], Option<LocusEnd>)| {
         let what = end.filter(|end| *end != LocusEnd::Range).and_then(in_words)?;
-        let [x, y] = values.map(|value| format!("{value:.6}"));
+        let [x, y] = told(values);
         Some(format!("{what} at ({x}, {y})"))
     };
-    let all: Vec<String> = points.filter_map(told).collect();
+    let all: Vec<String> = points.filter_map(in_full).collect();
     if all.is_empty() { String::new() } else { format!("; {}", all.join(", ")) }
 }
 

@@ -26,7 +26,7 @@ pub(super) const MARKS: [(Label, &str, Mark); 8] = [
     (Label::PeriodDoubling, "PD period doubling", Mark::Triangle),
     (Label::NeimarkSacker, "NS Neimark–Sacker", Mark::Cross),
     (Label::Grazing, "GR touch", Mark::Ring),
-    (Label::Chatter, "CH chatter", Mark::Plus),
+    (Label::Chatter, "CH chatter", Mark::Target),
     (Label::NoConvergence, "MX not followed on", Mark::Plus),
     (Label::UserValue, "UZ value asked for", Mark::Diamond),
 ];

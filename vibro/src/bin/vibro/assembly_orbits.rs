@@ -22,7 +22,7 @@ use vibro_assembly::{Assembly, Start};
 use vibro_orbits::PathOptions;
 use vibro_orbits::assembly::{
     Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    check_measure, check_second, locus, tree_on,
+    check_second, locus, read_measure, tree_on,
 };
 
 /// Longest period in common periods of the drive.
@@ -30,13 +30,10 @@ const MOST_PERIODS: u32 = 32;
 
 /// The measure of `--of`: a measure, or the largest value of a quantity.
 fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
-    let Some(of) = of else { return Ok(Measure::Amplitude(default_quantity(machine)?)) };
-    let measure: Measure = match of.parse::<Measure>() {
-        Ok(measure) => measure,
-        Err(error) => of.parse().map(Measure::Maximum).map_err(|_| error)?,
-    };
-    check_measure(&measure, &machine.description)?;
-    Ok(measure)
+    match of {
+        Some(of) => Ok(read_measure(of, &machine.description)?),
+        None => Ok(Measure::Amplitude(default_quantity(machine)?)),
+    }
 }
 
 fn written(studies: &[Study], machine: &Machine, destination: &Destination, common: &Common) -> Result<()> {
