@@ -29,7 +29,7 @@ fn machine(name: &str) -> String {
 fn check_tells_bodies_elements_equilibrium_and_frequencies() {
     let text = drawn(&folder("assembly-check"), &["check", &machine("damper_with_buffer.toml")]);
     for words in [
-        "3 bodies, 2 springs, 2 stops, 1 frictions, 1 loads; 3 degrees of freedom",
+        "3 bodies, 2 springs, 2 stops, 1 friction, 1 load; 3 degrees of freedom",
         "box: 12 kg; s = -0.00293278 m",
         "stop.steel: rigid, open",
         "stop.buffer: compliant, pressed; e = 0.00600172 m, f = 3.4335 N",

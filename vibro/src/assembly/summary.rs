@@ -43,6 +43,18 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
     }
 }
 
+/// A count with its noun, the plural's first word in `s`: `1 modal body`, `2 bodies with matrices`.
+fn in_words(count: usize, plural: &str) -> String {
+    let Some(noun) = plural.split(' ').find(|word| word.ends_with('s')).filter(|_| count == 1) else {
+        return format!("{count} {plural}");
+    };
+    let one = match noun.strip_suffix("ies") {
+        Some(stem) => format!("{stem}y"),
+        None => noun.trim_end_matches('s').to_owned(),
+    };
+    format!("1 {}", plural.replacen(noun, &one, 1))
+}
+
 /// Summary of a machine at its start: bodies, elements with their states, degrees of freedom,
 /// equilibrium, natural frequencies.
 ///
@@ -53,9 +65,10 @@ pub fn summary(machine: Description) -> Result<String> {
     let motion = Motion::new(assembly.clone())?;
     let d = &assembly.description;
     let counts = d.counts().into_iter().filter(|(count, _)| *count > 0);
-    let counts: Vec<_> = counts.map(|(count, what)| format!("{count} {what}")).collect();
+    let counts: Vec<_> = counts.map(|(count, plural)| in_words(count, plural)).collect();
     let (name, coordinates) = (&d.name, assembly.system().coordinates);
-    let mut lines = vec![format!("{name}: {}; {coordinates} degrees of freedom", counts.join(", "))];
+    let freedom = in_words(coordinates, "degrees of freedom");
+    let mut lines = vec![format!("{name}: {}; {freedom}", counts.join(", "))];
     lines.push("bodies".into());
     for (i, body) in d.bodies.iter().enumerate().filter(|(_, body)| !body.is_inner()) {
         let ([s, v, a], [length, speed, _]) = (motion.body(i), units(body.dimension));
@@ -362,4 +375,17 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         lines.push(format!("steps of stiffness put in {} J", short(energy.switched.value())));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn golden_one_of_a_kind_is_told_in_the_singular() {
+        let told =
+            [(1, "modal bodies"), (1, "bodies with matrices"), (1, "degrees of freedom"), (2, "stops")];
+        let told = told.map(|(count, plural)| in_words(count, plural));
+        assert_eq!(told, ["1 modal body", "1 body with matrices", "1 degree of freedom", "2 stops"]);
+    }
 }
