@@ -160,3 +160,16 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
 def test_what_is_refused_is_named(call, words):
     with pytest.raises(ValueError, match=re.escape(words)):
         call()
+
+
+def test_an_end_of_a_range_of_another_type_is_named():
+    machine = example("impact_pair.toml")
+    for ends, words in [((None, 2), "low = None"), ((1, [2]), "high = [2]"), ((1, True), "high = True")]:
+        with pytest.raises(TypeError, match=re.escape(f"{words} is of type")):
+            machine.branches("stop.left.gap", *ends)
+
+
+def test_a_name_that_is_no_measure_of_an_orbit_is_told_the_measures():
+    for of in ("power.lost", "exponent", "nothing"):
+        with pytest.raises(ValueError, match=f"{of}: no measure of an orbit; allowed are amplitude.Q, .*impact.impulse.STOP"):
+            vi.Assembly(OSCILLATOR).response("load.shaker.frequency", 1, 3, of=of)

@@ -108,6 +108,10 @@ class AssemblyDescription(AnyMachine):
             return [self.replace(**{name: value}).parameters[name] for value in given]
         return given
 
+    def _bound(self, argument: str, name: str, value: object) -> float:
+        """An end of a range of a parameter in SI: a number, or a text with a unit."""
+        return number(argument, float(self.replace(**{name: value}).parameters[name]) if isinstance(value, str) else value)
+
     @classmethod
     def _of(cls, described: _native.Described) -> Self:
         found = cls.__new__(cls)

@@ -300,7 +300,7 @@ def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) ->
         return dict(numbers_of(machine, {own: value}))[own]
     if name.startswith("record."):
         raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
-    return float(np.asarray(machine._in_si(name, [value]))[0])
+    return machine._bound("within", name, value)
 
 
 def _length(segments: Union[str, float]) -> Optional[float]:

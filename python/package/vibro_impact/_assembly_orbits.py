@@ -180,8 +180,7 @@ class AssemblyBranch(Result):
 def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-    ends = [float(x) if not isinstance(x, str) else float(np.asarray(machine._in_si(name, [x]), dtype=float)[0]) for x in (low, high)]
-    return number("low", ends[0]), number("high", ends[1])
+    return machine._bound("low", name, low), machine._bound("high", name, high)
 
 
 def _of(machine: AssemblyDescription, of: Optional[str]) -> str:
