@@ -32,6 +32,9 @@ pub fn measure_assemblies(
     let measures = measures.map_err(Failure::from)?;
     let rule = rule(section);
     let machines = machines.owned()?;
+    if in_rows {
+        machines.check(&measures, &rule)?;
+    }
     let count = machines.len();
     let one = move |control: &Control, index: usize| -> Result<Measured, Failure> {
         let own = machines.machine(index)?;

@@ -8,6 +8,7 @@ use crate::system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use vibro_analysis::Name;
+use vibro_analysis::assembly::{Measure, Section, SectionRule};
 use vibro_analysis::start::{Coordinate, StartRule};
 use vibro_assembly::Assembly;
 use vibro_impact::{Parameters, State};
@@ -71,6 +72,28 @@ impl Assemblies {
             Self::Rows(machine, ..) => count(machine),
             Self::Several(machines) => machines.first().map_or(0, count),
         }
+    }
+
+    /// Checks names of measures and of a section's element, which may be wrong for all machines.
+    ///
+    /// # Errors
+    /// For a name that no machine has, that of the first machine.
+    pub fn check(&self, measures: &[Measure], rule: &SectionRule) -> Result<(), Failure> {
+        let one = |machine: &Described| -> Result<(), vibro_analysis::Error> {
+            let d = machine.description();
+            if let SectionRule::Element(_) = rule {
+                Section::of(d, rule)?;
+            }
+            measures.iter().try_for_each(|measure| measure.check(d))
+        };
+        match self {
+            Self::Rows(base, ..) => one(base)?,
+            Self::Several(machines) => match machines.split_first() {
+                Some((first, rest)) if rest.iter().all(|machine| one(machine).is_err()) => one(first)?,
+                _ => {}
+            },
+        }
+        Ok(())
     }
 
     /// The machine of a motion.

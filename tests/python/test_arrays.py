@@ -46,6 +46,52 @@ def test_second_method_rows_have_the_bits_of_machines_one_by_one():
         assert [row["exponent"] for row in table] == [row["exponent"] for row in vi.measure_many(several, ["exponent"], starts=start, **OF)]
 
 
+def test_invariant_starts_of_rows_are_those_of_their_machines():
+    machine, gaps = vi.Machine(), [0.5, 2.0]
+    starts = [{"x1": 0.1, "block.v": 0.02}, {"x2": 0.2}]
+    found = vi.simulate_many(machine, {"stop.gap": gaps}, starts=starts, periods=3)
+    alone = vi.simulate_many([machine.replace(stop_gap=gap) for gap in gaps], starts=starts, periods=3)
+    np.testing.assert_array_equal(found.states, alone.states)
+    rows = [machine.replace(stop_gap=gap).simulate(periods=1, per_period=1, start=start).end for gap, start in zip(gaps, starts)]
+    again = vi.simulate_many(machine, {"stop.gap": gaps}, starts=[list(np.array(row)) for row in rows], periods=1)
+    np.testing.assert_array_equal(again.states, vi.simulate_many(machine, {"stop.gap": gaps}, starts=np.array(rows), periods=1).states)
+    # A row that is refused needs no start.
+    ends = vi.simulate_many(machine, {"kappa": [0.5, 2.0]}, starts=starts, periods=1, errors="row")
+    assert ends.error[0] is None and "kappa" in ends.error[1]
+    with pytest.raises(ValueError, match="starts has 1 rows: allowed is one start, or one for each of 2 motions"):
+        vi.simulate_many(machine, {"stop.gap": gaps}, starts=[{"x1": 0.1}])
+
+
+def test_what_is_masked_is_refused_by_its_place():
+    masked = np.ma.masked_array([0.0, 1.0, 2.0], [0, 1, 0])
+    ends = vi.simulate_many(vi.Machine(), {"kappa": [0.5, 2.0]}, periods=1, errors="row")
+    slide = vi.Assembly(DAMPER)
+    for call, place in [
+        (lambda: vi.Machine().simulate(times=masked), r"times\[1\] is masked"),
+        (lambda: vi.simulate_many(vi.Machine(), starts=ends.states, periods=1), r"starts\[1, 0\] is masked"),
+        (lambda: vi.measure_many(damper(), {MASS: masked}, NAMES), rf"{MASS}\[1\] is masked"),
+        (lambda: damper().sweep(NAMES, {MASS: masked}), rf"{MASS}\[1\] is masked"),
+        (lambda: vi.Load("box", masked, [0, 1, 2]), r"t\[1\] is masked"),
+        (lambda: slide.fit({"box.s": ([0.0, 1.0, 2.0], masked)}, free=[MASS]), r"record\['box.s'\]\[1\]\[1\] is masked"),
+        (lambda: slide.fit({"box.s": ([0.0, 1.0], [0.0, 1.0])}, free=[MASS], events={"steel": masked}), r"events\['steel'\]\[1\] is masked"),
+    ]:
+        with pytest.raises(ValueError, match=f"{place}: allowed is .* of finite numbers"):
+            call()
+
+
+def test_what_is_wrong_for_all_rows_is_raised():
+    arrays = {STEEL: [4e-3, 5e-3]}
+    for names, section, words in [(["amplitude.bx.s"], None, "bx"), (NAMES, "nope", "section = .nope.: no stop or friction")]:
+        with pytest.raises(ValueError, match=words):
+            vi.measure_many(damper(), arrays, names, section=section, errors="row", **OF)
+
+
+def test_arrays_of_one_number_and_of_texts_are_taken():
+    one = vi.measure_many(damper(), {STEEL: np.array(4e-3)}, NAMES, **OF)
+    texts = [vi.measure_many(damper(), {STEEL: value}, NAMES, **OF) for value in ("4 mm", ["4 mm"], np.array(["4 mm"]), np.array(["4 mm"], dtype=object))]
+    assert one.shape == texts[0].shape == (1,) and all(table["amplitude.box.s"] == one["amplitude.box.s"] for table in texts)
+
+
 def test_arrays_are_broadcast_and_results_have_their_shape():
     gaps = np.array([[4e-3], [5e-3]])
     table = vi.measure_many(damper(), {STEEL: gaps, "body.box.mass": [12.0, 13.0, 14.0]}, ["amplitude.box.s"], **OF)
@@ -137,11 +183,16 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     assert list(vi.measure_many(damper(), arrays, NAMES, executor=Counting(fail_at=1), checkpoint=folder, **OF)) == list(table)
     with pytest.raises(ValueError, match="holds parts of other work, `work = "):
         vi.measure_many(damper().replace({"body.box.mass": 13.0}), arrays, NAMES, checkpoint=folder, **OF)
-    (folder / "00000.part").write_text(json.dumps([]))
-    with pytest.raises(ValueError, match="00000.part has 0 rows: it is damaged"):
-        vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
-    (folder / "00000.part").write_text("[{")
-    with pytest.raises(ValueError, match="00000.part: Expecting .*: it is damaged"):
+    whole = (folder / "00000.part").read_text()
+    for damaged in ("", "5", "[{", json.dumps([]), whole[:-1], whole.replace("1", "2"), whole.split("\n", 1)[1]):
+        (folder / "00000.part").write_text(damaged)
+        with pytest.raises(ValueError, match="00000.part is damaged, .* allowed is to delete it"):
+            vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
+    for at, kind, words in [(5, TypeError, "checkpoint = 5 is of type int"), (folder / "00000.part", OSError, "checkpoint = .*: allowed is a folder")]:
+        with pytest.raises(kind, match=words):
+            vi.measure_many(damper(), arrays, NAMES, checkpoint=at, **OF)
+    (folder / "manifest.toml").write_text("")
+    with pytest.raises(ValueError, match="its manifest.toml is cut"):
         vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").write_text("")
@@ -173,7 +224,7 @@ def test_a_process_that_is_killed_leaves_whole_parts(tmp_path):
     child.wait()
     parts = sorted(folder.glob("*.part"))
     assert len(parts) >= 2
-    assert all(len(json.loads(part.read_text())) == 200 for part in parts)
+    assert all(len(json.loads(part.read_text().split("\n")[1])) == 200 for part in parts)
 
 
 def test_ctrl_c_with_a_folder_ends_at_once(tmp_path):

@@ -61,10 +61,10 @@ def test_an_orbit_passed_twice_is_said_to_be_that():
     machine = vi.Machine.from_groups(f10=2.2)
     once, twice = machine.orbit("UL"), machine.orbit("ULUL", period="2T")
     assert (once.word, once.passages, once.multiplier_periods) == ("UL", 1, 1.0)
-    assert (twice.period, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
+    assert (twice.periods, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
     np.testing.assert_allclose(np.abs(twice.multipliers), np.abs(once.multipliers), atol=1e-9)
     # Past the doubling the word has an orbit of its own.
-    assert machine.replace(f10=2.43).orbit("ULUL", period="2T").period == 2
+    assert machine.replace(f10=2.43).orbit("ULUL", period="2T").periods == 2
 
 
 def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():

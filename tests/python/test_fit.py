@@ -78,6 +78,8 @@ def test_only_ratios_are_determined() -> None:
         ({"free": ["spring.k.stiffness"], "starts": 2}, "within= in Python"),
         ({"free": ["spring.k.stiffness"], "loss": "cubic"}, "allowed are linear, soft_l1, huber"),
         ({"free": ["spring.k.stiffness"], "sigma": {"b.s": 1.0}}, "missing or no column"),
+        ({"free": ["spring.k.stiffness"], "sigma": {"a.s": 0}}, r"sigma\['a.s'\] = 0: allowed is a finite number above 0"),
+        ({"free": ["spring.k.stiffness"], "sigma": {"a.s": "1 kg"}}, r"sigma\['a.s'\] = '1 kg': allowed is"),
         ({"free": ["spring.k.stiffness"], "events": {"a": [1.0]}}, "no stop is named"),
     ],
 )
@@ -92,7 +94,7 @@ def test_wrong_types_are_named() -> None:
     for arguments, words in [
         ({"within": {"friction.f.force": "0.5:2"}}, "within: friction.f.force = '0.5:2': allowed is a pair"),
         ({"events": "events.csv"}, "events is of type str: allowed is a dictionary"),
-        ({"sigma": {"a.s": "2 um"}}, "a.s"),
+        ({"sigma": {"a.s": [1.0]}}, r"sigma\['a.s'\] = \[1.0\] is of type list"),
     ]:
         with pytest.raises(TypeError, match=words):
             vi.fit(slide(), {"a.s": (t, s)}, free=["friction.f.force"], **arguments)  # type: ignore[arg-type]
@@ -100,7 +102,7 @@ def test_wrong_types_are_named() -> None:
 
 def test_records_that_are_refused() -> None:
     t, s = made()
-    with pytest.raises(ValueError, match="row 3 is NaN"):
+    with pytest.raises(ValueError, match=r"record\['a.s'\]\[1\]\[2\] = nan: allowed is"):
         vi.fit(slide(), {"a.s": (t, np.where(np.arange(len(s)) == 2, np.nan, s))}, free=["friction.f.force"])
     with pytest.raises(ValueError, match="epsilon"):
         vi.fit(vi.Machine.from_groups(), {"box.s": (t, s)}, free=["epsilon"])

@@ -1,12 +1,14 @@
 """Both kinds of machine are asked in the same words; what one alone has is in the table of docs/python.md."""
 
 import inspect
+import pickle
 import re
 
 import numpy as np
 import pytest
 import vibro_impact as vi
 from conftest import ROOT
+from matplotlib.figure import Figure
 
 DAMPER = ROOT / "examples" / "assembly" / "damper_with_buffer.toml"
 
@@ -112,3 +114,43 @@ def test_wrong_types_name_those_that_are_accepted():
     ]:
         with pytest.raises(TypeError, match=words):
             call()
+
+
+@pytest.mark.parametrize("machine", [vi.Machine.from_groups(f10=1.5), vi.Assembly(DAMPER)], ids=["Machine", "Assembly"])
+def test_words_mean_the_same_of_both(machine):
+    axes = Figure().add_subplot()
+    assert machine.measure(["amplitude.box.s"])["amplitude.box.s"] > 0.0
+    table = machine.sweep(["amplitude.box.s"], {"stop.gap" if isinstance(machine, vi.Machine) else "stop.steel.gap": ["20 mm"]}, settle=9, periods=9)
+    assert table.units["amplitude.box.s"] == "m" and table["amplitude.box.s"].shape == (1,)
+    run = machine.simulate("20 ms", samples=8)
+    assert run.t[-1] == 0.02
+    vi.plot.history(run, axes, of=["box.s", "block.s"])
+    vi.plot.portrait(run, axes, of="box.s")
+    vi.plot.section(machine.poincare(periods=3, settle=3), axes, of="box.s")
+    orbit = machine.orbit()
+    assert orbit.period == pytest.approx(orbit.periods * machine.period)
+    with pytest.raises(ValueError, match="period = 'banana'"):
+        machine.orbit(period="banana")
+    # Without a word the orbit has the period that is asked for, or none is returned.
+    assert machine.orbit(period=f"{orbit.periods}T").periods == orbit.periods
+    with pytest.raises(ValueError, match="period|no orbit"):
+        machine.orbit(period="7T", tries=1)
+    again = pickle.loads(pickle.dumps(orbit))
+    assert repr(again) == repr(orbit) and (np.asarray(again.multipliers) == orbit.multipliers).all()
+    assert pickle.loads(pickle.dumps(machine.sketch())).svg == machine.sketch().svg
+
+
+def test_invariant_an_orbit_from_another_process_is_solved_for_again():
+    orbit = vi.Assembly(DAMPER).orbit()
+    again = pickle.loads(pickle.dumps(orbit))
+    assert again.measure("amplitude.box.s") == pytest.approx(orbit.measure("amplitude.box.s"), rel=ROUNDING)
+    assert again.follow("load.shaker.frequency", 9.5, 10.5).word == orbit.word
+
+
+def test_second_method_periods_of_a_branch_are_those_of_the_drive():
+    machine = vi.Machine.from_groups(f10=1.5)
+    frequency = machine.drive_frequency
+    branch = machine.orbit("UL").follow("drive_frequency", 0.99 * frequency, 1.01 * frequency)
+    np.testing.assert_allclose(branch.period, branch.periods * 2 * np.pi / branch.value, rtol=ROUNDING)
+    steady = machine.orbit("UL").follow("f10", 1.4, 1.6)
+    assert (steady.period == machine.period).all() and steady.period.shape == steady.value.shape

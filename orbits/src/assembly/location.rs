@@ -167,7 +167,7 @@ impl Follower<'_> {
                 continue;
             }
             let value = |s: f64| {
-                let at = self.at(last, s)?;
+                let at = self.within(last, next, arc, s)?;
                 let place = self.problem.place(&at.u)?;
                 let cycle = self.problem.cycle(&place, &at.u)?;
                 Ok(value_of(&cycle.conditions(&place, &self.problem.word), *condition).unwrap_or(1.0))
@@ -213,9 +213,9 @@ impl Follower<'_> {
                 found.push((at, self.point(&position, Some(Special::of(test.label())))));
                 continue;
             }
-            let value = |s: f64| Ok(test.of(&self.look(self.at(last, s)?)?, last));
+            let value = |s: f64| Ok(test.of(&self.look(self.within(last, next, arc, s)?)?, last));
             let at = zero(&value, arc, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
-            let position = self.look(self.at(last, at)?)?;
+            let position = self.look(self.within(last, next, arc, at)?)?;
             if test == Test::Pair && !is_on_circle(&position.multipliers) {
                 continue;
             }

@@ -259,6 +259,31 @@ impl Follower<'_> {
         correct(self.problem, &(&from.u + &from.tangent * arc), &from.tangent)
     }
 
+    /// The point at an arc within a step of the length `step`, as [`at`](Self::at), but predicted by
+    /// the cubic between the step's ends. From there Newton's method takes fewer steps.
+    pub fn within(
+        &self,
+        last: &Position,
+        next: &Position,
+        step: f64,
+        arc: f64,
+    ) -> Result<CurvePoint, Obstacle> {
+        let (part, along) = (arc / step, next.tangent.dot(&last.tangent));
+        if along < COSINE {
+            return self.at(last, arc);
+        }
+        // What lies across the first tangent: the plane of the point is that of `at`.
+        let way = &next.u - &last.u;
+        let aside = &way - &last.tangent * way.dot(&last.tangent);
+        let turn = &next.tangent / along - &last.tangent;
+        let square = part * part;
+        let predicted = &last.u
+            + &last.tangent * arc
+            + aside * (square * (3.0 - 2.0 * part))
+            + turn * (step * square * (part - 1.0));
+        correct(self.problem, &predicted, &last.tangent)
+    }
+
     /// One step, with the special points on it. `leaves` says that it leaves a special point.
     fn step(&self, last: &Position, step: f64, leaves: bool) -> Result<Step, Obstacle> {
         let ahead = self.boundary_ahead(last, step);
@@ -277,10 +302,10 @@ impl Follower<'_> {
         if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
-            let before = self.at(last, at * BEFORE).and_then(|before| self.look(before));
+            let before = self.within(last, &next, arc, at * BEFORE).and_then(|before| self.look(before));
             let own = match found {
                 Some(own) => own,
-                None => self.look(self.at(last, at)?)?,
+                None => self.look(self.within(last, &next, arc, at)?)?,
             };
             // A touch has multipliers on this side of it.
             next = match before {

@@ -14,6 +14,11 @@ Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkows
 81-103; the default data set is a reconstruction, not the paper's own.
 """
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from ._assembly import Assembly
 from ._assembly_fit import AssemblyFit, MachineFit, Segment, fit
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
@@ -33,6 +38,9 @@ from ._start import Start
 from ._steady import SteadyState, SteadyStates
 from ._studies import Attractor, Basins, Diagram, Direction
 from ._table import Table
+
+if TYPE_CHECKING:
+    from . import plot as plot
 
 __all__ = [
     "ASSEMBLY_LABELS",
@@ -82,3 +90,10 @@ __all__ = [
     "measure_many",
     "simulate_many",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`plot`, which needs matplotlib and is imported where it is asked for."""
+    if name == "plot":
+        return importlib.import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,22 +71,35 @@ def listed(words: Sequence[str]) -> str:
     return ", ".join(map(repr, words))
 
 
-def array(name: str, value: ArrayLike, allowed: str, dimensions: int = 1) -> Floats:
-    """A contiguous array of finite doubles."""
+def array(name: str, value: ArrayLike, allowed: str, dimensions: Optional[int] = 1) -> Floats:
+    """A contiguous array of finite doubles, none of them masked; of any number of dimensions where none is given."""
     try:
-        raw = np.asarray(value)
+        raw = np.asanyarray(value)
     except ValueError as error:
         raise ValueError(f"{name} makes no array ({error}): allowed is {allowed}") from None
     if raw.dtype.kind not in "iuf":
         raise TypeError(f"{name} has the dtype {raw.dtype}: allowed is {allowed}")
     found: Floats = np.ascontiguousarray(raw, dtype=np.float64)
-    if raw.ndim != dimensions:
+    if dimensions not in (None, raw.ndim):
         raise ValueError(f"{name} has the shape {raw.shape}: allowed is {allowed}")
-    if not np.isfinite(found).all():
-        where = np.argwhere(~np.isfinite(found))[0]
-        place = ", ".join(map(str, where))
-        raise ValueError(f"{name}[{place}] = {found[tuple(where)]}: allowed is {allowed} of finite numbers")
+    masked = np.ma.getmaskarray(raw) if isinstance(raw, np.ma.MaskedArray) else np.zeros((), dtype=bool)
+    for wrong, told in ((masked, "is masked"), (~np.isfinite(found), "= {}")):
+        if wrong.any():
+            where = np.argwhere(wrong)[0]
+            place = f"[{', '.join(map(str, where))}]" if len(where) else ""
+            raise ValueError(f"{name}{place} {told.format(found[tuple(where)])}: allowed is {allowed} of finite numbers")
     return found
+
+
+def converted(given: Any, in_si: Callable[[str], float]) -> Any:
+    """Values in SI: a text, or each of a list of which one is a text, by `in_si`; numbers are returned unchanged."""
+    if isinstance(given, str):
+        return in_si(given)
+    kind = getattr(getattr(given, "dtype", None), "kind", "")
+    values = given.tolist() if kind in tuple("OSTU") else given
+    if isinstance(values, (list, tuple)) and any(isinstance(value, str) for value in values):
+        return [in_si(value) for value in values]
+    return given
 
 
 def evenly_spaced(name: str, given: ArrayLike, most: int) -> tuple[tuple[float, float], int]:

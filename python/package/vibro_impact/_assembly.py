@@ -109,7 +109,7 @@ class Assembly(AssemblyDescription):
             For a motion that cannot go on, with the elements and the time.
         """
         numbers = numbers_of(self, start)
-        t = instants(time_of(numbers), self.period, seconds(self, until), periods, times, samples, per_period)
+        t = instants(time_of(numbers), self.period, until, periods, times, samples, per_period)
         parameters = names_of(derivatives)
         with Bar(progress, len(t), "samples") as bar:
             found = _native.simulate_assembly(self._described, numbers, t, parameters, bar.report)
@@ -145,7 +145,7 @@ class Assembly(AssemblyDescription):
             As :meth:`simulate`.
         """
         numbers = numbers_of(self, start)
-        end = after("until", seconds(self, until), time_of(numbers))
+        end = after("until", seconds("until", until), time_of(numbers))
         with Bar(progress, 0, "parts") as bar:
             found = _native.assembly_transition(self._described, numbers, end, bar.report)
         return transition_of(self, found)

@@ -6,10 +6,8 @@ import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
-import numpy as np
-
 from . import _native
-from ._arguments import Floats, number
+from ._arguments import Floats, converted, number
 from ._base import AnyMachine, Value, merged
 from ._toml import toml
 
@@ -104,13 +102,12 @@ class AssemblyDescription(AnyMachine):
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
         """The values in SI: texts with units are converted, numbers are returned unchanged."""
-        if isinstance(given, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in given):
-            return [self.replace(**{name: value}).parameters[name] for value in given]
-        return given
+        found: ArrayLike = converted(given, lambda value: self.replace(**{name: value}).parameters[name])
+        return found
 
     def _bound(self, argument: str, name: str, value: object) -> float:
         """An end of a range of a parameter in SI: a number, or a text with a unit."""
-        return number(argument, float(self.replace(**{name: value}).parameters[name]) if isinstance(value, str) else value)
+        return number(argument, self._in_si(name, value) if isinstance(value, str) else value)
 
     @classmethod
     def _of(cls, described: _native.Described) -> Self:

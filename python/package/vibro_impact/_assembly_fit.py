@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, number, whole
+from ._arguments import Floats, array, number, quantity, whole
 from ._assembly_description import AssemblyDescription
 from ._assembly_start import StartLike, numbers_of, seconds
 from ._base import AnyMachine
@@ -128,8 +128,8 @@ def _record(record: RecordLike) -> tuple[Floats, list[tuple[str, Floats]]]:
     for name, pair in record.items():
         if not isinstance(name, str) or not isinstance(pair, tuple) or len(pair) != 2:
             raise TypeError(f"record[{name!r}]: allowed is a name such as 'box.s' with a pair of times and values")
-        times, values = (np.ascontiguousarray(part, dtype=np.float64) for part in pair)
-        if times.ndim != 1 or times.shape != values.shape:
+        times, values = (array(f"record[{name!r}][{k}]", part, "an array of shape (n,)") for k, part in enumerate(pair))
+        if times.shape != values.shape:
             raise ValueError(f"record[{name!r}] has shapes {times.shape} and {values.shape}: allowed are two of one length")
         if t is not None and not np.array_equal(t, times):
             raise ValueError(f"record[{name!r}] has other times than the column before: allowed are columns at the same times")
@@ -194,7 +194,7 @@ def fit(
     free: Iterable[str],
     within: Optional[Mapping[str, tuple[Union[float, str], Union[float, str]]]] = None,
     events: Optional[Mapping[str, ArrayLike]] = None,
-    sigma: Optional[Mapping[str, float]] = None,
+    sigma: Optional[Mapping[str, Union[float, str]]] = None,
     loss: str = "linear",
     segments: Union[str, float] = "auto",
     starts: int = 0,
@@ -230,7 +230,8 @@ def fit(
     events
         By stop the times of its impacts or first touches, s.
     sigma
-        Standard deviation of the noise of each column, SI, and of the times of ``events`` as ``"contacts"``; by the residuals without it.
+        Standard deviation of the noise of each column, in SI or as a text with a unit, and of the times of ``events`` as ``"contacts"``; by
+        the residuals without it.
     loss
         ``linear``, ``soft_l1`` or ``huber``: how residuals count.
     segments
@@ -258,7 +259,7 @@ def fit(
     t, columns = _record(record)
     if events is not None and not isinstance(events, Mapping):
         raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
-    contacts = [(stop, [float(time) for time in np.asarray(times)]) for stop, times in (events or {}).items()]
+    contacts = [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
     unknown = [name for name in within or {} if name not in names]
     if unknown:
         raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
@@ -273,7 +274,7 @@ def fit(
             columns,
             contacts,
             [(name, ranges.get(name)) for name in names],
-            _sigma(sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
+            _sigma(machine, sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
             loss,
             _length(segments),
             whole("starts", starts, 0, 10_000),
@@ -294,7 +295,7 @@ def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) ->
     if not isinstance(value, str):
         return number("within", value)
     if name == "record.shift":
-        return float(seconds(machine, value))
+        return float(seconds(f"within: {name}", value))
     if name.startswith("start."):
         own = name.removeprefix("start.")
         return dict(numbers_of(machine, {own: value}))[own]
@@ -315,13 +316,20 @@ def _length(segments: Union[str, float]) -> Optional[float]:
     return length
 
 
-def _sigma(sigma: Optional[Mapping[str, float]], names: list[str]) -> Optional[list[float]]:
+def _sigma(machine: AssemblyDescription, sigma: Optional[Mapping[str, Union[float, str]]], names: list[str]) -> Optional[list[float]]:
     if sigma is None:
         return None
     missing: Union[set[str], Any] = set(names) ^ set(sigma)
     if missing:
         raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or no column: needed are {', '.join(names)}")
-    return [number(f"sigma[{name!r}]", sigma[name]) for name in names]
+    found = []
+    for name in names:
+        value, unit = sigma[name], "s" if name == "contacts" else machine.measures.get(f"maximum.{name}", "1").split(":")[0]
+        own = quantity(f"sigma[{name!r}]", unit, value) if isinstance(value, str) else number(f"sigma[{name!r}]", value)
+        if not own > 0.0:
+            raise ValueError(f"sigma[{name!r}] = {value!r}: allowed is a finite number above 0")
+        found.append(own)
+    return found
 
 
 def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:

@@ -13,7 +13,7 @@ from ._assembly_many import Section, positive, section_of
 from ._assembly_start import StartLike, numbers_of, seconds
 from ._progress import Bar
 from ._start import Start
-from ._show import Line, lines
+from ._show import lines, pieces
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class AssemblyOrbit(Result):
     "A start on it, in the middle of its longest flight."
     events: list[tuple[float, str, str]]
     "Time (s), kind and element of each event."
-    _handle: _native.AssemblyOrbit = dataclasses.field(repr=False)
+    _handle: Optional[_native.AssemblyOrbit] = dataclasses.field(repr=False)
 
     @property
     def stable(self) -> bool:
@@ -72,7 +72,7 @@ class AssemblyOrbit(Result):
         """An output of :func:`measure_many` over a period, such as ``amplitude.box.s``, in SI; not powers, class and exponent."""
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
-        return self._handle.measure(name)
+        return self._solved().measure(name)
 
     def gradient(self, name: str) -> dict[str, Optional[float]]:
         """The derivatives of an output, as of :meth:`measure`, by every number of the machine but those of its start, by name, in SI.
@@ -83,11 +83,11 @@ class AssemblyOrbit(Result):
         """
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
-        return {parameter: value for parameter, value, _ in self._handle.gradient(name)}
+        return {parameter: value for parameter, value, _ in self._solved().gradient(name)}
 
     def energies(self) -> Optional[dict[str, float]]:
         """The energy that each load puts in and each other element takes, J a period; none where no motion stays on the orbit."""
-        found = self._handle.energies()
+        found = self._solved().energies()
         return None if found is None else dict(found)
 
     def follow(
@@ -113,16 +113,20 @@ class AssemblyOrbit(Result):
         """
         ends, of = _ends(self.machine, name, low, high), _of(self.machine, of)
         with Bar(progress, 1, "branches") as bar:
-            found = _native.follow_assembly_orbit(self._handle, name, ends, of, bar.report)
+            found = _native.follow_assembly_orbit(self._solved(), name, ends, of, bar.report)
         return _branch(self.machine, name, of, found)
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        raise TypeError("an orbit is not pickled: keep its start, from which Assembly.orbit finds it again")
+    def _solved(self) -> _native.AssemblyOrbit:
+        """The library's orbit; of one from another process it is solved for again, from its start."""
+        if self._handle is None:
+            time = self.period if self.periods is None else None
+            own = (self.machine._described, list(self.start.items()), 0, None, self.word or None, self.periods, time, 0)
+            object.__setattr__(self, "_handle", _native.assembly_orbit(*own))
+        found: _native.AssemblyOrbit = self._handle
+        return found
 
-
-def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """The points of a piece of a branch, with the first of the next piece."""
-    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_handle": None}
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -169,12 +173,7 @@ class AssemblyBranch(Result):
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
 
     def _picture(self) -> str:
-        measure = self.measure
-        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
-        some = [
-            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
-        ]
-        return lines(some, self.name, f"{self.of}, SI")
+        return lines(pieces(self.value, self.measure, self.stable), self.name, f"{self.of}, SI")
 
 
 def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
@@ -234,7 +233,7 @@ def _period(machine: AssemblyDescription, period: Union[None, float, str]) -> tu
         if not turns[:-1].strip().isdecimal() or not 1 <= int(turns[:-1]) <= 32:
             raise ValueError(f"period = {period!r}: allowed are '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
         return int(turns[:-1]), None
-    return None, positive("period", seconds(machine, period))
+    return None, positive("period", seconds("period", period))
 
 
 def find_branches(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
-from ._arguments import number
+from ._arguments import number, quantity
 from ._assembly_description import is_number
 
 if TYPE_CHECKING:
@@ -41,9 +41,9 @@ def _value(name: str, value: Union[float, str]) -> Union[float, str]:
     return value
 
 
-def seconds(machine: AssemblyDescription, time: Any) -> Any:
+def seconds(name: str, time: Any) -> Any:
     """A time in s: a text with a unit is converted, all else returned unchanged."""
-    return dict(numbers_of(machine, {"time": time}))["time"] if isinstance(time, str) else time
+    return quantity(name, "s", time) if isinstance(time, str) else time
 
 
 def time_of(numbers: Numbers) -> float:
@@ -51,11 +51,21 @@ def time_of(numbers: Numbers) -> float:
     return dict(numbers).get("time", 0.0)
 
 
+def listed_starts(starts: Any) -> list[Any]:
+    """The starts of a sequence of at least one."""
+    if isinstance(starts, (str, os.PathLike)) or not isinstance(starts, Iterable):
+        raise TypeError(f"starts is of type {type(starts).__name__}: allowed is a start, or a sequence with one for each motion")
+    several = list(starts)
+    if not several:
+        raise ValueError("starts is empty: allowed is a start, or a sequence with one for each motion")
+    return several
+
+
 def starts_of(machines: list[AssemblyDescription], starts: Any) -> tuple[list[AssemblyDescription], list[Numbers]]:
     """A machine and a start for each motion: one start for all, or a list with one for each; one machine takes any number of starts."""
     if starts is None or isinstance(starts, (Mapping, str, os.PathLike)):
         return machines, [numbers_of(machine, starts, "starts") for machine in machines]
-    several = list(starts)
+    several = listed_starts(starts)
     if len(machines) == 1:
         machines = machines * len(several)
     if len(machines) != len(several):

@@ -77,7 +77,7 @@ class AnyMachine:
 
     def simulate(
         self,
-        until: Optional[float] = None,
+        until: Union[None, float, str] = None,
         *,
         periods: Optional[int] = None,
         times: Optional[ArrayLike] = None,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Optional, Union
 
 import numpy as np
 
-from ._arguments import MOST_PERIODS, Floats, array, number, whole
+from ._arguments import MOST_PERIODS, Floats, array, number, quantity, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -26,15 +26,22 @@ def after(name: str, value: object, begin: float) -> float:
 def listed(times: ArrayLike, begin: float) -> Floats:
     """Ascending times from that of a start on."""
     t: Floats = array("times", times, "an array of shape (n,) of times in s").copy()
-    if len(t) == 0 or not (np.diff(t) >= 0).all() or not t[0] >= begin:
-        raise ValueError(f"times: allowed are ascending finite times from {begin:g} on")
+    allowed = f"allowed are ascending finite times from {begin:g} on, one at least"
+    if len(t) == 0:
+        raise ValueError(f"times is empty: {allowed}")
+    if not t[0] >= begin:
+        raise ValueError(f"times[0] = {t[0]:.12g}: {allowed}")
+    falls = np.flatnonzero(np.diff(t) < 0)
+    if len(falls):
+        i = falls[0] + 1
+        raise ValueError(f"times[{i}] = {t[i]:.12g} after {t[i - 1]:.12g}: {allowed}")
     return t
 
 
 def instants(
     begin: float,
     period: float,
-    until: Optional[float],
+    until: Union[None, float, str],
     periods: Optional[int],
     times: Optional[ArrayLike],
     samples: int,
@@ -47,7 +54,7 @@ def instants(
     if times is not None:
         return listed(times, begin)
     if until is not None:
-        end = after("until", until, begin)
+        end = after("until", quantity("until", "s", until) if isinstance(until, str) else until, begin)
         count = whole("samples", samples, 1, MOST_SAMPLES - 1)
         return np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
     count = whole("periods", periods, 0, MOST_PERIODS)

@@ -16,6 +16,7 @@ from ._arguments import (
     choice,
     coordinates,
     number,
+    quantity,
     state,
     whole,
 )
@@ -23,7 +24,7 @@ from ._assembly import Assembly
 from ._assembly_fit import fit
 from ._base import Value, merged
 from ._instants import instants
-from ._measures import MEASURES, Spectrum, measure_names, measured
+from ._measures import MEASURES, Spectrum, measure_names, measured, of_paper
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Branch, Orbit, find_branches, find_orbit
 from ._parameters import SI_NAMES
@@ -82,7 +83,7 @@ class Machine(ParameterValues):
 
     def simulate(
         self,
-        until: Optional[float] = None,
+        until: Union[None, float, str] = None,
         *,
         periods: Optional[int] = None,
         times: Optional[ArrayLike] = None,
@@ -100,7 +101,7 @@ class Machine(ParameterValues):
         Parameters
         ----------
         until, samples
-            End of the motion, s, and number of equal parts; there is a sample at the start too.
+            End of the motion, in s or as a text with a unit, and number of equal parts; there is a sample at the start too.
         periods, per_period
             Instead of a time: drive periods from the start on, and reports in each; ``periods * per_period + 1`` instants in all.
         times
@@ -167,7 +168,7 @@ class Machine(ParameterValues):
         Parameters
         ----------
         measures
-            Names such as ``"amplitude.x1"``, ``"impacts"``, ``"power.input"``.
+            Names such as ``"amplitude.x1"`` or ``"amplitude.box.s"``, ``"impacts"``, ``"power.input"``.
         periods, settle
             Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
         start
@@ -183,7 +184,7 @@ class Machine(ParameterValues):
         system, begin, _ = self._begun(start)
         settle, periods = whole("settle", settle, 0, MOST_PERIODS), whole("periods", periods, 1, MOST_PERIODS)
         with Bar(progress, 1, "motions") as bar:
-            numbers, kind = _native.measure(system, begin, names, settle, periods, bar.report)
+            numbers, kind = _native.measure(system, begin, of_paper(names), settle, periods, bar.report)
         return measured(names, numbers, kind)
 
     @property
@@ -212,7 +213,7 @@ class Machine(ParameterValues):
         Parameters
         ----------
         measures, periods, settle, start
-            As of :meth:`measure`.
+            As of :meth:`measure`; the start at time 0.
         parameters, **more
             Each parameter by name with its values, in SI or as texts with units.
         errors, executor, checkpoint
@@ -285,7 +286,8 @@ class Machine(ParameterValues):
         word
             The stops in order, letters U and L; without it the orbit of the motion from `start` after `settle` drive periods.
         period
-            Its period: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; ``"1T"`` without it.
+            Its period: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; of a word ``"1T"`` without it. Without a
+            word that which the settled motion must have.
         tries
             Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
             Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
@@ -304,8 +306,17 @@ class Machine(ParameterValues):
         settle = whole("settle", settle, 0, MOST_PERIODS)
         tries = whole("tries", tries, 1, 1_000_000)
         if word is None:
+            if symmetric:
+                raise TypeError("symmetric = True: allowed with a word, half of a symmetric orbit")
+            wanted = None if period is None else self._turns(period)
             system, begin, _ = self._begun(start)
-            return find_orbit(self, None, (system, begin, settle), 1, False, tries, progress)
+            found = find_orbit(self, None, (system, begin, settle), 1, False, tries, progress)
+            if wanted not in (None, found.periods):
+                raise ValueError(
+                    f"period = {period!r}: the motion settles on an orbit of {found.periods} drive periods; allowed is the word of the orbit "
+                    "that is sought, another start, or no period"
+                )
+            return found
         return find_orbit(self, word, None, self._turns(period), bool(symmetric), tries, progress)
 
     def _turns(self, period: Union[None, float, str]) -> int:
@@ -318,7 +329,7 @@ class Machine(ParameterValues):
             if turns.isdecimal() and 1 <= int(turns) <= 1000:
                 return int(turns)
             raise ValueError(f"period = {period!r}: {allowed}")
-        time = coordinates("period", {"time": period}).time
+        time = quantity("period", "s", period) if isinstance(period, str) else number("period", period)
         count = round(time / self.period)
         if not 1 <= count <= 1000 or abs(time - count * self.period) > 1e-6 * time:
             raise ValueError(f"period = {period!r}: {allowed}")

@@ -14,10 +14,10 @@ from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array
 from ._assembly_description import AssemblyDescription
 from ._assembly_many import Section, names_of, runs, section_of
 from ._assembly_results import AssemblyEnds, AssemblyRun
-from ._assembly_start import StartLike, numbers_of, seconds, starts_of, time_of
+from ._assembly_start import StartLike, listed_starts, numbers_of, seconds, starts_of, time_of
 from ._base import AnyMachine, merged
 from ._instants import after
-from ._measures import MEASURES, keeping, measure_names, measured
+from ._measures import MEASURES, keeping, measure_names, measured, of_paper
 from ._result import Result
 from ._table import Table, table_of
 from ._values import ParameterValues
@@ -134,7 +134,7 @@ class _Measures(_Work):
         """Measures, class and reason of each."""
         machines, starts = self.motions.given
         if not self.motions.is_assembly:
-            return _native.measure_many(machines, starts, self.names, self.settle, self.periods, self.in_rows, report)
+            return _native.measure_many(machines, starts, of_paper(self.names), self.settle, self.periods, self.in_rows, report)
         return _native.measure_assemblies(machines, starts, self.names, self.settle, self.periods, self.section, self.in_rows, report)
 
 
@@ -260,8 +260,7 @@ def simulate_many(
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     count = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     motions = _motions(several, starts, given, is_assembly, "a motion over periods")
-    until = seconds(motions.machines[0], until) if is_assembly and motions.machines else until
-    end = after("until", until, max((time_of(begin) for begin in motions.starts), default=0.0)) if is_assembly else 0.0
+    end = after("until", seconds("until", until), max((time_of(begin) for begin in motions.starts), default=0.0)) if is_assembly else 0.0
     if is_assembly:
         _of_one_structure(motions.machines)
     work = _EndsOf(motions, in_rows, end, count)
@@ -421,18 +420,19 @@ def _measured(
     known: dict[str, str] = {}
     if several:
         own = several[0]
-        by_measure = {name: about.split(":", 1)[0] for name, about in own.measures.items()} if is_assembly else {n: u or "1" for n, (u, _) in MEASURES.items()}
+        by_measure = {name: about.split(":", 1)[0] for name, about in own.measures.items()} if is_assembly else {n: MEASURES.get(own, ("",))[0] or "1" for n, own in zip(names, of_paper(names))}
         known = {**own.units, **by_measure}
     return table_of(given, names, rows, in_rows, known, (len(rows),) if shape is None else shape, axes)
 
 
 def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence[str], *, section: Section = None, **options: Any) -> Table:
     """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
+    allowed = "a list or an array of shape (n,) of values"
     for name, values in parameters.items():
         if isinstance(values, str) or np.ndim(values) != 1:
-            raise TypeError(f"{name}: allowed is a list or an array of shape (n,) of values")
+            raise TypeError(f"{name}: allowed is {allowed}")
     own: Any = machine
-    found = [np.asarray(own._in_si(name, values)) for name, values in parameters.items()]
+    found = [array(name, own._in_si(name, values), allowed) for name, values in parameters.items()]
     grid = np.meshgrid(*found, indexing="ij") if found else []
     return _measured(machine, dict(zip(parameters, grid)), measures, section=section, axes=tuple(parameters), **options)
 
@@ -460,8 +460,8 @@ def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, F
         raise TypeError(f"arrays of parameters with {len(several)} machines: allowed is one machine, or several without arrays")
     found = []
     for name, given in parameters.items():
-        values = np.asarray(several[0]._in_si(name, given))
-        found.append(array(name, values, "an array of values in SI, or a list of texts with units", values.ndim))
+        values = several[0]._in_si(name, given)
+        found.append(array(name, values, "an array of values in SI, or a list of texts with units", None))
     try:
         same = np.broadcast_arrays(*found)
     except ValueError:
@@ -487,12 +487,14 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assem
     several[0]._rows(names, table[:1])  # refuses names
     if is_assembly:
         one = starts is None or isinstance(starts, (Mapping, str, os.PathLike))
-        begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else starts)]
+        begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else listed_starts(starts))]
     elif isinstance(starts, np.ndarray) and starts.ndim == 2:
         begins = _states(starts)
-    else:
+    elif _is_one(starts):
         begins = coordinates("starts", starts)
         state("starts", starts, several[0]._system)  # refuses times
+    else:
+        begins = _states_of_rows(several[0], names, table, listed_starts(starts))
     if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_assembly else len(table)):
         raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)
@@ -520,14 +522,35 @@ def _states(starts: Any) -> Floats:
     return found
 
 
+def _is_one(starts: Any) -> bool:
+    """Whether it is one start of the paper's machine: none, numbers by name, or six numbers."""
+    if starts is None or isinstance(starts, Mapping):
+        return True
+    several = listed_starts(starts)
+    return bool(several) and not any(isinstance(one, Mapping) or np.ndim(one) for one in several)
+
+
+def _states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
+    """Starts as an array of shape (n, 6), of a machine with rows of values: units of L are those of each row's machine."""
+    if len(several) != len(table):
+        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(table)} motions")
+    found = np.zeros((len(table), 6))
+    for i, (start, row) in enumerate(zip(several, table)):
+        try:
+            own = machine.replace(dict(zip(names, row.tolist())))._system
+        except ValueError:
+            continue  # the motion itself is refused
+        found[i] = state(f"starts[{i}]", start, own)
+    return found
+
+
 def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
     """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
     if isinstance(starts, np.ndarray) and starts.ndim == 2:
         return _states(starts)
-    one = starts is None or isinstance(starts, Mapping) or np.ndim(starts) == 1 and np.asarray(starts).dtype.kind in "iuf"
-    if one:
+    if _is_one(starts):
         return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
-    several = list(starts)
+    several = listed_starts(starts)
     if len(machines) not in (1, len(several)):
         raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
     own = machines if len(machines) == len(several) else machines * len(several)

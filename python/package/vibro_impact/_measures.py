@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import numpy as np
 
 from . import _native
-from ._arguments import Floats
+from ._arguments import COORDINATES, SI_COORDINATES, Floats
 from ._show import Line, lines
 from ._result import Result
 from ._values import ParameterValues
@@ -17,15 +18,24 @@ from ._values import ParameterValues
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+# The paper's symbol of a column.
+_OWN = dict(zip(SI_COORDINATES, COORDINATES))
 #: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
 MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
 
 
 def measure_names(measures: Sequence[str]) -> list[str]:
     """Checks names of measures."""
-    if isinstance(measures, str) or not all(isinstance(name, str) for name in measures):
+    names = [] if isinstance(measures, str) or not isinstance(measures, Iterable) else list(measures)
+    if not isinstance(measures, Iterable) or isinstance(measures, str) or not all(isinstance(name, str) for name in names):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
-    return list(measures)
+    return names
+
+
+def of_paper(names: list[str]) -> list[str]:
+    """Names of measures as the paper's machine has them: ``amplitude.box.s`` is ``amplitude.x1``."""
+    parts = [name.partition(".") for name in names]
+    return [f"{word}.{_OWN[column]}" if column in _OWN else f"{word}{point}{column}" for word, point, column in parts]
 
 
 def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:

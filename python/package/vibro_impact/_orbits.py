@@ -14,7 +14,7 @@ from ._start import Start
 from ._arguments import SI_COORDINATES
 from ._parameters import find
 from ._progress import Bar
-from ._show import Line, lines
+from ._show import lines, pieces
 from ._result import Result
 from ._values import ParameterValues
 
@@ -46,7 +46,7 @@ class Orbit(Result):
     "The stops in order, letters U and L, - without impacts: the shortest word of the orbit, which may be shorter than the one that was asked for."
     symmetric: bool
     "Whether the word is half of a symmetric orbit, whose second half is the mirror image of the first."
-    period: int
+    periods: int
     "The period in drive periods."
     passages: int
     "How often the word that was asked for passes the orbit: more than 1 where it is no orbit of its own."
@@ -61,6 +61,11 @@ class Orbit(Result):
     stable: bool
     "Whether it attracts its neighbourhood."
     _half_periods: int = dataclasses.field(repr=False)
+
+    @property
+    def period(self) -> float:
+        """The period, s."""
+        return self.periods * self.machine.period
 
     def _handle(self) -> _native.Orbit:
         closing = -1 if self.symmetric else 1
@@ -109,11 +114,6 @@ class Orbit(Result):
         return _branch(self.machine, name, of, found)
 
 
-def _joined(piece: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """The points of a piece of a branch, with the first of the next piece."""
-    return np.append(piece, piece[-1] + 1) if piece[-1] + 1 < count else piece
-
-
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Branch(Result):
     """A branch of periodic orbits along a parameter."""
@@ -126,7 +126,7 @@ class Branch(Result):
     "The stops in order, of all its orbits."
     symmetric: bool
     "Whether the word is half of a symmetric orbit."
-    period: int
+    periods: int
     "The period in drive periods."
     closed: bool
     "Whether it ends where it begins."
@@ -146,9 +146,16 @@ class Branch(Result):
     "Local maxima of it, m, the largest first, an array for each point."
 
     @property
+    def period(self) -> Floats:
+        """The period of each orbit, shape (n,), s."""
+        own = self.machine
+        drive = [own.replace({self.name: float(x)}).period for x in self.value] if own._changes_period(self.name) else np.full(len(self.value), own.period)
+        return self.periods * np.array(drive)
+
+    @property
     def multiplier_periods(self) -> float:
         """Drive periods over which the multipliers are: the period, for a symmetric orbit half of it."""
-        return 0.5 * self.period if self.symmetric else float(self.period)
+        return 0.5 * self.periods if self.symmetric else float(self.periods)
 
     @property
     def special(self) -> list[tuple[str, float]]:
@@ -157,24 +164,20 @@ class Branch(Result):
 
     def _picture(self) -> str:
         measure = np.array([m[0] if len(m) else np.nan for m in self.maxima])
-        pieces = np.split(np.arange(len(measure)), 1 + np.flatnonzero(np.diff(self.stable.astype(int))))
-        some = [
-            Line(self.value[at], measure[at], dashed=not self.stable[piece[0]]) for piece in pieces if len(piece) for at in [_joined(piece, len(measure))]
-        ]
-        return lines(some, self.name, f"largest maximum of {self.of} (m)")
+        return lines(pieces(self.value, measure, self.stable), self.name, f"largest maximum of {self.of} (m)")
 
 
 def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple[str, tuple[float, float]]:
     """A parameter and its range."""
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-    first, last = (np.asarray(machine._in_si(name, [end])).tolist()[0] for end in (low, high))
-    return find(name), (number("low", first), number("high", last))
+    ends = [number(end, machine._in_si(name, value) if isinstance(value, str) else value) for end, value in (("low", low), ("high", high))]
+    return find(name), (ends[0], ends[1])
 
 
 def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any]) -> Branch:
     labels = np.array(found.pop("labels"), dtype="U2")
-    return Branch(machine=machine, name=name, labels=labels, of=of, **found)
+    return Branch(machine=machine, name=name, labels=labels, of=of, periods=found.pop("period"), **found)
 
 
 def find_branches(

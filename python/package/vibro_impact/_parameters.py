@@ -63,6 +63,21 @@ SI_NAMES = tuple(row[0] for row in _ROWS[:_COUNT])
 GROUP_NAMES = tuple(row[0] for row in _ROWS[_COUNT:])
 
 
+# The physical parameter that each group says.
+_MEANT = {
+    "epsilon": "block_m",
+    "kappa": "stop_restitution",
+    "f10": "drive_amplitude",
+    "sigma1": "drive_frequency",
+    "gamma1": "box_c",
+    "alpha23": "coupling_k",
+    "beta2": "coupling_k",
+    "sigma30": "secondary_k",
+    "gamma3": "secondary_c",
+    "mu13": "secondary_m",
+}
+
+
 def find(given: str) -> str:
     """The canonical name of a parameter; warns where another parameter's name differs by case alone."""
     name = _native.find(given)
@@ -95,11 +110,22 @@ def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
     si: dict[str, float] = {}
     groups: dict[str, float] = {}
     for given, value in parameters.items():
+        if not isinstance(given, str):
+            raise TypeError(f"{given!r} is no name: allowed are names of parameters such as 'stop.gap'")
         name = find(given)
         part = si if name in SI_NAMES else groups
         if name in part:
             raise TypeError(f"{given} is given twice: {name} is another name of it")
         part[name] = value_of(name, given, value)
+    return si, groups
+
+
+def as_changes(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """As :func:`named`, where a group and the physical parameter that it says are not given together."""
+    si, groups = named(parameters)
+    for group, own in _MEANT.items():
+        if group in groups and own in si:
+            raise TypeError(f"{group} and {own} are given: allowed is one of the two, since {group} says what {own} is")
     return si, groups
 
 

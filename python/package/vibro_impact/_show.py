@@ -50,6 +50,13 @@ def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return x[kept], y[kept]
 
 
+def pieces(x: Floats, y: Floats, stable: NDArray[np.bool_]) -> list[Line]:
+    """A branch: a line for each run of points of one stability, to the first point of the next run, dashed where unstable."""
+    begins = np.flatnonzero(np.append(True, np.diff(stable.astype(int)) != 0)) if len(x) else np.empty(0, dtype=int)
+    ends = np.append(begins[1:] + 1, len(x))
+    return [Line(x[begin:end], y[begin:end], dashed=not stable[begin]) for begin, end in zip(begins, ends)]
+
+
 def lines(some: Sequence[Line], across: str, up: str) -> str:
     """Lines and dots over a common axis, with the ends of both axes as numbers."""
     some = [line for line in some if len(line.x)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Union
+from typing import Any, Union
 
 from . import _native
 
@@ -43,5 +43,13 @@ class Sketch:
         """The SVG, by which a notebook shows the sketch."""
         return self.svg
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_of_text, (self._described.text(),))
+
     def __repr__(self) -> str:
         return f"Sketch({self._described.name()!r})"
+
+
+def _of_text(text: str) -> Sketch:
+    """The sketch of the machine of a text."""
+    return Sketch(_native.Described(text, None))

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Optional, TypeVar
 import numpy as np
 
 from . import _native
-from ._arguments import SI_COORDINATES, Floats
+from ._arguments import SI_COORDINATES, Floats, converted
 from ._base import AnyMachine, Value, merged
-from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, find, in_order, named, value_of, with_changes, written
+from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, as_changes, find, in_order, named, value_of, with_changes, written
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -123,7 +123,7 @@ class ParameterValues(AnyMachine):
             As the class.
         """
         made = type(self).__new__(type(self))
-        made._fill(*self._changed(*named(merged(changes, parameters, "changes"))))
+        made._fill(*self._changed(*as_changes(merged(changes, parameters, "changes"))))
         return made
 
     def _changed(self, si: dict[str, float], groups: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
@@ -134,7 +134,7 @@ class ParameterValues(AnyMachine):
     def _rows(self, names: list[str], table: Floats) -> tuple[Any, ...]:
         """The machine with rows of values of some parameters, as the library reads it: each is what :meth:`replace` makes."""
         own = [find(name) for name in names]
-        si, groups = self._changed(*named({name: 0.0 for name in names}))
+        si, groups = self._changed(*as_changes({name: 0.0 for name in names}))
         order = [*si, *groups]
         return list(si.items()), list(groups.items()), [order.index(name) for name in own], table
 
@@ -149,9 +149,8 @@ class ParameterValues(AnyMachine):
     def _in_si(self, given: str, values: ArrayLike) -> ArrayLike:
         """Values of a parameter in SI: texts with units are converted, numbers are returned unchanged."""
         name = find(given)
-        if isinstance(values, (list, tuple, np.ndarray)) and any(isinstance(value, str) for value in values):
-            return [value_of(name, given, value) for value in values]
-        return values
+        found: ArrayLike = converted(values, lambda value: value_of(name, given, value))
+        return found
 
     @property
     def name(self) -> str:

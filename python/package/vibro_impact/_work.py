@@ -1,7 +1,7 @@
 """Work on many motions in parts: in this process, on an executor, kept in a folder.
 
 The folder is laid out as those of the command line's long studies: ``manifest.toml`` says what is computed, a file ``00000.part`` holds
-each finished part, complete or absent. A part holds rows as JSON.
+each finished part, complete or absent. A part has the sum of its rows (SHA-256) in a line, then the rows as JSON.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ._progress import Bar
 #: Most parts of a study, and the least and most rows of one.
 _PARTS, _LEAST, _MOST = 200, 8, 4096
 #: The form of a part; parts of other forms are refused.
-_FORM = 1
+_FORM = 2
 
 
 class Work(Protocol):
@@ -56,6 +56,8 @@ def rows_of(work: Work, executor: Any, checkpoint: Union[None, str, os.PathLike[
             f"executor is of type {type(executor).__name__}: allowed is what has `submit`, as executors of concurrent.futures, of loky and mpi4py, "
             "and a Client of dask have"
         )
+    if checkpoint is not None and not isinstance(checkpoint, (str, os.PathLike)):
+        raise TypeError(f"checkpoint = {checkpoint!r} is of type {type(checkpoint).__name__}: allowed is the path of a folder")
     count = work.count()
     if executor is None and checkpoint is None:
         with Bar(progress, count, "motions") as bar:
@@ -120,6 +122,11 @@ def _partial(found: list[Optional[list[Any]]], ends: list[tuple[int, int]]) -> I
         raise
 
 
+def _sum_of(rows: bytes) -> bytes:
+    """The sum by which a damaged part is known."""
+    return hashlib.sha256(rows).hexdigest().encode()
+
+
 class _Folder:
     """Finished parts in a folder."""
 
@@ -130,14 +137,17 @@ class _Folder:
         for part in work.told():
             digest.update(len(part).to_bytes(8, "little") + part)
         manifest = f'program = "vibro_impact"\nversion = "{__version__}"\nform = {_FORM}\nrows = {count}\npart = {size}\nwork = "{digest.hexdigest()}"\n'
-        self.path, self.size, self.count = path, size, count
-        path.mkdir(parents=True, exist_ok=True)
+        self.path = path
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as problem:
+            raise type(problem)(f"checkpoint = {path}: {problem}: allowed is a folder") from problem
         own = path / "manifest.toml"
         if own.exists():
             there = own.read_text(encoding="utf-8")
             if there != manifest:
                 lines = zip(there.splitlines(), manifest.splitlines())
-                other = "; ".join(f"`{a}` in place of `{b}`" for a, b in lines if a != b)
+                other = "; ".join(f"`{a}` in place of `{b}`" for a, b in lines if a != b) or "its manifest.toml is cut"
                 raise ValueError(f"checkpoint = {path}: holds parts of other work, {other}: allowed is another folder, or this one emptied")
         elif any(path.iterdir()):
             raise ValueError(f"checkpoint = {path}: holds files but no manifest.toml of parts: allowed is an empty folder or a new one")
@@ -151,17 +161,16 @@ class _Folder:
         """A finished part."""
         if not self._file(k).exists():
             return None
-        try:
-            rows: list[Any] = json.loads(self._file(k).read_text(encoding="utf-8"))
-        except ValueError as problem:
-            raise ValueError(f"{self._file(k)}: {problem}: it is damaged; allowed is to delete it") from problem
-        if len(rows) != min(self.size, self.count - k * self.size):
-            raise ValueError(f"{self._file(k)} has {len(rows)} rows: it is damaged; allowed is to delete it")
-        return rows
+        total, _, rows = self._file(k).read_bytes().partition(b"\n")
+        if total != _sum_of(rows):
+            raise ValueError(f"{self._file(k)} is damaged, its sum is not that of its rows: allowed is to delete it")
+        found: list[Any] = json.loads(rows)
+        return found
 
     def save(self, k: int, rows: list[Any]) -> None:
         """Keeps a part, completely or not at all."""
-        self._write(self._file(k), json.dumps(rows))
+        text = json.dumps(rows)
+        self._write(self._file(k), f"{_sum_of(text.encode()).decode()}\n{text}")
 
     def _write(self, path: Path, text: str) -> None:
         beside = path.with_name(f"{path.name}.{os.getpid()}.writing")

@@ -23,7 +23,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from ._arguments import Floats, choice
+from ._arguments import Floats, choice, displacement
 from ._assembly_description import AssemblyDescription
 from ._assembly_orbits import AssemblyBranch
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
@@ -107,7 +107,7 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     Parameters
     ----------
     of
-        Some of x1, x2, x3 and w = x2 - x1, the first three unless given; with w the stops are dashed. Of a machine of your own some of its
+        Some of x1, x2, x3 (also box.s, block.s, secondary.s) and w = x2 - x1, the first three unless given; with w the stops are dashed. Of a machine of your own some of its
         columns, the displacements of all bodies unless given, each sample of it.
 
     Raises
@@ -121,7 +121,7 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     if isinstance(run, AssemblyRun):
         return _history_of_assembly(run, axes, _displacements(run) if given is None else list(given))
     scale, unit = _length(run.machine)
-    names = ["x1", "x2", "x3"] if given is None else list(given)
+    names = ["x1", "x2", "x3"] if given is None else list(map(displacement, given))
     windows = _windows(run)
     for name in names:
         place, label = scale * _columns(run, name)[0], f"{_SYMBOLS[name]} {_BODIES[name]}"
@@ -224,7 +224,7 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     axes = _axes(axes)
     if isinstance(run, AssemblyRun):
         return _portrait_of_assembly(run, axes, _displacements(run)[0] if of is None else of)
-    of = "x2" if of is None else of
+    of = displacement(of)
     scale, unit = _length(run.machine)
     place, rate = _columns(run, of)
     jumps = np.unique(np.searchsorted(run.t, run.impacts["t"]))
@@ -258,7 +258,7 @@ def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = Non
     if isinstance(section, AssemblySection):
         place, rate = _section_of_assembly(section, axes, of)
         return _points(axes, place, rate, "C0")
-    of = "x2" if of is None else of
+    of = displacement(of)
     if section.at == "phase":
         scale, unit = _length(section.machine)
         place, rate = _columns(section, of)
@@ -434,6 +434,8 @@ def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -
 
     It is the largest maximum; of a machine of your own the branch's measure, in SI.
     """
+    if isinstance(branch, Sequence):
+        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or AssemblyBranch; plot.response draws several")
     _require("branch", branch, Branch, AssemblyBranch)
     axes = _axes(axes)
     if isinstance(branch, AssemblyBranch):
