@@ -37,11 +37,14 @@ pub struct AssemblyRun<'py> {
 /// Numbers, and for each whether it exists.
 type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
 
-fn varied<'py>(py: Python<'py>, rows: &[Vec<Option<f64>>], columns: usize) -> PyResult<Varied<'py>> {
-    let all = rows.iter().flatten();
-    let numbers: Vec<f64> = all.clone().map(|x| x.unwrap_or(0.0)).collect();
-    let known: Vec<bool> = all.map(Option::is_some).collect();
-    Ok((plane(py, &numbers, rows.len(), columns)?, plane(py, &known, rows.len(), columns)?))
+fn varied<'py>(
+    py: Python<'py>,
+    all: &[Option<f64>],
+    (rows, columns): (usize, usize),
+) -> PyResult<Varied<'py>> {
+    let numbers: Vec<f64> = all.iter().map(|x| x.unwrap_or(0.0)).collect();
+    let known: Vec<bool> = all.iter().map(Option::is_some).collect();
+    Ok((plane(py, &numbers, rows, columns)?, plane(py, &known, rows, columns)?))
 }
 
 /// A motion alone, or with its derivatives.
@@ -100,14 +103,14 @@ impl Follower {
 pub struct Sampled {
     count: usize,
     columns: usize,
-    /// By sample.
-    values: Vec<Vec<f64>>,
+    /// By sample, in a row each.
+    values: Vec<f64>,
     energies: Vec<[f64; 3]>,
-    derivatives: Vec<Vec<Option<f64>>>,
+    derivatives: Vec<Option<f64>>,
     /// By event.
     times: Vec<f64>,
     told: Vec<NamedEvent>,
-    event_derivatives: Vec<Vec<Option<f64>>>,
+    event_derivatives: Vec<Option<f64>>,
     lost: Vec<String>,
     end: Numbers,
 }
@@ -127,19 +130,23 @@ impl Sampled {
                 return;
             }
             events.push(event.clone());
-            found.event_derivatives.push(by.to_vec());
+            found.event_derivatives.extend_from_slice(by);
         };
         let mut follower = Follower::new(machine, &machine.start_of(start)?, parameters, &mut tell)?;
         (found.count, found.columns) = (parameters.len(), machine.description().quantities().count());
-        found.values.try_reserve_exact(times.len())?;
+        // What does not fit into memory is refused before the motion begins.
+        found.values.try_reserve_exact(times.len().saturating_mul(found.columns))?;
+        found.energies.try_reserve_exact(times.len())?;
+        let derivatives = found.count.saturating_mul(found.columns);
+        found.derivatives.try_reserve_exact(times.len().saturating_mul(derivatives))?;
         for &time in times {
             each()?;
             follower.advance(time, &mut tell)?;
             let motion = follower.motion();
-            found.values.push(values(motion));
+            found.values.extend(values(motion));
             let (kinetic, stored) = motion.kinetic_and_stored();
             found.energies.push([kinetic, stored, motion.energy().balance()]);
-            found.derivatives.push(follower.derivatives(found.count));
+            found.derivatives.extend(follower.derivatives(found.count));
         }
         let motion = follower.motion();
         found.end = Start::of(motion).numbers();
@@ -150,17 +157,17 @@ impl Sampled {
     }
 
     fn into_run(self, py: Python<'_>) -> PyResult<AssemblyRun<'_>> {
-        let told = self.told;
+        let (told, samples) = (self.told, self.energies.len());
         Ok(AssemblyRun {
-            values: plane(py, &self.values.concat(), self.values.len(), self.columns)?,
+            values: plane(py, &self.values, samples, self.columns)?,
             t: column(py, &self.times),
             kind: told.iter().map(|e| e.kind).collect(),
             value: column(py, &told.iter().map(|e| e.value.unwrap_or(0.0)).collect::<Vec<_>>()),
             stops: column(py, &told.iter().map(|e| e.stops.unwrap_or(0) as i32).collect::<Vec<_>>()),
             element: told.into_iter().map(|e| e.element).collect(),
             energy: table(py, &self.energies)?,
-            derivatives: varied(py, &self.derivatives, self.count * self.columns)?,
-            event_derivatives: varied(py, &self.event_derivatives, self.count)?,
+            derivatives: varied(py, &self.derivatives, (samples, self.count * self.columns))?,
+            event_derivatives: varied(py, &self.event_derivatives, (self.times.len(), self.count))?,
             lost: self.lost,
             end: self.end,
         })
@@ -294,5 +301,5 @@ pub fn assembly_transition<'py>(
         Ok((names, whole, Start::of(motion.motion()).numbers(), rows, lost.collect()))
     })?;
     let count = names.len();
-    Ok(Transition { names, start, end, matrix: varied(py, &rows, count)?, lost })
+    Ok(Transition { names, start, end, matrix: varied(py, &rows.concat(), (rows.len(), count))?, lost })
 }

@@ -185,3 +185,22 @@ def test_progress_is_shown_and_its_errors_end_the_call(capsys, monkeypatch):
 
     with pytest.raises(KeyError):
         vi._native.simulate(vi.Machine()._system, [0.0] * 6, 0.0, np.arange(10.0), [], refuse)
+
+
+#: Instants whose motion does not fit into the memory that the process may have.
+TOO_MANY = """
+import resource, sys, numpy as np, vibro_impact as vi
+machine = vi.Machine() if sys.argv[1] == "machine" else vi.Assembly(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+try:
+    machine.simulate(times=np.linspace(0.0, 1.0, 20_000_000))
+except MemoryError:
+    print("refused", machine.simulate(times=[0.0, 1.0]).t[-1])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
+@pytest.mark.parametrize("machine", ["machine", str(DAMPER)])
+def test_what_does_not_fit_into_memory_is_refused_before_it_begins(machine):
+    asked = subprocess.run([sys.executable, "-c", TOO_MANY, machine], capture_output=True, text=True)
+    assert asked.stdout == "refused 1.0\n", asked.stderr[-2000:]

@@ -165,7 +165,8 @@ class Assembly(AssemblyDescription):
         Parameters
         ----------
         periods, settle
-            Returns to the section that are measured, and those before in which the transient dies out.
+            Returns to the section that are measured, and those before in which the transient dies out; each is prolonged to four periods of
+            the slowest oscillation with open stops (docs/machine-studies.md).
         section
             A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
         start

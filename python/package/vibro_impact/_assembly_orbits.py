@@ -118,12 +118,13 @@ class AssemblyOrbit(Result):
 
     def _solved(self) -> _native.AssemblyOrbit:
         """The library's orbit; of one from another process it is solved for again, from its start."""
-        if self._handle is None:
+        handle = self._handle
+        if handle is None:
             time = self.period if self.periods is None else None
             own = (self.machine._described, list(self.start.items()), 0, None, self.word or None, self.periods, time, 0)
-            object.__setattr__(self, "_handle", _native.assembly_orbit(*own))
-        found: _native.AssemblyOrbit = self._handle
-        return found
+            handle = _native.assembly_orbit(*own)
+            object.__setattr__(self, "_handle", handle)
+        return handle
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_handle": None}
