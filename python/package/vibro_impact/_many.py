@@ -18,6 +18,7 @@ from ._assembly_start import StartLike, listed_starts, numbers_of, seconds, star
 from ._base import AnyMachine, merged
 from ._instants import after
 from ._measures import MEASURES, keeping, measure_names, measured, of_paper
+from ._paper_starts import is_one, pairs, states, states_of_rows
 from ._result import Result
 from ._table import Table, table_of
 from ._values import ParameterValues
@@ -482,76 +483,19 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assem
     if not given:
         if is_assembly:
             return _Motions(*starts_of(several, starts))
-        return _Motions(*_pairs(several, starts, what))
+        return _Motions(*pairs(several, starts, what))
     names, table = list(given), np.stack(list(given.values()), axis=1)
     several[0]._rows(names, table[:1])  # refuses names
     if is_assembly:
         one = starts is None or isinstance(starts, (Mapping, str, os.PathLike))
         begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else listed_starts(starts))]
     elif isinstance(starts, np.ndarray) and starts.ndim == 2:
-        begins = _states(starts)
-    elif _is_one(starts):
+        begins = states(starts)
+    elif is_one(starts):
         begins = coordinates("starts", starts)
         state("starts", starts, several[0]._system)  # refuses times
     else:
-        begins = _states_of_rows(several[0], names, table, listed_starts(starts))
+        begins = states_of_rows(several[0], names, table, listed_starts(starts))
     if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_assembly else len(table)):
         raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)
-
-
-def _pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[ParameterValues], Floats]:
-    """A machine and a start for each motion."""
-    rows = _rows(several, starts)
-    if len(several) == 1:
-        several = several * len(rows)
-    if len(rows) != len(several):
-        raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
-    for index, machine in enumerate(several):
-        try:
-            machine._needs_period(what)
-        except ValueError as error:
-            raise ValueError(f"machines[{index}]: {error}") from None
-    return several, rows
-
-
-def _states(starts: Any) -> Floats:
-    found = array("starts", starts, "an array of shape (n, 6)", 2)
-    if found.shape[1] != 6:
-        raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
-    return found
-
-
-def _is_one(starts: Any) -> bool:
-    """Whether it is one start of the paper's machine: none, numbers by name, or six numbers."""
-    if starts is None or isinstance(starts, Mapping):
-        return True
-    several = listed_starts(starts)
-    return bool(several) and not any(isinstance(one, Mapping) or np.ndim(one) for one in several)
-
-
-def _states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
-    """Starts as an array of shape (n, 6), of a machine with rows of values: units of L are those of each row's machine."""
-    if len(several) != len(table):
-        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(table)} motions")
-    found = np.zeros((len(table), 6))
-    for i, (start, row) in enumerate(zip(several, table)):
-        try:
-            own = machine.replace(dict(zip(names, row.tolist())))._system
-        except ValueError:
-            continue  # the motion itself is refused
-        found[i] = state(f"starts[{i}]", start, own)
-    return found
-
-
-def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
-    """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
-    if isinstance(starts, np.ndarray) and starts.ndim == 2:
-        return _states(starts)
-    if _is_one(starts):
-        return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
-    several = listed_starts(starts)
-    if len(machines) not in (1, len(several)):
-        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
-    own = machines if len(machines) == len(several) else machines * len(several)
-    return np.array([state(f"starts[{i}]", s, m._system) for i, (s, m) in enumerate(zip(several, own))]).reshape(-1, 6)

@@ -1,0 +1,68 @@
+"""Starts of many motions of the paper's machine."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ._arguments import Floats, array, state
+from ._assembly_start import listed_starts
+from ._values import ParameterValues
+
+
+def pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[ParameterValues], Floats]:
+    """A machine and a start for each motion."""
+    rows = _rows(several, starts)
+    if len(several) == 1:
+        several = several * len(rows)
+    if len(rows) != len(several):
+        raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
+    for index, machine in enumerate(several):
+        try:
+            machine._needs_period(what)
+        except ValueError as error:
+            raise ValueError(f"machines[{index}]: {error}") from None
+    return several, rows
+
+
+def states(starts: Any) -> Floats:
+    """Starts given as an array of shape (n, 6)."""
+    found = array("starts", starts, "an array of shape (n, 6)", 2)
+    if found.shape[1] != 6:
+        raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
+    return found
+
+
+def is_one(starts: Any) -> bool:
+    """Whether it is one start: none, numbers by name, or six numbers."""
+    return starts is None or isinstance(starts, Mapping) or all(isinstance(one, numbers.Real) for one in listed_starts(starts))
+
+
+def states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
+    """Starts as an array of shape (n, 6), of a machine with rows of values: units of L are those of each row's machine."""
+    if len(several) != len(table):
+        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(table)} motions")
+    found = np.zeros((len(table), 6))
+    for i, (start, row) in enumerate(zip(several, table)):
+        try:
+            own = machine.replace(dict(zip(names, row.tolist())))._system
+        except ValueError:
+            continue  # the motion itself is refused
+        found[i] = state(f"starts[{i}]", start, own)
+    return found
+
+
+def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
+    """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
+    if isinstance(starts, np.ndarray) and starts.ndim == 2:
+        return states(starts)
+    if is_one(starts):
+        return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
+    several = listed_starts(starts)
+    if len(machines) not in (1, len(several)):
+        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
+    own = machines if len(machines) == len(several) else machines * len(several)
+    return np.array([state(f"starts[{i}]", s, m._system) for i, (s, m) in enumerate(zip(several, own))]).reshape(-1, 6)
