@@ -268,14 +268,15 @@ impl Follower<'_> {
         step: f64,
         arc: f64,
     ) -> Result<CurvePoint, Obstacle> {
-        let (part, along) = (arc / step, next.tangent.dot(&last.tangent));
-        if along < COSINE {
+        let along = next.tangent.dot(&last.tangent);
+        if along < COSINE || step == 0.0 {
             return self.at(last, arc);
         }
         // What lies across the first tangent: the plane of the point is that of `at`.
         let way = &next.u - &last.u;
         let aside = &way - &last.tangent * way.dot(&last.tangent);
         let turn = &next.tangent / along - &last.tangent;
+        let part = arc / step;
         let square = part * part;
         let predicted = &last.u
             + &last.tangent * arc
