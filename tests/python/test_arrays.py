@@ -55,6 +55,9 @@ def test_invariant_starts_of_rows_are_those_of_their_machines():
     rows = [machine.replace(stop_gap=gap).simulate(periods=1, per_period=1, start=start).end for gap, start in zip(gaps, starts)]
     again = vi.simulate_many(machine, {"stop.gap": gaps}, starts=[list(np.array(row)) for row in rows], periods=1)
     np.testing.assert_array_equal(again.states, vi.simulate_many(machine, {"stop.gap": gaps}, starts=np.array(rows), periods=1).states)
+    same = vi.simulate_many(machine, {"stop.gap": gaps}, starts=iter(starts), periods=3)
+    np.testing.assert_array_equal(found.states, same.states)
+    np.testing.assert_array_equal(alone.states, vi.simulate_many([machine.replace(stop_gap=gap) for gap in gaps], starts=iter(starts), periods=3).states)
     # A row that is refused needs no start.
     ends = vi.simulate_many(machine, {"kappa": [0.5, 2.0]}, starts=starts, periods=1, errors="row")
     assert ends.error[0] is None and "kappa" in ends.error[1]

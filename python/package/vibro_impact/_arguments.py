@@ -190,6 +190,11 @@ def quantity(name: str, unit: str, text: str) -> float:
     return number(name, value)
 
 
+def seconds(name: str, time: Any) -> Any:
+    """A time in s: a text with a unit is converted, all else returned unchanged."""
+    return quantity(name, "s", time) if isinstance(time, str) else time
+
+
 def state(name: str, value: StartOfMachine, system: _native.System) -> list[float]:
     """A start at time 0 as displacements (m) and velocities (m/s)."""
     start = coordinates(name, value)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, discarded_and_kept, evenly_spaced, whole
+from ._arguments import MOST_PERIODS, discarded_and_kept, evenly_spaced, seconds, whole
 from ._base import merged
 from ._instants import after, instants
 from ._assembly_description import AssemblyDescription
@@ -26,7 +26,7 @@ from ._assembly_results import (
     run_of,
     transition_of,
 )
-from ._assembly_start import StartLike, numbers_of, seconds, time_of
+from ._assembly_start import StartLike, numbers_of, time_of
 from ._sketch import Sketch
 from ._start import Start
 from ._assembly_studies import AssemblyBasins, AssemblySection, AssemblySpectrum, basins_of, poincare_of, spectrum_of

@@ -105,10 +105,6 @@ class AssemblyDescription(AnyMachine):
         found: ArrayLike = converted(given, lambda value: self.replace(**{name: value}).parameters[name])
         return found
 
-    def _bound(self, argument: str, name: str, value: object) -> float:
-        """An end of a range of a parameter in SI: a number, or a text with a unit."""
-        return number(argument, self._in_si(name, value) if isinstance(value, str) else value)
-
     @classmethod
     def _of(cls, described: _native.Described) -> Self:
         found = cls.__new__(cls)

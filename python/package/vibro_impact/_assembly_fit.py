@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, array, number, quantity, whole
+from ._arguments import Floats, array, number, quantity, seconds, whole
 from ._assembly_description import AssemblyDescription
-from ._assembly_start import StartLike, numbers_of, seconds
+from ._assembly_start import StartLike, numbers_of
 from ._base import AnyMachine
 from ._parameters import SI_NAMES
 from ._progress import Bar
@@ -301,7 +301,7 @@ def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) ->
         return dict(numbers_of(machine, {own: value}))[own]
     if name.startswith("record."):
         raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
-    return machine._bound("within", name, value)
+    return number("within", machine._in_si(name, value))
 
 
 def _length(segments: Union[str, float]) -> Optional[float]:

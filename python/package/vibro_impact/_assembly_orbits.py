@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 
 from . import _native
-from ._arguments import Floats, number, whole
+from ._arguments import Floats, number, seconds, whole
 from ._assembly_many import Section, positive, section_of
-from ._assembly_start import StartLike, numbers_of, seconds
+from ._assembly_start import StartLike, numbers_of
 from ._progress import Bar
 from ._start import Start
 from ._show import lines, pieces
@@ -180,7 +180,7 @@ class AssemblyBranch(Result):
 def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-    return machine._bound("low", name, low), machine._bound("high", name, high)
+    return number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high))
 
 
 def _of(machine: AssemblyDescription, of: Optional[str]) -> str:

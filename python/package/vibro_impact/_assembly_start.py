@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
-from ._arguments import number, quantity
+from ._arguments import number
 from ._assembly_description import is_number
 
 if TYPE_CHECKING:
@@ -39,11 +39,6 @@ def _value(name: str, value: Union[float, str]) -> Union[float, str]:
     if is_number(value):
         raise ValueError(f"{name} = {value!r}: allowed is a number, which is in SI, or a text with a unit")
     return value
-
-
-def seconds(name: str, time: Any) -> Any:
-    """A time in s: a text with a unit is converted, all else returned unchanged."""
-    return quantity(name, "s", time) if isinstance(time, str) else time
 
 
 def time_of(numbers: Numbers) -> float:

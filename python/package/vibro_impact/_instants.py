@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Optional, Union
 
 import numpy as np
 
-from ._arguments import MOST_PERIODS, Floats, array, number, quantity, whole
+from ._arguments import MOST_PERIODS, Floats, array, number, seconds, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -54,7 +54,7 @@ def instants(
     if times is not None:
         return listed(times, begin)
     if until is not None:
-        end = after("until", quantity("until", "s", until) if isinstance(until, str) else until, begin)
+        end = after("until", seconds("until", until), begin)
         count = whole("samples", samples, 1, MOST_SAMPLES - 1)
         return np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
     count = whole("periods", periods, 0, MOST_PERIODS)

@@ -16,7 +16,7 @@ from ._arguments import (
     choice,
     coordinates,
     number,
-    quantity,
+    seconds,
     state,
     whole,
 )
@@ -329,7 +329,7 @@ class Machine(ParameterValues):
             if turns.isdecimal() and 1 <= int(turns) <= 1000:
                 return int(turns)
             raise ValueError(f"period = {period!r}: {allowed}")
-        time = quantity("period", "s", period) if isinstance(period, str) else number("period", period)
+        time = number("period", seconds("period", period))
         count = round(time / self.period)
         if not 1 <= count <= 1000 or abs(time - count * self.period) > 1e-6 * time:
             raise ValueError(f"period = {period!r}: {allowed}")

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, Optional, Union, overload
 import numpy as np
 
 from . import _native
-from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array, choice, coordinates, state, whole
+from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array, choice, coordinates, seconds, state, whole
 from ._assembly_description import AssemblyDescription
 from ._assembly_many import Section, names_of, runs, section_of
 from ._assembly_results import AssemblyEnds, AssemblyRun
-from ._assembly_start import StartLike, listed_starts, numbers_of, seconds, starts_of, time_of
+from ._assembly_start import StartLike, listed_starts, numbers_of, starts_of, time_of
 from ._base import AnyMachine, merged
 from ._instants import after
 from ._measures import MEASURES, keeping, measure_names, measured, of_paper
-from ._paper_starts import is_one, pairs, states, states_of_rows
+from ._paper_starts import pairs, several_of, states, states_of_rows
 from ._result import Result
 from ._table import Table, table_of
 from ._values import ParameterValues
@@ -491,11 +491,11 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assem
         begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else listed_starts(starts))]
     elif isinstance(starts, np.ndarray) and starts.ndim == 2:
         begins = states(starts)
-    elif is_one(starts):
+    elif (own := several_of(starts)) is not None:
+        begins = states_of_rows(several[0], names, table, own)
+    else:
         begins = coordinates("starts", starts)
         state("starts", starts, several[0]._system)  # refuses times
-    else:
-        begins = states_of_rows(several[0], names, table, listed_starts(starts))
     if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_assembly else len(table)):
         raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)

@@ -171,8 +171,7 @@ def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple
     """A parameter and its range."""
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
-    ends = [number(end, machine._in_si(name, value) if isinstance(value, str) else value) for end, value in (("low", low), ("high", high))]
-    return find(name), (ends[0], ends[1])
+    return find(name), (number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high)))
 
 
 def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any]) -> Branch:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
@@ -36,9 +36,12 @@ def states(starts: Any) -> Floats:
     return found
 
 
-def is_one(starts: Any) -> bool:
-    """Whether it is one start: none, numbers by name, or six numbers."""
-    return starts is None or isinstance(starts, Mapping) or all(isinstance(one, numbers.Real) for one in listed_starts(starts))
+def several_of(starts: Any) -> Optional[list[Any]]:
+    """The starts of a sequence; none where it is one start: none, numbers by name, or six numbers."""
+    if starts is None or isinstance(starts, Mapping):
+        return None
+    found = listed_starts(starts)
+    return None if all(isinstance(one, numbers.Real) for one in found) else found
 
 
 def states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
@@ -59,9 +62,9 @@ def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
     """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
     if isinstance(starts, np.ndarray) and starts.ndim == 2:
         return states(starts)
-    if is_one(starts):
+    several = several_of(starts)
+    if several is None:
         return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
-    several = listed_starts(starts)
     if len(machines) not in (1, len(several)):
         raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
     own = machines if len(machines) == len(several) else machines * len(several)

@@ -107,8 +107,8 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     Parameters
     ----------
     of
-        Some of x1, x2, x3 (also box.s, block.s, secondary.s) and w = x2 - x1, the first three unless given; with w the stops are dashed. Of a machine of your own some of its
-        columns, the displacements of all bodies unless given, each sample of it.
+        Some of x1, x2, x3 (also box.s, block.s, secondary.s) and w = x2 - x1, the first three unless given; with w the stops are dashed. Of
+        a machine of your own some of its columns, the displacements of all bodies unless given, each sample of it.
 
     Raises
     ------
