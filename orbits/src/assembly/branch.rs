@@ -1,9 +1,10 @@
 //! Branches of orbits of described machines as plain data.
 
 use super::conditions::Condition;
-use super::orbit::{Orbit, Stability, name_of_output};
+use super::orbit::{Orbit, Stability};
 use super::place::Place;
 use super::problem::Problem;
+use super::violation::name_of_output;
 use super::word::{Letter, Word};
 use crate::branch::Label;
 use crate::obstacle::Obstacle;
@@ -79,6 +80,10 @@ impl Special {
             Condition::Changes { contact, .. } => of(contact),
             Condition::Limited { output, .. } => {
                 Self { kind: Kind::Saturation, element: name_of_output(place, output) }
+            }
+            Condition::Corner { letter, ahead } => {
+                let corner = word.corner(letter, ahead).map(|tick| tick.owner(&place.assembly));
+                crossing(format!("{} {}", element_of(&word.letters[letter]), corner.unwrap_or_default()))
             }
             Condition::Together { letter, stop } => {
                 let first = element_of(&word.letters[letter]);

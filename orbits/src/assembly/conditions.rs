@@ -11,7 +11,7 @@ use vibro_assembly::system::System;
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;
-/// Value of a condition, relative to its terms, below zero that is rounding.
+/// Distance of a condition's value from zero that is rounding, relative to the condition's terms.
 const ROUNDING: f64 = 1e-12;
 
 /// A condition of an orbit on one of its flights or events.
@@ -51,6 +51,13 @@ pub enum Condition {
         /// The block and its output.
         output: (usize, usize),
     },
+    /// Event `letter` stays on its side of a corner of a signal.
+    Corner {
+        /// Its place in the word.
+        letter: usize,
+        /// Whether the corner comes after it.
+        ahead: bool,
+    },
     /// No other functional is reached in the flight after event `letter`.
     Stays {
         /// Its place in the word.
@@ -63,11 +70,12 @@ pub enum Condition {
 }
 
 impl Condition {
-    /// Whether a value shows that the condition does not hold; a functional that stays below zero
-    /// may touch it but for rounding.
+    /// Whether a value shows that the condition does not hold. Within rounding a functional may
+    /// touch zero in a flight, and an event has no speed, force or rate: it does not happen.
     pub(super) fn fails(&self, value: f64) -> bool {
         match self {
             Self::Stays { .. } => value < -ROUNDING,
+            Self::Rises { .. } | Self::Changes { .. } => value <= ROUNDING,
             _ => value <= 0.0,
         }
     }
@@ -122,6 +130,7 @@ impl Cycle {
             | Condition::Lasts { letter }
             | Condition::Changes { letter, .. }
             | Condition::Limited { letter, .. }
+            | Condition::Corner { letter, .. }
             | Condition::Together { letter, .. } => {
                 let before = (letter + self.legs.len() - 1) % self.legs.len();
                 let sizes = self.add_peaks(before, word, f64::INFINITY, &mut all);
@@ -149,6 +158,10 @@ impl Cycle {
         let before = self.before(letter);
         let size = before.ending.map_or(0.0, |place| sizes[place]).max(f64::MIN_POSITIVE);
         all.push((Condition::Rises { letter }, self.rise(letter) * period / size));
+        for ahead in [false, true] {
+            let distance = word.distance((place.assembly.system(), before.time + before.span), letter, ahead);
+            all.extend(distance.map(|own| (Condition::Corner { letter, ahead }, own / period)));
+        }
         let own = &word.letters[letter];
         let system = place.assembly.system();
         let after = self.after(letter);
@@ -182,7 +195,7 @@ impl Cycle {
     }
 
     /// Duration of the period, s.
-    fn period(&self) -> f64 {
+    pub(super) fn period(&self) -> f64 {
         let [first, last] = [&self.legs[0], &self.legs[self.legs.len() - 1]];
         last.time + last.span - first.run.as_ref().map_or(first.time, |run| run.0)
     }

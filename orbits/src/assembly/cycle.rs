@@ -8,6 +8,7 @@
 //! changes a contact or a block is sampled, have no functional; other knots of signals are no
 //! events of it.
 
+use super::corners::Piece;
 use super::place::{Place, with_signals};
 use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 use vibro_analysis::assembly::flight::{Flow, dot, multiply};
 use vibro_assembly::Motion;
 use vibro_assembly::mode::StopState;
-use vibro_assembly::motion::{Crossing, Reached};
+use vibro_assembly::motion::{Crossing, Reached, keep};
 use vibro_assembly::system::System;
 
 /// The flight after an event, or after the run of impacts that begins with it.
@@ -100,8 +101,8 @@ impl Leg {
     }
 }
 
-/// Augmented state at the end of a flight and the knots of signals within it. A flight that ends at
-/// a fixed time keeps the signals before it.
+/// Augmented state at the end of a flight between two events and the knots of signals within it. A
+/// flight that ends at a fixed time keeps the signals before it.
 ///
 /// A knot changes the signals alone, whose rows of the linear system are those of every piece, so
 /// that derivatives by states go on by the propagator of the whole flight.
@@ -109,10 +110,11 @@ fn flown(
     system: &System,
     flow: &Flow,
     (z, propagator): (&[f64], &DMatrix<f64>),
-    ([mut time, until], is_timed): ([f64; 2], bool),
+    ([begin, end], is_timed): ([Piece; 2], bool),
 ) -> (Vec<f64>, Vec<KnotWithin>) {
     let mut knots: Vec<KnotWithin> = Vec::new();
-    while let Some(knot) = system.signals.next_knot(time).filter(|knot| *knot < until) {
+    let mut time = begin.time;
+    for knot in begin.knots(system, &end) {
         let begin = knots.last().map_or(z, |(_, states)| &states[1]);
         let before = flow.stretches(begin, knot - time, &mut |_, _| ());
         let mut after = before.clone();
@@ -120,14 +122,14 @@ fn flown(
         knots.push((knot, [before, after]));
         time = knot;
     }
-    let mut end = match knots.last() {
-        Some((_, states)) => flow.stretches(&states[1], until - time, &mut |_, _| ()),
+    let mut there = match knots.last() {
+        Some((_, states)) => flow.stretches(&states[1], end.time - time, &mut |_, _| ()),
         None => (propagator * DVectorView::from_slice(z, z.len())).as_slice().to_vec(),
     };
     if !is_timed {
-        with_signals(system, until, &mut end);
+        end.renew(system, &mut there);
     }
-    (end, knots)
+    (there, knots)
 }
 
 impl Cycle {
@@ -152,7 +154,8 @@ impl Cycle {
         let stay = Letter::staying(word);
         let mut z = vec![0.0; size];
         z[..own].copy_from_slice(&starts[0]);
-        with_signals(system, times[0], &mut z);
+        let first = word.piece(system, 0, times[0], 0);
+        first.fill(system, &place.flow(word.mode_after(0)), &mut z);
         let columns = if with_derivatives { first_time + word.free().len() } else { 0 };
         let mut c = DMatrix::zeros(size, columns);
         if with_derivatives {
@@ -171,14 +174,17 @@ impl Cycle {
             let until = times.get(k + 1).copied().unwrap_or(last);
             let mut run = None;
             let mut time = time;
+            let mut begin = word.piece(system, k, time, 0);
             if let Some(chatter) = word.letters.get(k).and_then(|letter| letter.chatter.as_ref()) {
                 run = Some((time, z.clone()));
                 time = close(place, chatter, (time, until + period), &mut z, &mut c)?;
+                begin = Piece::fixed(time);
             }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
             let propagator = flow.propagator(until - time);
             let is_timed = letter.is_some_and(|letter| letter.timed().is_some());
-            let (end, knots) = flown(system, &flow, (&z, &propagator), ([time, until], is_timed));
+            let end = word.piece(system, next, until, if next == 0 { word.turns() } else { 0 });
+            let (end, knots) = flown(system, &flow, (&z, &propagator), ([begin, end], is_timed));
             let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?.flatten();
             let by_time = column_of(next).filter(|_| with_derivatives && m > 0);
             let rate = flow.derivative(&end);
@@ -248,7 +254,10 @@ impl Cycle {
 
     /// Derivative of the state (q, v) after the last event's law by the state at the start: times
     /// of events move with the state. Requires that each event's functional rises.
-    pub(super) fn monodromy(&self, place: &Place, word: &Word) -> DMatrix<f64> {
+    ///
+    /// # Errors
+    /// [`Obstacle::Order`] where a run of impacts does not close its stop.
+    pub(super) fn monodromy(&self, place: &Place, word: &Word) -> Result<DMatrix<f64>, Obstacle> {
         let system = place.assembly.system();
         let (own, size) = (system.states(), system.signals.size);
         let (mut c, mut next_c) = (DMatrix::identity(size, own), DMatrix::zeros(size, own));
@@ -259,9 +268,8 @@ impl Cycle {
         for (k, leg) in self.legs.iter().enumerate() {
             let chatter = word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
             if let (Some(chatter), Some((time, z))) = (chatter, &leg.run) {
-                let latest = leg.time + leg.span.max(0.0);
-                // It has closed before, from this state.
-                let _ = close(place, chatter, (*time, latest + f64::EPSILON), &mut z.clone(), &mut c);
+                let latest = leg.time + leg.span.abs() + self.period();
+                close(place, chatter, (*time, latest), &mut z.clone(), &mut c)?;
             }
             multiply(&leg.propagator, &c, 1.0, &mut next_c);
             std::mem::swap(&mut c, &mut next_c);
@@ -286,7 +294,7 @@ impl Cycle {
             };
             crossing.carry(system, c.as_mut_slice().chunks_mut(size));
         }
-        c.rows(0, own).into_owned()
+        Ok(c.rows(0, own).into_owned())
     }
 }
 
@@ -313,6 +321,9 @@ pub(super) fn close(
     let mut motion = motion.without_energy_accounts();
     let mut variations: Vec<Vec<f64>> = columns.column_iter().map(|c| c.iter().copied().collect()).collect();
     variations.push(off);
+    if motion.mode().stops[chatter.stop] == StopState::Closed {
+        variations.iter_mut().for_each(|v| keep(system, motion.mode(), v));
+    }
     while motion.mode().stops[chatter.stop] != StopState::Closed {
         if motion.advance_with(latest, &mut variations).map_err(failed)? == Reached::End {
             return Err(Obstacle::Order);

@@ -27,6 +27,11 @@ const MERGED: f64 = 1e-5;
 /// parts of the arc.
 const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 const NODE_STEP: f64 = 0.02;
+/// Rounding of the parameter's share in the tangent, per arc of a step. A family of orbits at one
+/// value of the parameter has no folds.
+const VERTICAL: f64 = 1e-5;
+/// Arc below which rounding no longer shrinks with the step.
+const SHORT_ARC: f64 = 1e-2;
 /// Most steps towards such a zero.
 const MOST_SECANTS: usize = 3;
 
@@ -158,7 +163,7 @@ impl Follower<'_> {
         let mut first: Option<(Condition, f64, Option<Position>)> = None;
         for (condition, after) in next.conditions.iter().filter(|(own, value)| own.fails(*value)) {
             let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
-            if before <= 0.0 {
+            if condition.fails(before) {
                 // It has just begun to fail, or the branch leaves the point at which it does.
                 if leaves {
                     return Err(Obstacle::NoConvergence);
@@ -172,7 +177,8 @@ impl Follower<'_> {
                 let cycle = self.problem.cycle(&place, &at.u)?;
                 Ok(value_of(&cycle.conditions(&place, &self.problem.word), *condition).unwrap_or(1.0))
             };
-            let (at, own) = match zero(&value, arc, (before, *after), LOCATION) {
+            let found = if *after > 0.0 { Some(arc) } else { zero(&value, arc, (before, *after), LOCATION) };
+            let (at, own) = match found {
                 Some(at) => (at, None),
                 // Two events that vanish together leave singular equations.
                 None => {
@@ -204,12 +210,19 @@ impl Follower<'_> {
         let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
         for test in Test::ALL {
             let ends = (test.of(last, last), test.of(next, last));
-            if ends.0 * ends.1 >= 0.0 || leaves {
+            let is_vertical =
+                test == Test::Fold && ends.0.abs().max(ends.1.abs()) < VERTICAL * arc.max(SHORT_ARC);
+            if ends.0 * ends.1 >= 0.0 || leaves || is_vertical {
                 continue;
             }
             if test == Test::Crossing {
                 let crossing = |at: &Position| Test::Crossing.of(at, last);
-                let (at, position) = self.between_points(last, arc, ends, &crossing)?;
+                let (at, near) = self.between_points(last, arc, ends, &crossing)?;
+                // Interpolated, and refined on its own condition.
+                let position = match self.problem.crossing(&near.u, arc) {
+                    Some(u) => self.look(CurvePoint { u, tangent: near.tangent, steps: near.steps })?,
+                    None => near,
+                };
                 found.push((at, self.point(&position, Some(Special::of(test.label())))));
                 continue;
             }

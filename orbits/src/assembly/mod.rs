@@ -10,6 +10,8 @@
 
 mod branch;
 mod conditions;
+mod corners;
+mod crossing;
 mod cycle;
 mod examined;
 mod gradient;
@@ -29,6 +31,7 @@ mod sides;
 mod switching;
 mod timed;
 mod tree;
+mod violation;
 mod wanted;
 mod word;
 

@@ -30,6 +30,9 @@ const GRAZES: f64 = 1e-9;
 /// Duration of a slider's slip, in periods, below which it is a touch: an orbit at the edge of
 /// those on which the slider stands has one of rounding.
 const BRIEF_SLIP: f64 = 1e-6;
+/// Modulus of the largest multiplier from which rounding leaves no digits of those near the unit
+/// circle.
+const MOST_MULTIPLIER: f64 = 1e15;
 /// Sweeps of the Schur decomposition by multiplier.
 const SWEEPS: usize = 200;
 
@@ -176,7 +179,7 @@ impl Orbit {
         let numbers = problem.numbers(&place, &u);
         let trivial = problem.neutral.len() + usize::from(place.period.is_none());
         let units = &problem.units.state;
-        let mut matrix = cycle.monodromy(&place, &problem.word);
+        let mut matrix = cycle.monodromy(&place, &problem.word)?;
         for i in 0..matrix.nrows() {
             for j in 0..matrix.ncols() {
                 matrix[(i, j)] *= units[j] / units[i];
@@ -264,9 +267,15 @@ impl Orbit {
         }
     }
 
-    /// Whether it is a motion of the machine: each event is reached, and no other one.
+    /// Whether it is a motion of the machine: each event is reached, and no other one. Its
+    /// multipliers must have digits.
     pub fn is_certified(&self) -> bool {
-        self.broken().is_none()
+        self.broken().is_none() && self.has_digits()
+    }
+
+    /// Whether rounding leaves digits of its multipliers.
+    pub(super) fn has_digits(&self) -> bool {
+        self.spectral_radius() < MOST_MULTIPLIER
     }
 
     /// The conditions under which it is a motion of the machine, with their values.
@@ -275,15 +284,9 @@ impl Orbit {
     }
 
     /// The condition that is furthest from holding, where one does not hold.
-    fn broken(&self) -> Option<(Condition, f64)> {
+    pub(super) fn broken(&self) -> Option<(Condition, f64)> {
         let broken = self.conditions.iter().filter(|(condition, value)| condition.fails(*value));
         broken.min_by(|a, b| a.1.total_cmp(&b.1)).copied()
-    }
-
-    /// The condition that does not hold, in words.
-    pub fn violation(&self) -> Option<String> {
-        let (condition, _) = self.broken()?;
-        Some(condition.in_words(self.word(), &self.place))
     }
 
     /// A start on the orbit: in the middle of its longest flight.
@@ -370,43 +373,4 @@ fn has_losses(place: &Place) -> bool {
             Some(restitution) => restitution < 1.0,
             None => stop.force != stop.spring,
         })
-}
-
-impl Condition {
-    /// The condition's failure in words.
-    pub(super) fn in_words(&self, word: &Word, place: &Place) -> String {
-        let assembly = &place.assembly;
-        match *self {
-            Self::Rises { letter } => format!("{} is not reached", word.letters[letter].in_words(assembly)),
-            Self::Lasts { letter } => {
-                format!("the flight after {} has no duration", word.letters[letter].in_words(assembly))
-            }
-            Self::Together { letter, stop } => {
-                let words = word.letters[letter].in_words(assembly);
-                format!("{} is not at its gap at {words}", assembly.name_of_stop(stop))
-            }
-            Self::Changes { letter, contact } => {
-                let words = word.letters[letter].in_words(assembly);
-                format!("{} need not change at {words}", assembly.name_of_contact(contact))
-            }
-            Self::Limited { letter, output, .. } => {
-                let words = word.letters[letter].in_words(assembly);
-                format!("{} is on another side of its limits at {words}", name_of_output(place, output))
-            }
-            Self::Stays { letter, watch, .. } => {
-                let element = assembly.name_of_contact(watch.contact());
-                match word.letters.get(letter) {
-                    Some(letter) => {
-                        format!("{element} has a further event after {}", letter.in_words(assembly))
-                    }
-                    None => format!("{element} has a further event"),
-                }
-            }
-        }
-    }
-}
-
-/// Dotted name of an output of a block.
-pub(super) fn name_of_output(place: &Place, output: (usize, usize)) -> String {
-    format!("block.{}", place.assembly.description.name_of_output(output))
 }

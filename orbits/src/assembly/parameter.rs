@@ -94,7 +94,7 @@ impl Problem {
     ) -> Result<DVector<f64>, Obstacle> {
         let step = if self.has_run() { CHATTER_STEP } else { STEP };
         // Knots may move with the parameter.
-        let has_knots = cycle.legs.iter().any(|leg| !leg.knots.is_empty());
+        let has_knots = !self.word.between.is_empty() || cycle.legs.iter().any(|leg| !leg.knots.is_empty());
         let at = |step: f64| -> Result<Option<Beside>, Obstacle> {
             let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
             Ok(beside.filter(|beside| beside.keeps_times(&self.word)))

@@ -33,8 +33,12 @@ const STEEP: f64 = 1e-2;
 const TURN: f64 = 1e-4;
 /// Distance from a touch within which a bifurcation is one with it.
 const AT_TOUCH: f64 = 1e-5;
-/// Part of the arc to a touch at which its multipliers are taken, on this side of it.
-const BEFORE: f64 = 1.0 - 1e-7;
+/// Parts of the arc to a touch at which the touch's multipliers are taken: at the first of them
+/// where the largest multiplier is below [`LIMITED`].
+const BEFORE: [f64; 5] = [1.0 - 1e-7, 1.0 - 1e-5, 1.0 - 1e-3, 0.9, 0.5];
+/// Modulus of a multiplier above which it is one of a touch, where it has no bound: half of the
+/// digits of the others remain.
+const LIMITED: f64 = 1e8;
 
 /// Start of a path.
 #[derive(Clone, Debug)]
@@ -303,18 +307,13 @@ impl Follower<'_> {
         if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
-            let before = self.within(last, &next, arc, at * BEFORE).and_then(|before| self.look(before));
+            let before = self.before_touch((last, &next), arc, at);
             let own = match found {
                 Some(own) => own,
                 None => self.look(self.within(last, &next, arc, at)?)?,
             };
             // A touch has multipliers on this side of it.
-            next = match before {
-                Ok(before) => {
-                    Position { multipliers: before.multipliers, stability: before.stability, ..own }
-                }
-                Err(_) => own,
-            };
+            next = Position { multipliers: before.multipliers, stability: before.stability, ..own };
             (arc, end) = (at, Some(PathEnd::Broken(condition)));
         }
         if !is_last && let Some((boundary, at)) = self.boundary(last, &next, arc)? {
@@ -328,6 +327,13 @@ impl Follower<'_> {
         let is_touch = matches!(end, Some(PathEnd::Broken(_)));
         let between = self.bifurcations(last, &next, arc, (leaves, is_touch))?;
         Ok(Step { between, next, special, end })
+    }
+
+    /// The position before a touch at which the touch's multipliers are taken.
+    fn before_touch(&self, (last, next): (&Position, &Position), arc: f64, touch: f64) -> Position {
+        let limited = |at: &Position| at.multipliers.first().is_none_or(|m| m.norm() < LIMITED);
+        let positions = BEFORE.iter().map(|part| self.look(self.within(last, next, arc, touch * part)?));
+        positions.flatten().find(limited).unwrap_or_else(|| last.clone())
     }
 
     /// Whether a step passes the first point of the path again.

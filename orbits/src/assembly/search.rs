@@ -129,7 +129,7 @@ impl<'a> Seeker<'a> {
 
     /// Whether an orbit has the word and the period that are asked for; if not it is noted.
     fn accepts(&self, orbit: &Orbit) -> bool {
-        if !orbit.is_certified() {
+        if !orbit.is_certified() || orbit.check_by_motion().is_err() {
             return false;
         }
         let assembly = &orbit.place().assembly;

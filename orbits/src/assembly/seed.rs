@@ -111,6 +111,7 @@ pub(super) fn seed(
         states.push(state);
     }
     times = own_times;
+    let word = word.between_corners(&place, &times);
     let neutral = Problem::neutral_of(&place);
     let fixed = neutral.iter().map(|n| n.iter().zip(&states[0]).map(|(n, x)| n * x).sum()).collect();
     let drifts = vec![0.0; neutral.len()];

@@ -53,6 +53,11 @@ pub(super) fn other_side(
             at.with_impact((letter, stop, functional))?
         }
         Condition::Rises { letter } | Condition::Lasts { letter } => at.without_visits(letter)?,
+        Condition::Corner { letter, ahead } => {
+            let word = problem.word.beyond_corner(&place, letter, ahead).ok_or(Obstacle::NoConvergence)?;
+            let condition = Condition::Corner { letter, ahead: !ahead };
+            return Ok(Side { problem: Problem { word, ..problem.clone() }, u: u.clone(), condition });
+        }
         _ => return Err(Obstacle::NoConvergence),
     };
     let whole = other.point(&place, &numbers, problem.value(u));
@@ -106,6 +111,7 @@ impl At<'_> {
             numbers.times.insert(index, time);
         }
         let word = Word::new(letters.into(), problem.word.mode.clone(), problem.word.periods);
+        let word = word.between_corners(place, &numbers.times);
         Ok((Problem { word, ..problem.clone() }, numbers, Condition::Rises { letter: index }))
     }
 
@@ -205,6 +211,7 @@ impl At<'_> {
             let begin = if problem.driven_period(place).is_none() { times[kept[0]] } else { 0.0 };
             (other.nodes().iter().map(entered).collect(), kept.iter().map(|k| times[*k] - begin).collect())
         };
+        let other = other.between_corners(place, &times);
         let before = kept.iter().filter(|k| **k < own[0]).count();
         let flight = (before + kept.len().max(1) - 1) % kept.len().max(1);
         let numbers = Numbers { states, times, period, drifts };

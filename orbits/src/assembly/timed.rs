@@ -49,14 +49,19 @@ pub struct Timed {
 }
 
 impl Tick {
+    /// A tick of a source by its number.
+    pub(super) fn new(source: Source, number: i64, system: &System, period: f64) -> Self {
+        Self { source, number, per_period: per_period(source, system, period) }
+    }
+
     /// The tick so many common periods later.
     #[must_use]
-    fn later(self, periods: i64) -> Self {
+    pub(super) fn later(self, periods: i64) -> Self {
         Self { number: self.number + periods * self.per_period, ..self }
     }
 
     /// Its time, s.
-    fn time(&self, system: &System) -> f64 {
+    pub(super) fn time(&self, system: &System) -> f64 {
         let sampler = |block: usize| system.blocks[block].sampler.as_ref();
         match self.source {
             Source::Signal(of) => system.signals.time_of(RepeatedKnot { of, number: self.number }),
@@ -66,7 +71,7 @@ impl Tick {
     }
 
     /// Dotted name of the section that ticks.
-    fn owner(&self, assembly: &Assembly) -> String {
+    pub(super) fn owner(&self, assembly: &Assembly) -> String {
         let d = &assembly.description;
         match self.source {
             Source::Signal(of) => {
@@ -112,7 +117,7 @@ impl Timed {
     /// What happens at a time that a motion reaches, with the events that it reports there.
     pub fn at(system: &System, period: f64, time: f64, events: &[Event]) -> Self {
         let actions: Vec<SampleAction> = events.iter().filter_map(Event::sample).collect();
-        let tick = |source, number| Tick { source, number, per_period: per_period(source, system, period) };
+        let tick = |source, number| Tick::new(source, number, system, period);
         let mut ticks = Vec::new();
         if events.iter().any(|event| event.kind == EventKind::Knot) {
             let knots = system.signals.repeated_knots_at(time);

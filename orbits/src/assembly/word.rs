@@ -1,5 +1,6 @@
 //! Words of orbits: the events of a period, each with the modes before and after it.
 
+use super::corners::Between;
 use super::place::with_signals;
 use super::timed::Timed;
 use std::sync::Arc;
@@ -189,6 +190,8 @@ pub struct Word {
     pub periods: Option<u32>,
     nodes: Arc<[usize]>,
     free: Arc<[usize]>,
+    /// The corners of signals next to each event; empty for a machine without corners.
+    pub(super) between: Arc<[Option<Between>]>,
 }
 
 impl Word {
@@ -201,7 +204,7 @@ impl Word {
         let later = (1..letters.len()).filter(|k| letters[*k].opens_compliant());
         let nodes = std::iter::once(0).chain(later).collect();
         let free = (0..letters.len()).filter(|k| letters[*k].timed().is_none()).collect();
-        Self { letters, mode, periods, nodes, free }
+        Self { letters, mode, periods, nodes, free, between: Vec::new().into() }
     }
 
     /// The events whose times are unknowns.
@@ -215,7 +218,7 @@ impl Word {
     }
 
     /// Common periods of the drive in its period.
-    fn turns(&self) -> i64 {
+    pub(super) fn turns(&self) -> i64 {
         i64::from(self.periods.unwrap_or(0))
     }
 
@@ -245,7 +248,8 @@ impl Word {
     pub(super) fn repeated(&self, times: u32) -> Self {
         let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
         let letters = turns.flat_map(|by| self.letters.iter().map(move |letter| letter.later(by)));
-        Self::new(letters.collect(), self.mode.clone(), self.periods.map(|n| n * times))
+        let whole = Self::new(letters.collect(), self.mode.clone(), self.periods.map(|n| n * times));
+        Self { between: self.repeated_corners(times), ..whole }
     }
 
     /// The first part of the word, where it has the same events `times` times.
@@ -262,7 +266,8 @@ impl Word {
             return None;
         }
         let periods = self.periods.map(|periods| periods / times);
-        Some(Self::new(letters[..part].to_vec().into(), self.mode.clone(), periods))
+        let between = self.between[..part.min(self.between.len())].into();
+        Some(Self { between, ..Self::new(letters[..part].to_vec().into(), self.mode.clone(), periods) })
     }
 
     /// Whether another word is this one from letter `first` on.

@@ -2,6 +2,7 @@
 //! point.
 
 use super::super::conditions;
+use super::super::crossing;
 use super::super::cycle::Cycle;
 use super::super::orbit::Orbit;
 use super::super::path::doubling;
@@ -189,7 +190,7 @@ impl Locus {
                 let Residual { matrix, cycle, .. } = problem.residual(&place, &u, true)?;
                 let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
                 let column = problem.by_parameter((&place, &u), &cycle, &matrix)?;
-                crossing(&matrix, &column, border)
+                crossing::conditions(&matrix, &column, border)
             }
         };
         found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
@@ -200,20 +201,6 @@ impl Locus {
         let column = |k: usize| at.problems[k].by_parameter((&at.place, &at.points[k]), cycle, matrix);
         Ok([column(0)?, column(1)?])
     }
-}
-
-/// The bordered measure of a matrix, and the product of the parameter's column with its left
-/// vector.
-fn crossing(matrix: &DMatrix<f64>, column: &DVector<f64>, border: &Border<f64>) -> Option<Vec<f64>> {
-    let turned = Border { left: border.right.clone(), right: border.left.clone() };
-    let n = matrix.nrows();
-    let mut whole = matrix.transpose().resize(n + 1, n + 1, 0.0);
-    whole.view_mut((0, n), (n, 1)).copy_from(&turned.left);
-    whole.view_mut((n, 0), (1, n)).copy_from(&turned.right.transpose());
-    let mut right = DVector::zeros(n + 1);
-    right[n] = 1.0;
-    let found = whole.lu().solve(&right)?;
-    Some(vec![found[n], found.rows(0, n).dot(column)])
 }
 
 /// The angle, rad, of the complex pair that is nearest to the unit circle.

@@ -104,3 +104,59 @@ fn second_method_a_recorded_sine_has_the_branches_of_the_sine() {
         assert!(one.0 == other.0 && (one.1 - other.1).abs() < 1e-3, "{found:?}");
     }
 }
+
+/// Distance of a branch's end from the closed form, relative: rounding.
+const CORNER: f64 = 1e-12;
+
+/// A ball on a table whose acceleration is ±a, each for half a period of 0.2 s, under g = 10.
+fn bouncing(restitution: f64, a: f64) -> Machine {
+    machine(&format!(
+        "name = \"Table\"\ngravity = 10.0\nparameters = {{ a = {a} }}\n\
+         body.ball = {{ mass = 0.05, gravity = -1.0, start = {{ s = 0.05 }} }}\n\
+         body.table = {{ motion = {{ acceleration = {{ table = [[0.0, 1.0], [0.1, -1.0]], interpolation = \"hold\", \
+         repeat = 0.2, scale = \"= a\" }}, v = \"= 0 - a*0.2/4\" }} }}\n\
+         stop.floor = {{ between = [\"ball\", \"table\"], gap = 0.0, restitution = {restitution} }}\n"
+    ))
+}
+
+/// One impact a period with the table's speed w satisfies w = g T (1 - e) / (2 (1 + e)). The speed
+/// is aT/4 at most, at the knot: the orbits with the impact before and after it end at
+/// a = 2 g (1 - e) / (1 + e), where neither crosses the other.
+#[test]
+fn closed_form_branches_end_where_their_impact_meets_a_knot() {
+    for restitution in [0.4, 0.5, 0.6] {
+        let end = 20.0 * (1.0 - restitution) / (1.0 + restitution);
+        let family = Family::new(&bouncing(restitution, 1.2 * end), "a", (0.9 * end, 1.4 * end)).unwrap();
+        let place = family.place(end).unwrap();
+        let is_own =
+            |b: &Branch| b.word().in_words(&place.assembly) == "impact floor" && b.word().periods == Some(1);
+        let branches: Vec<Branch> = grown(&family, 3, 0).into_iter().filter(is_own).collect();
+        let alone = branch(
+            &family,
+            &Orbit::settled(&family.machine, &Start::default(), 400).unwrap(),
+            &Default::default(),
+        );
+        assert_eq!(branches.len(), 2, "{restitution}");
+        for own in branches.iter().chain([&alone.unwrap()]) {
+            let ends = [&own.points[0], &own.points[own.points.len() - 1]];
+            let corner = ends.iter().find(|p| p.special.as_ref().unwrap().kind.name() == "CC");
+            let (value, special) = corner.map(|p| (p.value, p.special.clone().unwrap())).unwrap();
+            assert!((value / end - 1.0).abs() < CORNER, "{restitution}: {value} {end}");
+            assert_eq!(special.element, "stop.floor body.table");
+            assert!(
+                own.points.iter().all(|p| p.value > end * (1.0 - CORNER) && !p.is(crate::Label::BranchPoint))
+            );
+            for point in own.points.iter().filter(|p| p.special.is_none()).step_by(5) {
+                own.orbit(point).unwrap().check_by_motion().unwrap();
+            }
+        }
+        // The impact lies before the knot on one branch and after it, unstable, on the other one.
+        let halves = |own: &Branch| {
+            let middle = own.orbit(&own.points[own.points.len() / 2]).unwrap();
+            (middle.times()[0] / 0.1).floor() as i64 % 2
+        };
+        assert_ne!(halves(&branches[0]), halves(&branches[1]), "{restitution}");
+        let plain = branches[1].points.iter().filter(|p| p.special.is_none());
+        assert!(plain.map(|p| p.stability).all(|own| own == Stability::Unstable), "{restitution}");
+    }
+}

@@ -13,6 +13,7 @@ mod series;
 mod sides;
 mod steps;
 mod together;
+mod touches;
 
 use super::problem::Problem;
 use super::*;
