@@ -113,7 +113,8 @@ enum Mark {
     /// A filled polygon.
     Polygon { corners: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
-    Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour },
+    /// `bordered` ones have a border one pixel wide at any size of the picture.
+    Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour, bordered: bool },
     /// Discs of a colour, or, with the line width `edge`, circles of that colour filled with white.
     Circles { centres: Vec<CanvasPoint>, radius: f64, colour: Colour, edge: Option<f64> },
     /// A line of text; its point is on the baseline.
@@ -174,9 +175,20 @@ impl Canvas {
     /// Filled rectangles of one colour, each given by two opposite corners. Their edges are not
     /// smoothed, since smoothed neighbours that share a pixel would show a seam.
     pub fn rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
+        self.push_rectangles(corners, colour, false);
+    }
+
+    /// Filled [rectangles](Self::rectangles) that stay visible in an SVG shown at any size. A border
+    /// one pixel wide makes each rectangle cover at least one pixel, also where the rectangle itself
+    /// lies between the centres of two pixels.
+    pub fn visible_rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
+        self.push_rectangles(corners, colour, true);
+    }
+
+    fn push_rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour, bordered: bool) {
         let rectangles: Vec<_> = corners.iter().map(|&corners| self.rectangle(corners)).collect();
         if !rectangles.is_empty() {
-            self.marks.push(Mark::Rectangles { rectangles, colour });
+            self.marks.push(Mark::Rectangles { rectangles, colour, bordered });
         }
     }
 

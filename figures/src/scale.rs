@@ -149,9 +149,16 @@ impl Frame {
     pub fn clip_path(&self, path: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
         let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
         let mut before: Option<(f64, f64)> = None;
+        // The last point, if it has no finite neighbour so far.
+        let mut alone: Option<(f64, f64)> = None;
         let mut joined = false;
+        let dot = |alone: Option<(f64, f64)>| alone.filter(|&p| self.holds(p)).map(|p| vec![p, p]);
         for point in path {
             let finite = point.0.is_finite() && point.1.is_finite();
+            if !finite {
+                pieces.extend(dot(alone));
+            }
+            alone = (finite && before.is_none()).then_some(point);
             let piece = before.filter(|_| finite).and_then(|b| self.clip(b, point));
             if let Some([a, b]) = piece {
                 match pieces.last_mut().filter(|_| joined) {
@@ -164,6 +171,7 @@ impl Frame {
             }
             before = finite.then_some(point);
         }
+        pieces.extend(dot(alone));
         pieces
     }
 
@@ -236,5 +244,10 @@ mod tests {
         let pieces = frame.clip_path(path.into_iter());
         let expected = [vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)], vec![(1.0, 1.0), (2.0, 1.0)]];
         assert_eq!(pieces, expected);
+        // A point without a finite neighbour is a dot, at the beginning, between gaps and at the end.
+        let gap = (f64::NAN, 0.0);
+        let alone = [(1.0, 2.0), gap, (3.0, 4.0), gap, (30.0, 4.0), gap, (5.0, 6.0)];
+        let dots = [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|dot| vec![dot, dot]);
+        assert_eq!(frame.clip_path(alone.into_iter()), dots);
     }
 }

@@ -220,3 +220,71 @@ fn chromium_tells_of_a_missing_picture() {
     let (dom, _) = browse(&["--window-size=1280,900", "--dump-dom"], &file, &profile);
     assert!(dom.contains("picture missing") && dom.contains("cannot load"), "{}", &dom[..400]);
 }
+
+/// Draws each picture of `pictures` in a canvas at each width and counts the data of its diagrams
+/// (the bordered rectangles) over whose middle no pixel has the colour of a datum.
+const COUNT: &str = r#"<script>
+addEventListener("load", async () => {
+  const lines = [];
+  for (const text of pictures) {
+    const svg = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
+    const [, , across, up] = svg.getAttribute("viewBox").split(" ").map(Number);
+    const paths = [...svg.querySelectorAll("path[shape-rendering]")];
+    const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    const colours = new Set(paths.map((p) => channels(p.getAttribute("fill")).join()));
+    const data = paths.flatMap((path) => {
+      let [x, y] = [0, 0];
+      for (let e = path.parentElement; e; e = e.parentElement) {
+        const by = /translate\(([-\d.]+) ([-\d.]+)\)/.exec(e.getAttribute("transform") ?? "");
+        if (by) [x, y] = [x + Number(by[1]), y + Number(by[2])];
+      }
+      const each = path.getAttribute("d").matchAll(/M([-\d.]+) ([-\d.]+)h([\d.]+)v([\d.]+)/g);
+      return [...each].map((m) => m.slice(1).map(Number)).map(([a, b, w, h]) => [a + x + w / 2, b + y, h]);
+    });
+    const image = new Image();
+    image.src = "data:image/svg+xml," + encodeURIComponent(text);
+    await image.decode();
+    for (const width of widths) {
+      const scale = width / across, height = Math.round(up * scale);
+      const paper = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
+      paper.drawImage(image, 0, 0, width, height);
+      const pixels = paper.getImageData(0, 0, width, height).data;
+      const coloured = (x, y) => { const i = 4 * (y * width + x);
+        return colours.has([pixels[i], pixels[i + 1], pixels[i + 2]].join()); };
+      const seen = data.filter(([x, y, h]) => { const column = Math.floor(x * scale);
+        for (let row = Math.floor(y * scale - 1); row <= Math.ceil((y + h) * scale); row++) {
+          if (coloured(column, row)) return true;
+        } return false; });
+      lines.push(seen.length + " of " + data.length);
+    }
+  }
+  document.documentElement.setAttribute("data-found", "found:" + lines.join(",") + ":end");
+});
+</script>"#;
+
+/// Every datum of two diagrams of the gallery is drawn at widths from a phone's on: one with bars
+/// of one pixel at the native width, one with thousands of cells.
+#[test]
+#[ignore = "needs Chromium (Debian: apt install chromium)"]
+fn chromium_draws_every_datum_of_a_diagram_at_any_width() {
+    /// Widths in pixels: of a phone, of a text column, and the pictures' own.
+    const WIDTHS: [u32; 5] = [300, 500, 700, 830, 988];
+    /// Numbers of rectangles in the two pictures, at least.
+    const LEAST: [usize; 2] = [60, 200];
+    let gallery = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery");
+    let read = |name: &str| std::fs::read_to_string(gallery.join(name)).unwrap();
+    let pictures = ["iwan_joint_response.svg", "paper_machine.svg"].map(read);
+    let page =
+        format!("<!DOCTYPE html><script>const pictures = {pictures:?}, widths = {WIDTHS:?};</script>{COUNT}");
+    let folder = tempfile::tempdir().unwrap();
+    let (file, profile) = (folder.path().join("index.html"), folder.path().join("profile"));
+    std::fs::write(&file, page).unwrap();
+    let (dom, log) = browse(&["--dump-dom"], &file, &profile);
+    let found = dom.split("data-found=\"found:").nth(1).and_then(|rest| rest.split(":end\"").next());
+    let counts: Vec<&str> = found.unwrap_or_else(|| panic!("{log}")).split(',').collect();
+    assert_eq!(counts.len(), WIDTHS.len() * pictures.len());
+    for (count, least) in counts.iter().zip(LEAST.into_iter().flat_map(|least| [least; WIDTHS.len()])) {
+        let (seen, all) = count.split_once(" of ").unwrap();
+        assert!(seen == all && all.parse::<usize>().unwrap() >= least, "{counts:?}");
+    }
+}

@@ -243,10 +243,10 @@ pub fn assembly_branches<'py>(
     let options = TreeOptions { start, seeds, depth, discard: settle, path: PathOptions::default() };
     let found = compute(py, progress, move |control| {
         let mut count = 0;
-        let branches = tree(&along, &options, &mut |done, all| {
+        let branches = tree(&along, &options, &mut |found, all| {
             control.expect(all);
-            control.add(done - count);
-            count = done;
+            control.add(found.len() - count);
+            count = found.len();
             !control.is_cancelled()
         })?;
         control.check()?;

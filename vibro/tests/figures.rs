@@ -117,6 +117,29 @@ fn invariant_files_of_many_values_are_small_and_finite() {
     }
 }
 
+/// A datum of a diagram keeps a border of one pixel at any size (counted in a browser by
+/// fmu-build/tests/page.rs); cells that cover a plane have no border, which would hide neighbours.
+/// A curve of one point is a dot.
+#[test]
+fn invariant_no_datum_of_a_picture_vanishes() {
+    let cells = |first: Option<Colour>| Shape::Cells {
+        x: (0.0, 1.0),
+        y: (-1.0, 1.0),
+        columns: 2,
+        cells: vec![0, 1, 1, 0],
+        colours: vec![first, Some(BLOCK)],
+    };
+    let file = |shape| canvas::svg(&figure(vec![Layer::new("", BLACK, shape)])).unwrap();
+    let border = "shape-rendering=\"crispEdges\" stroke=\"";
+    assert!(file(cells(None)).contains(border));
+    assert!(!file(cells(Some(BOX))).contains(border));
+
+    let dark = |pixels: &[u8]| pixels.chunks(3).filter(|pixel| pixel[0] < 128).count();
+    let one = Layer::line("", BLACK, Dash::Solid, vec![(0.37, 0.21)]);
+    let more = dark(&drawn(&figure(vec![one])).2) - dark(&drawn(&figure(Vec::new())).2);
+    assert!((4..40).contains(&more), "{more} pixels of a dot");
+}
+
 /// The texts of a drawing.
 fn texts(drawing: &Figure) -> Vec<String> {
     let svg = canvas::svg(drawing).unwrap();

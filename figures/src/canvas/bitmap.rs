@@ -101,7 +101,7 @@ impl Painter<'_> {
                 let path = outline(std::slice::from_ref(corners), true);
                 self.fill(path, &paint(*colour, *opacity), place, cut);
             }
-            Mark::Rectangles { rectangles, colour } => {
+            Mark::Rectangles { rectangles, colour, .. } => {
                 let mut path = PathBuilder::new();
                 rectangles.iter().filter_map(|&r| rectangle(r)).for_each(|r| path.push_rect(r));
                 let sharp = Paint { anti_alias: false, ..paint(*colour, 1.0) };

@@ -103,7 +103,7 @@ impl Text {
                 }
                 self.push(format_args!("/>\n"));
             }
-            Mark::Rectangles { rectangles, colour } => {
+            Mark::Rectangles { rectangles, colour, bordered } => {
                 let mut data = String::new();
                 for &[(x, y), (w, h)] in rectangles {
                     let [x, y, w, h] = [x, y, w, h].map(Rounded);
@@ -111,8 +111,14 @@ impl Text {
                 }
                 let colour = hex(*colour);
                 self.push(format_args!(
-                    "<path d=\"{data}\" fill=\"{colour}\" shape-rendering=\"crispEdges\"/>\n"
+                    "<path d=\"{data}\" fill=\"{colour}\" shape-rendering=\"crispEdges\""
                 ));
+                if *bordered {
+                    self.push(format_args!(
+                        " stroke=\"{colour}\" stroke-linejoin=\"miter\" vector-effect=\"non-scaling-stroke\""
+                    ));
+                }
+                self.push(format_args!("/>\n"));
             }
             Mark::Circles { centres, radius, colour, edge } => self.circles(centres, *radius, *colour, *edge),
             Mark::Text { place, words, size, colour, along, upwards } => {

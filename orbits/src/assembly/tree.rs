@@ -170,14 +170,15 @@ struct Grower<'a> {
 }
 
 /// The branches of a family that settled motions and special points lead to. `told` receives the
-/// number of branches and that with the starts still known, and ends the growth by returning false.
+/// branches found so far and the number of branches and starts known so far. The growth ends when
+/// `told` returns false.
 ///
 /// # Errors
 /// As [`Family::place`].
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
-    told: &mut dyn FnMut(usize, usize) -> bool,
+    told: &mut dyn FnMut(&[Branch], usize) -> bool,
 ) -> Result<Vec<Branch>> {
     tree_on(family, options, &(), told)
 }
@@ -190,16 +191,15 @@ pub fn tree_on(
     family: &Family,
     options: &TreeOptions,
     kept: &dyn KeptPaths,
-    told: &mut dyn FnMut(usize, usize) -> bool,
+    told: &mut dyn FnMut(&[Branch], usize) -> bool,
 ) -> Result<Vec<Branch>> {
     let family = Arc::new(family.clone());
     let mut grower = Grower { family: &family, options, kept, branches: Vec::new(), queue: Vec::new() };
     grower.plant()?;
     while !grower.queue.is_empty() {
         grower.grow();
-        if grower.branches.len() >= MOST
-            || !told(grower.branches.len(), grower.branches.len() + grower.queue.len())
-        {
+        let goes_on = told(&grower.branches, grower.branches.len() + grower.queue.len());
+        if !goes_on || grower.branches.len() >= MOST {
             break;
         }
     }

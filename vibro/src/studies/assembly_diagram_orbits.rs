@@ -63,8 +63,8 @@ pub fn diagram_branches(
         path: PathOptions::default(),
         ..TreeOptions::default()
     };
-    let branches = tree_on(&family, &options, kept, &mut |done, all| {
-        told(done, all);
+    let branches = tree_on(&family, &options, kept, &mut |found, all| {
+        told(found.len(), all);
         true
     })?;
     Ok((family, branches))

@@ -8,17 +8,17 @@ const bytesOf = async (stream) => new Uint8Array(await new Response(stream).arra
 
 /** The part of a link after `#`; empty where it would be too long. @param {string} text */
 export async function toHash(text) {
-  const packed = await bytesOf(new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw")));
+  const packed = await bytesOf(new Blob([text]).stream().pipeThrough(new CompressionStream("gzip")));
   if (packed.length > LONGEST) return "";
   const letters = btoa(Array.from(packed, (b) => String.fromCharCode(b)).join(""));
-  const hash = `m=${letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
+  const hash = `z=${letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "")}`;
   return hash.length > LONGEST ? "" : hash;
 }
 
-/** The text in a link, or nothing where there is none; throws where it is damaged. @param {string} hash */
+/** The text in a link, or nothing where there is none; throws where it is damaged, by gzip's checksum. Links of before 0.4 (`m=`) have none. @param {string} hash */
 export async function fromHash(hash) {
-  const found = hash.match(/^#m=([\w-]+)$/);
+  const found = hash.match(/^#([mz])=([\w-]*)$/);
   if (!found) return null;
-  const bytes = Uint8Array.from(atob(found[1].replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-  return new TextDecoder().decode(await bytesOf(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))));
+  const bytes = Uint8Array.from(atob(found[2].replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+  return new TextDecoder().decode(await bytesOf(new Blob([bytes]).stream().pipeThrough(new DecompressionStream(found[1] === "z" ? "gzip" : "deflate-raw"))));
 }

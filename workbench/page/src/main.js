@@ -39,8 +39,10 @@ let kit = null;
 let mine = "";
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
 const { text } = editor;
-/** The text is no example any more. */
-const becomesOwn = () => { select("example").value = ""; mine = text(); };
+/** Whether the address holds a link that could not be read: it then stays as it is. */
+let misled = false;
+/** Makes the text one's own, no longer an example. */
+const becomesOwn = () => { select("example").value = ""; mine = text(); misled = false; };
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
 
 /** @param {string} words @param {boolean} [bad] */
@@ -82,18 +84,58 @@ async function boot() {
 
 const theme = () => readTheme(["body", "spark-text", "error"]);
 
-/** Takes over the file in the address, an example's name in it, or the first example. */
-async function adoptLink() {
-  const example = decodeURIComponent(location.hash.match(/^#example=([\w.-]+)$/)?.[1] ?? "");
-  try {
-    const linked = await fromHash(location.hash);
-    if (linked !== null) return void await adopt(linked);
-  } catch (error) {
-    await adopt(gallery.get("damper_with_buffer.toml") ?? "");
-    return say(`The link is cut or changed (${/** @type {Error} */ (error).message}). This is an example instead.`, true);
+/** The machine that the address names: the file in it, or an example. Throws where it is damaged. */
+async function linked() {
+  const { hash } = location;
+  if (!hash || hash === "#" || document.getElementById(hash.slice(1))) return null;
+  const example = hash.match(/^#example=([\w.%-]+)$/)?.[1];
+  if (example === undefined) {
+    const found = await fromHash(hash);
+    if (found === null) throw new Error("it is neither a machine nor an example");
+    return found;
   }
-  const name = `${example.replace(/\.toml$/, "")}.toml`;
-  await adopt(gallery.get(name) ?? gallery.get("damper_with_buffer.toml") ?? "");
+  const found = gallery.get(`${decodeURIComponent(example).replace(/\.toml$/, "")}.toml`);
+  if (found === undefined) throw new Error(`there is no example ${decodeURIComponent(example)}`);
+  return found;
+}
+
+/** Takes over the machine of the address. Of a damaged link the page says so: the present text stays, or at the page's begin the first example is shown. */
+async function adoptLink() {
+  const isFirst = !run.machine && !text(), first = gallery.get("damper_with_buffer.toml") ?? "", was = isFirst ? kept() : null;
+  if (was) {
+    for (const [name, content] of was.records) records.set(name, content);
+    return adopt(was.text);
+  }
+  try {
+    const found = await linked();
+    if (found === null && !isFirst) return;
+    if (!isFirst && isOwn() && !inAddress && !confirm("The link holds another machine, and no link holds your text. Replace your text?")) return write();
+    await adopt(found ?? first);
+  } catch (error) {
+    if (isFirst) await adopt(first);
+    misled = true;
+    say(`The link is cut or changed (${/** @type {Error} */ (error).message}). ${isFirst ? "This is an example instead." : "The text is the one that was here before."}`, true);
+  }
+}
+
+const isOwn = () => !select("example").value && text() !== "" && !misled;
+/** Name under which one's own text outlives a reload. */
+const KEPT = "vibro-workbench";
+
+/** Keeps one's own text and records over a reload; where they do not fit, the browser asks before it leaves. @param {Event} event */
+function keep(event) {
+  try {
+    sessionStorage.removeItem(KEPT);
+    if (isOwn()) sessionStorage.setItem(KEPT, JSON.stringify({ hash: location.hash, text: text(), records: [...records] }));
+  } catch { if (isOwn() && !inAddress) event.preventDefault(); }
+}
+
+/** What was kept at this address. @returns {{text: string, records: [string, string][]} | null} */
+function kept() {
+  try {
+    const found = JSON.parse(sessionStorage.getItem(KEPT) ?? "null");
+    return found?.hash === location.hash ? found : null;
+  } catch { return null; }
 }
 
 /** A whole new text. @param {string} content */
@@ -105,7 +147,7 @@ async function adopt(content) {
   // Records of the gallery lie beside its files.
   for (const name of gallery.keys()) if (!name.endsWith(".toml") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
   select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
-  length = null; start = ""; run.at = 0;
+  length = null; start = ""; run.at = 0; misled = false;
   if (!select("example").value) mine = content;
   studies.forget();
   editor.put(content);
@@ -220,11 +262,16 @@ async function change(name, value) {
 }
 
 let written = 0;
+/** Whether the address holds the present text. */
+let inAddress = false;
 /** Writes the file into the address, where it fits. */
 function write() {
   clearTimeout(written);
+  inAddress = false;
   written = window.setTimeout(async () => {
-    const hash = records.size ? "" : await toHash(text());
+    if (misled) return;
+    const own = text(), hash = records.size ? "" : await toHash(own);
+    inAddress = hash !== "" && own === text();
     history.replaceState(null, "", hash ? `#${hash}` : location.pathname + location.search);
   }, 300);
 }
@@ -289,6 +336,9 @@ function showPace() {
 /** @param {number} time */
 function goTo(time) { run.at = Math.max(0, Math.min(run.length, time)); dirty = true; }
 
+/** @param {string} name name of an element */
+const unitOfImpulse = (name) => (run.machine.elements.find((e) => e.name === name)?.rotates ? "N·m·s" : "N·s");
+
 /** Light and sound of what happens between two times. @param {number} from @param {number} to */
 function strike(from, to) {
   let loudest = 0;
@@ -297,8 +347,7 @@ function strike(from, to) {
     if (tag < 0) continue;
     const part = met.impulse > 0 ? met.impulse / (run.largestImpulse || 1) : 0;
     const light = met.kind === "impact" ? 0.35 + 0.65 * part : ["press", "close", "stick"].includes(met.kind) ? 0.4 : 0.2;
-    const unit = run.machine.elements.find((e) => e.name === met.element)?.rotates ? "N·m·s" : "N·s";
-    const words = met.impulse > 0 ? `${Number(met.impulse.toPrecision(2))} ${unit}` : ["stick", "slip"].includes(met.kind) ? met.kind : "";
+    const words = met.impulse > 0 ? `${Number(met.impulse.toPrecision(2))} ${unitOfImpulse(met.element)}` : ["stick", "slip"].includes(met.kind) ? met.kind : "";
     if (light >= (scene.glow.get(tag)?.light ?? 0)) scene.glow.set(tag, { light, words });
     if (met.kind === "impact" || met.kind === "press") loudest = Math.max(loudest, met.kind === "press" ? 0.2 : part);
   }
@@ -375,7 +424,7 @@ function toNextEvent() {
   const from = run.at;
   goTo(met.time);
   strike(Math.max(from, met.time * (1 - 1e-12) - 1e-12), met.time);
-  say(`${met.kind} of ${met.element || "a signal"} at ${Number(met.time.toPrecision(6))} s${Number.isFinite(met.impulse) ? `, impulse ${Number(met.impulse.toPrecision(4))} N·s` : ""}.`);
+  say(`${met.kind} of ${met.element || "a signal"} at ${Number(met.time.toPrecision(6))} s${Number.isFinite(met.impulse) ? `, impulse ${Number(met.impulse.toPrecision(4))} ${unitOfImpulse(met.element)}` : ""}.`);
 }
 
 /** @param {string} what */
@@ -455,6 +504,7 @@ function listen() {
   addEventListener("dragleave", (e) => { if (!e.relatedTarget) document.body.classList.remove("dropping"); });
   addEventListener("drop", (e) => { e.preventDefault(); document.body.classList.remove("dropping"); void receive([...(e.dataTransfer?.files ?? [])]); });
   addEventListener("hashchange", () => void adoptLink());
+  addEventListener("beforeunload", keep);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { theme(); dirty = true; });
   calm.addEventListener("change", () => { if (calm.matches) { playing = false; showPlaying(); } });
 }

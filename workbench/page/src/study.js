@@ -21,6 +21,9 @@ export const study = {
   told: /** @type {(part: number, words: string) => void} */ (() => {}),
 };
 
+/** Seconds beyond the chosen time after which a search of orbits is ended by force. */
+const GRACE = 0.5;
+
 /** The value at an index, SI. @param {number} i */
 export const valueAt = (i) => study.range[0] + (study.range[1] - study.range[0]) * i / Math.max(1, study.count - 1);
 
@@ -66,16 +69,26 @@ export async function orbits(machine, asked) {
   const begun = performance.now(), helper = new Helper();
   study.helpers = [helper];
   const { seconds } = asked, passed = () => (performance.now() - begun) / 1000;
+  let known = 0;
+  const heard = (/** @type {{branches: Point[][], known: number}} */ part) => {
+    study.branches.push(...part.branches);
+    ({ known } = part);
+    study.told(Math.max(study.branches.length / Math.max(1, known), passed() / seconds), `${several(study.branches.length, "branch", "branches")} of ${known} known of so far, after ${passed().toFixed(0)} s of ${seconds} s at most.`);
+    study.changed();
+  };
+  // One long motion or branch may not look at the clock: the worker is then ended, and what it has told stays.
+  const late = window.setTimeout(() => helper.end("late"), 1000 * (seconds + GRACE));
   study.told(0, `Motions settle; then their orbits are followed over the range, for ${seconds} s at most.`);
   try {
-    const { branches, known } = await helper.ask("orbits", { ...machine, ...asked }, 0, ({ done, known }) => study.told(Math.max(done / Math.max(1, known), passed() / seconds), `${several(done, "branch", "branches")} of ${known} known of so far, after ${passed().toFixed(0)} s of ${seconds} s at most; Stop loses them.`));
-    study.branches = branches;
-    const stable = branches.filter((/** @type {Point[]} */ b) => b.some((p) => p[2])).length, rest = known - branches.length;
+    await helper.ask("orbits", { ...machine, ...asked }, 0, heard).catch((error) => { if (error.message !== "late") throw error; });
+    const { branches } = study, stable = branches.filter((b) => b.some((p) => p[2])).length, rest = known - branches.length, unfinished = passed() > seconds;
     study.running = false;
-    study.told(1, `${several(branches.length, "branch", "branches")} of periodic orbits, ${stable} stable somewhere, in ${passed().toFixed(1)} s${rest > 0 ? `; ${several(rest, "more beginning was", "more beginnings were")} not followed in that time` : ""}. Full: stable; dashed: unstable. Click one to play its motion.`);
+    if (!branches.length && unfinished) study.told(1, `No branch was found in ${passed().toFixed(1)} s: the motions had not settled by then. A longer time, or the command line vibro, finds more.`);
+    else study.told(1, `${several(branches.length, "branch", "branches")} of periodic orbits, ${stable} stable somewhere, in ${passed().toFixed(1)} s${rest > 0 ? `; ${several(rest, "more beginning was", "more beginnings were")} not followed in that time` : ""}. Full: stable; dashed: unstable. Click one to play its motion.`);
   } catch (error) {
     if (study.helpers[0] === helper) { study.running = false; study.told(NaN, String(/** @type {Error} */ (error).message ?? error)); }
   }
+  clearTimeout(late);
   if (study.helpers[0] === helper) halt();
   study.changed();
 }

@@ -4,7 +4,7 @@ import * as core from "vibro-core";
 const post = (/** @type {any} */ message, /** @type {Transferable[]} */ moved = []) => /** @type {any} */ (self).postMessage(message, moved);
 let id = 0;
 /** @type {any} */ (globalThis).panicked = (/** @type {string} */ words) => post({ panicked: words });
-/** @type {any} */ (globalThis).progressed = (/** @type {number} */ done, /** @type {number} */ known) => { post({ id, part: { done, known } }); return performance.now() < until; };
+/** @type {any} */ (globalThis).progressed = (/** @type {string} */ branches, /** @type {number} */ known) => { post({ id, part: { branches: JSON.parse(branches), known } }); return performance.now() < until; };
 
 /** When a fit or a search of orbits ends at the latest, how many steps it has made, when they were last told. */
 let until = 0, steps = 0, toldAt = 0;
@@ -80,7 +80,8 @@ const answers = {
   },
   orbits: ({ text, names, texts, parameter, range, of, seconds }) => {
     until = performance.now() + 1000 * seconds;
-    return { answer: JSON.parse(core.branches(text, names, texts, parameter, Float64Array.from(range), of)) };
+    core.branches(text, names, texts, parameter, Float64Array.from(range), of);
+    return { answer: null };
   },
 };
 

@@ -150,8 +150,8 @@ fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, "branches").ticking();
     let kept = FolderOfPaths(paths);
-    let found = tree_on(family, options, &kept, &mut |done, all| {
-        progress.at(done, all);
+    let found = tree_on(family, options, &kept, &mut |found, all| {
+        progress.at(found.len(), all);
         !stop.load(Ordering::Relaxed)
     })?;
     let is_whole = !stop.load(Ordering::Relaxed);
