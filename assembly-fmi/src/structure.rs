@@ -243,6 +243,7 @@ impl<'a> Structure<'a> {
     /// The knowns of an element's force.
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
+            Action::Linear if slides(&element.series().copied()) => self.elastic(element, Discrete),
             Action::Linear => self.elastic(element, Tunable),
             Action::Switching => {
                 let mut knowns = self.elastic(element, Discrete);
@@ -322,11 +323,11 @@ impl<'a> Structure<'a> {
 
     /// The knowns of an element's elongation, rate and force, for `order` 0, 1 and 2.
     fn of_element(&self, element: Element, order: usize) -> Knowns {
-        let mut knowns = Knowns::new();
-        match order {
-            0 | 1 => self.elongation(element, order, &mut knowns),
-            _ => return self.force(element),
+        if order > 1 {
+            return self.force(element);
         }
+        let mut knowns = Knowns::new();
+        self.elongation(element, order, &mut knowns);
         knowns
     }
 

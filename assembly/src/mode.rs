@@ -207,18 +207,25 @@ impl System {
         }
     }
 
-    /// Accelerations without contact forces, in given states of stops and frictions, as rows.
-    pub fn free_acceleration(&self, stops: &[StopState], frictions: &[FrictionState]) -> DMatrix<f64> {
-        self.accelerations(&self.forces, stops, (frictions, stops))
+    /// Accelerations without contact forces, in given states of stops, frictions and sliders, as
+    /// rows.
+    pub fn free_acceleration(
+        &self,
+        stops: &[StopState],
+        frictions: &[FrictionState],
+        sliders: &[SliderState],
+    ) -> DMatrix<f64> {
+        self.accelerations(&self.forces, stops, (frictions, stops), sliders)
     }
 
     /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine:
-    /// those of stops, and of frictions with the states of the stops that they follow.
+    /// those of stops, of frictions with the states of the stops that they follow, and of sliders.
     fn accelerations(
         &self,
         always: &DMatrix<f64>,
         stops: &[StopState],
         (frictions, followed): (&[FrictionState], &[StopState]),
+        sliders: &[SliderState],
     ) -> DMatrix<f64> {
         let mut forces = always.clone();
         for (i, &state) in stops.iter().enumerate() {
@@ -229,6 +236,11 @@ impl System {
         for (i, &state) in frictions.iter().enumerate() {
             if let Some(force) = self.friction_force(i, state, followed) {
                 add_outer(&mut forces, &self.frictions[i].elongation.w, &force);
+            }
+        }
+        for i in self.sliders() {
+            if let Some(&state) = sliders.get(i) {
+                add_outer(&mut forces, &self.branches[i].elongation.w, &self.branch_force(i, state));
             }
         }
         // Forces are summed before they are divided, so that cancelling ones leave exact zeros.

@@ -55,7 +55,7 @@ pub struct System {
     pub mass: DMatrix<f64>,
     /// Whether the inertia matrix is diagonal: no link couples the coordinates.
     pub(crate) is_diagonal: bool,
-    /// Forces on the coordinates that act in every mode: M a = forces · z + …
+    /// Forces on the coordinates that act in every mode, without sliders: M a = forces · z + …
     pub forces: DMatrix<f64>,
     /// Indices of the stiff springs, whose forces are evaluated separately.
     pub(crate) stiff_springs: Vec<usize>,
@@ -239,9 +239,7 @@ impl System {
     }
 
     fn elongation(&self, arms: &Arms) -> Elongation {
-        let size = self.signals.size;
-        let (mut e, mut rate, mut drift) =
-            (StateRow::zeros(size), StateRow::zeros(size), StateRow::zeros(size));
+        let [mut e, mut rate, mut drift] = [(); 3].map(|()| StateRow::zeros(self.signals.size));
         let mut w = DVector::zeros(self.coordinates);
         for &(body, arm) in &arms.terms {
             let rows = &self.bodies[body];
@@ -255,7 +253,8 @@ impl System {
         let mobility = self.inertia.solve(&w);
         let acts = |k: &usize| [&w, &column, &mobility].iter().any(|own| own[*k] != 0.0);
         let reach = (0..self.coordinates).filter(acts).collect();
-        Elongation { e, rate: Functional::of(rate), w, drift, column, mobility, reach }
+        let [e, rate] = [e, rate].map(Functional::of);
+        Elongation { e, rate, w, drift, column, mobility, reach }
     }
 
     /// Adds the parts of all elements but freewheels, with the rows of signals and those of
@@ -322,14 +321,14 @@ impl System {
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
         let elongation = self.elongation(arms);
-        let force = self.constant(preload) + stiffness * &elongation.e + damping * &*elongation.rate;
+        let force = self.constant(preload) + stiffness * &*elongation.e + damping * &*elongation.rate;
         self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
         vec![Part::Spring(self.springs.len() - 1)]
     }
 
     fn add_stop(&mut self, arms: &Arms, gap: f64, law: StopLaw) -> Vec<Part> {
         let elongation = self.elongation(arms);
-        let excess = &elongation.e - self.constant(gap);
+        let excess = &*elongation.e - self.constant(gap);
         let (stiffness, damping) = match law {
             StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
             StopLaw::Rigid { .. } => (0.0, 0.0),
@@ -378,8 +377,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs except `left_out` and those in series, and inertia forces of
-    /// prescribed bodies through links.
+    /// Weight, loads, springs except `left_out`, springs in series with dashpots, and inertia forces
+    /// of prescribed bodies through links.
     fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
         let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {
@@ -398,7 +397,7 @@ impl System {
         for (body, force) in self.gyroscopic_forces() {
             forces.ger(-1.0, &self.bodies[body].weights, &force, 1.0);
         }
-        for branch in &self.branches {
+        for branch in self.branches.iter().filter(|branch| !branch.is_slider()) {
             forces.ger(-1.0, &branch.elongation.w, &branch.force, 1.0);
         }
         forces

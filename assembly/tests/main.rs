@@ -21,6 +21,8 @@ mod derivatives_under_way;
 mod follows;
 mod freewheel;
 mod gallery;
+mod held_exactly;
+mod instants;
 mod jumps;
 mod known_figures;
 mod ladder;

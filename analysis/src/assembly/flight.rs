@@ -351,7 +351,7 @@ pub fn follow(
     let system = assembly.system();
     let mut events = Vec::new();
     // At a knot at the end samples are still to come.
-    while motion.time() < end || motion.next_time_event().is_some_and(|time| time <= end) {
+    while motion.time() < end || motion.has_time_event_until(end) {
         let (start, from) = (own(motion.state()), motion.time());
         let flow = flows.of(system, motion.mode());
         events.clear();

@@ -4,6 +4,7 @@
 mod dependencies;
 mod energy;
 mod events;
+mod instants;
 mod lists;
 mod protocol;
 mod signs;

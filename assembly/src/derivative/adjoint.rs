@@ -179,8 +179,7 @@ impl<'a> Adjoint<'a> {
             Owner::Element(i) if matches!(quantity.what, What::Slider | What::SliderRate) => {
                 let Some(place) = machine.system.slider_of(i) else { return };
                 if quantity.what == What::Slider {
-                    self.state[place] += factor;
-                    return;
+                    return self.state[place] += factor;
                 }
                 mode.a.row(place).iter().for_each(|&(j, x)| self.state[j] += factor * x);
                 let own = &mut self.in_mode(mode).a;
@@ -243,8 +242,9 @@ impl<'a> Adjoint<'a> {
                 return self.weights.springs[i].1.axpy(factor, z, 1.0);
             }
             Part::Branch(i) => {
-                self.state.axpy(factor, &system.branches[i].force, 1.0);
-                return self.weights.branches[i].force.axpy(factor, z, 1.0);
+                let state = mode.mode.sliders[i];
+                self.state.axpy(factor, &system.branch_force(i, state), 1.0);
+                return self.weights.add_branch_force(i, state, factor, z);
             }
             Part::Load(i) => {
                 self.state.axpy(factor, &system.loads[i], 1.0);

@@ -29,10 +29,22 @@ impl Tangent {
                 // Both are of one machine.
                 (SeriesLaw::Slider { .. }, SeriesLaw::Dashpot { .. }) => level.clone(),
             };
-            self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
-            self.forces.ger(-1.0, &e.w, &force, 1.0);
+            // The force of a slider depends on the mode.
+            if !rows.is_slider() {
+                self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
+                self.forces.ger(-1.0, &e.w, &force, 1.0);
+            }
             self.branches.push(BranchTangent { elongation: own, force, rate, level });
             self.inner.push(change.slider);
+        }
+    }
+
+    /// The derivative of the force of a branch in a state of its slider.
+    pub fn branch_force(&self, i: usize, state: SliderState) -> StateRow {
+        let own = &self.branches[i];
+        match state {
+            SliderState::Held => own.force.clone(),
+            state => state.direction() * &own.level,
         }
     }
 
@@ -47,8 +59,7 @@ impl Tangent {
 
 /// Whether the inner place of a branch moves in a mode.
 fn is_moving(system: &System, mode: &Mode, i: usize) -> bool {
-    let is_slider = matches!(system.branches[i].law, SeriesLaw::Slider { .. });
-    !is_slider || mode.sliders[i] != SliderState::Held
+    !system.branches[i].is_slider() || mode.sliders[i] != SliderState::Held
 }
 
 impl Machine {
@@ -63,7 +74,7 @@ impl Machine {
     ) {
         let slips = |i: usize| Some(at.mode.mode.sliders[i].direction()).filter(|d| *d != 0.0);
         for (i, branch) in self.system.branches.iter().enumerate() {
-            if let (Some(direction), SeriesLaw::Slider { .. }) = (slips(i).or_else(|| moved(i)), branch.law) {
+            if let (Some(direction), true) = (slips(i).or_else(|| moved(i)), branch.is_slider()) {
                 let by = &self.tangents[p].branches[i];
                 let level = direction * by.level.dot(at.z);
                 let off = branch.force.dot(delta) + by.force.dot(at.z) - level;
@@ -74,6 +85,26 @@ impl Machine {
 }
 
 impl Weights {
+    /// Adds `factor` × `row` by the force of a branch in a state of its slider.
+    pub fn add_branch_force(&mut self, i: usize, state: SliderState, factor: f64, row: &StateRow) {
+        let own = &mut self.branches[i];
+        match state {
+            SliderState::Held => own.force.axpy(factor, row, 1.0),
+            state => own.level.axpy(state.direction() * factor, row, 1.0),
+        }
+    }
+
+    /// Adds the weights of the forces of sliders in a mode, which the weights of the forces on the
+    /// coordinates determine.
+    pub(super) fn add_sliders(&mut self, system: &System, mode: &Mode, by_forces: &DMatrix<f64>) {
+        for i in system.sliders() {
+            let state = mode.sliders[i];
+            self.branches[i].elongation.w -= by_forces * system.branch_force(i, state);
+            let row = by_forces.tr_mul(&system.branches[i].elongation.w);
+            self.add_branch_force(i, state, -1.0, &row);
+        }
+    }
+
     /// Adds what the rows of states of first order depend on: `by_a` is by the rows of A from the
     /// accelerations on.
     pub(super) fn add_first_order(&mut self, system: &System, mode: &Mode, by_a: &DMatrix<f64>) {

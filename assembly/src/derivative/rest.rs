@@ -40,7 +40,7 @@ pub(super) fn equilibrium(
         }
     }
     let mut right = tangent.forces_in(system, mode) * at.z;
-    take_relaxed(machine, p, at, (&mut forces, &mut right));
+    put_borne(machine, p, at, (&mut forces, &mut right));
     right += &forces * &*delta;
     if right.amax() == 0.0 && mode.contacts().all(|contact| is_unmoved(machine, p, contact, (delta, at))) {
         follow(machine, p, delta, at);
@@ -84,22 +84,31 @@ pub(super) fn equilibrium(
     Ok(())
 }
 
-/// Takes springs in series that have relaxed, or whose slider is at its level, out of the forces,
-/// and out of what the column changes in them: they bear nothing at rest, or their level.
-fn take_relaxed(
+/// Replaces the forces of springs in series in the mode after the start by their forces at rest,
+/// with the column's changes. A relaxed spring bears no force. A spring whose slider is at its level
+/// bears this level.
+fn put_borne(
     machine: &Machine,
     p: usize,
     at: &Instant,
     (forces, right): (&mut DMatrix<f64>, &mut DVector<f64>),
 ) {
-    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
-        let level = match level_at_rest(branch, at) {
-            Rest::Elastic => continue,
-            Rest::Relaxed => 0.0,
+    let (system, tangent) = (&machine.system, &machine.tangents[p]);
+    for (i, (branch, by)) in system.branches.iter().zip(&tangent.branches).enumerate() {
+        let w = &branch.elongation.w;
+        let borne = match level_at_rest(branch, at) {
+            Rest::Elastic => {
+                forces.ger(-1.0, w, &branch.force, 1.0);
+                by.force.dot(at.z)
+            }
+            Rest::Relaxed => {
+                forces.ger(1.0, w, &branch.force, 1.0);
+                0.0
+            }
             Rest::AtLevel(direction) => direction * by.level.dot(at.z),
         };
-        forces.ger(1.0, &branch.elongation.w, &branch.force, 1.0);
-        right.axpy(by.force.dot(at.z) - level, &branch.elongation.w, 1.0);
+        let in_mode = tangent.branch_force(i, at.mode.mode.sliders[i]);
+        right.axpy(in_mode.dot(at.z) - borne, w, 1.0);
     }
 }
 

@@ -193,7 +193,7 @@ impl Tangent {
         {
             let own = self.elongation(system, &arms, &by);
             let e = &rows.elongation;
-            let mut force = dk * &e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
+            let mut force = dk * &*e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
             self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
             self.forces.ger(-1.0, &e.w, &force, 1.0);
@@ -375,6 +375,11 @@ impl Tangent {
             {
                 put(&system.frictions[i].elongation, &self.frictions[i].elongation, force, by);
             }
+        }
+        for i in system.sliders() {
+            let (state, e) = (mode.sliders[i], &system.branches[i].elongation);
+            let [force, by] = [system.branch_force(i, state), self.branch_force(i, state)];
+            put(e, &self.branches[i].elongation, force, by);
         }
         forces
     }

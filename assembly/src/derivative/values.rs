@@ -102,7 +102,10 @@ impl Point<'_> {
         let (system, tangent, mode) = (self.system, self.tangent, &self.mode.mode);
         match part {
             Part::Spring(i) => self.of(&system.springs[i].force, &tangent.springs[i].1),
-            Part::Branch(i) => self.of(&system.branches[i].force, &tangent.branches[i].force),
+            Part::Branch(i) => {
+                let state = mode.sliders[i];
+                self.of(&system.branch_force(i, state), &tangent.branch_force(i, state))
+            }
             Part::Load(i) => {
                 self.of(&system.load_row(i, &mode.stops), &tangent.load_row(system, i, &mode.stops))
             }

@@ -275,6 +275,7 @@ impl Weights {
                 self.add_friction_force((i, levels), state, -1.0, &row);
             }
         }
+        self.add_sliders(system, &mode.mode, &by_forces);
         self.forces += by_forces;
     }
 

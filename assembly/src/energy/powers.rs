@@ -212,8 +212,8 @@ impl Powers {
         for (body, force) in system.gyroscopic_forces() {
             add(1.0, &force, &system.bodies[body].v);
         }
-        for branch in &system.branches {
-            add(1.0, &branch.force, &branch.elongation.rate);
+        for (i, branch) in system.branches.iter().enumerate() {
+            add(1.0, &system.branch_force(i, mode.sliders[i]), &branch.elongation.rate);
         }
         for (i, stop) in system.stops.iter().enumerate() {
             if let Some(force) = system.stop_force(i, mode.stops[i]) {

@@ -324,7 +324,7 @@ impl<'a> Selection<'a> {
     /// frictions that slip at their static levels.
     fn solve(&mut self, order: usize) -> Result<Vec<usize>, Jam> {
         let (stops, frictions) = self.states();
-        let free = self.system.free_acceleration(&stops, &frictions);
+        let free = self.system.free_acceleration(&stops, &frictions, &self.slider_states());
         let contacts: Vec<Contact> = (0..stops.len())
             .filter(|&i| stops[i] == StopState::Closed)
             .map(Contact::Stop)

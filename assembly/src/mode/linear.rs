@@ -58,8 +58,10 @@ impl System {
         let terms = self.split_terms(mode);
         let free = match &terms {
             Some((split, elastic, others)) => split.with(elastic.iter().chain(others)),
-            None => self
-                .matrix(&self.free_acceleration(&mode.stops, &mode.frictions), (&mode.sliders, &mode.stops)),
+            None => {
+                let Mode { stops, frictions, sliders, .. } = mode;
+                self.matrix(&self.free_acceleration(stops, frictions, sliders), (sliders, stops))
+            }
         };
         let elastic = self.elastic(mode, &held, terms);
         if mode.basis.is_empty() {
@@ -137,7 +139,8 @@ impl System {
             None => {
                 let mut left = mode.stops.clone();
                 pressed.iter().for_each(|&i| left[i] = StopState::Below);
-                let rest = self.accelerations(self.soft_forces(), &left, (&mode.frictions, &mode.stops));
+                let followed = (&mode.frictions[..], &mode.stops[..]);
+                let rest = self.accelerations(self.soft_forces(), &left, followed, &mode.sliders);
                 let springs = self.stiff_springs.iter().map(|&i| self.springs[i].force.clone());
                 let stops = pressed.iter().filter_map(|&i| self.stop_force(i, mode.stops[i]));
                 let forces = springs.chain(stops).map(|force| Arc::new(Functional::of(force)));
@@ -244,9 +247,9 @@ impl System {
     }
 
     /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
-    /// the forces of stiff springs.
+    /// the forces of stiff springs and of springs with sliders.
     pub(crate) fn base(&self) -> SparseMatrix {
-        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[])), (&[], &[]))
+        self.matrix(&self.accelerations(self.soft_forces(), &[], (&[], &[]), &[]), (&[], &[]))
     }
 
     /// Whether a row is a negative constant, such as that of a constant friction level.

@@ -79,6 +79,7 @@ impl Motion {
             carried: 0,
             turns: 0,
             last: None,
+            standing: Vec::new(),
             due: None,
             ..old.hybrid
         };

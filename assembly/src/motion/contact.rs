@@ -373,6 +373,7 @@ impl Motion {
         self.place = self.tables.place_of(&mode, &self.assembly.system);
         self.hybrid.mode = mode;
         self.keep_contacts();
+        self.note_standing();
         self.include_contacts();
         self.find_departures();
         if self.rest_at_edges() {

@@ -114,7 +114,11 @@ impl Assembly {
         let mut z: StateRow = DVector::from_element(system.signals.size, 1.0);
         z.rows_mut(0, system.states()).fill(0.0);
         let given = |row: &StateRow| row.abs().dot(&z);
-        let stiffness = |k: usize| -system.forces[(k, k)];
+        let held = |k: usize| {
+            let sliders = system.sliders().map(|i| &system.branches[i]);
+            sliders.map(|own| own.elongation.w[k] * own.force[k]).sum::<f64>()
+        };
+        let stiffness = |k: usize| held(k) - system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
             .map(|k| {
                 let stops =
@@ -159,6 +163,7 @@ impl Motion {
     pub fn begin_course(&mut self) -> Result<Course, Error> {
         self.pass_event(&mut None)?;
         self.overshoot = OVERSHOOT;
+        self.note_standing();
         for (size, nominal) in self.hybrid.sizes.0.iter_mut().zip(self.assembly.nominals()) {
             *size = size.max(nominal);
         }
@@ -241,7 +246,7 @@ impl Motion {
 
     /// Whether an event is pending: a watched functional has passed zero, or a signal has a knot.
     pub fn is_event_due_on(&self, course: &Course) -> bool {
-        self.is_at_knot(course) || self.is_at_sample() || !self.passed().is_empty()
+        self.knot_now(course.event).is_some() || self.is_at_sample() || !self.passed().is_empty()
     }
 
     /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its
@@ -280,21 +285,12 @@ impl Motion {
         [knot, self.next_sample()].into_iter().flatten().reduce(f64::min)
     }
 
-    fn is_at_knot(&self, course: &Course) -> bool {
-        let knot = self.assembly.system.signals.next_knot(course.event);
-        knot.is_some_and(|knot| knot <= self.time())
-    }
-
-    fn is_at_sample(&self) -> bool {
-        self.next_sample().is_some_and(|sample| sample <= self.time())
-    }
-
     /// Accepts the present point and advances the energy accounts to it. Returns whether an event
     /// was stepped over.
     pub fn accept(&mut self, course: &mut Course) -> bool {
         self.hybrid.energy = self.energy_on(course);
         (course.time, course.z) = (self.time(), self.hybrid.z.clone());
-        self.is_at_knot(course)
+        self.knot_now(course.event).is_some()
             || self.is_at_sample()
             || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
@@ -333,22 +329,22 @@ impl Motion {
         // nor openings. A functional that passed zero only by these errors does not count as
         // passed. At a knot only rates are projected, since coordinates may jump with prescribed
         // bodies.
-        let (left, is_at_knot) = (self.hybrid.z.clone(), self.is_at_knot(course));
-        if is_at_knot {
+        let (left, knot) = (self.hybrid.z.clone(), self.knot_now(course.event));
+        if knot.is_some() {
             self.keep_rates()
         } else {
             self.keep_contacts()
         }
         let mut changed = left != self.hybrid.z;
-        if is_at_knot {
-            course.event = self.time();
+        if let Some(knot) = knot {
+            course.event = knot.max(self.time());
             let stood = self.before_jump();
             self.refill_on(course);
             self.apply_knot(stood, observer)?;
             changed = true;
         }
         if self.is_at_sample() {
-            course.event = self.time();
+            course.event = course.event.max(self.time());
             self.refill_on(course);
             self.apply_samples(observer)?;
             changed = true;
@@ -359,7 +355,7 @@ impl Motion {
                 return Ok(changed);
             }
             changed = true;
-            course.event = self.time();
+            course.event = course.event.max(self.time());
             self.hybrid.last = ended.first().copied();
             let (mode, z) = (self.hybrid.mode.clone(), self.hybrid.z.clone());
             self.settle(&ended, &Parted::default(), observer)?;

@@ -131,6 +131,7 @@ impl Motion {
         // A stop just entered is at its edge: it is exempt from the test of those that press.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(next, entered) {
+            self.note_standing();
             self.report_change(was, 0.0, observer);
             return true;
         }

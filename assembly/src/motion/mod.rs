@@ -4,6 +4,7 @@ mod change;
 mod contact;
 mod course;
 mod event;
+mod instant;
 mod jump;
 mod limits;
 mod lone;
@@ -14,6 +15,7 @@ mod projection;
 mod report;
 mod samples;
 pub(crate) mod saved;
+mod start;
 mod step;
 mod tables;
 pub(crate) mod touches;
@@ -23,13 +25,14 @@ mod varied;
 
 pub use course::Course;
 pub use event::{Event, EventKind};
+pub(crate) use start::start_of;
 pub use varied::{Crossing, keep};
 
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
-use crate::mode::{FrictionState, Mode, StopState, Watch};
+use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
 use crate::signals::Input;
 use jump::Parted;
 use nalgebra::DVector;
@@ -106,6 +109,8 @@ pub struct Hybrid {
     turns: u32,
     /// The functional that ended the last mode.
     last: Option<Watch>,
+    /// Contacts that keep e' at zero, but not e, with their e when they began to hold; sorted.
+    standing: Vec<(Contact, f64)>,
     /// The pending event.
     due: Option<Due>,
 }
@@ -296,8 +301,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A state at a time, before the law at the start; samples at this time are done or, with
-    /// `fresh`, still to come.
+    /// A state at a time or at the last time event of its instant, before the law at the start;
+    /// samples at this time are done or, with `fresh`, still to come.
     fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64], fresh: bool) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
@@ -306,8 +311,8 @@ impl Motion {
                 allowed: "a finite number".into(),
             });
         }
-        let time = DoubleDouble::new(time);
         let system = &assembly.system;
+        let time = DoubleDouble::new(system.last_of_instant(time));
         let inputs = system.signals.no_inputs();
         let z = Self::state_with_signals(&assembly, time, start, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
@@ -338,6 +343,7 @@ impl Motion {
             carried: 0,
             turns: 0,
             last: None,
+            standing: Vec::new(),
             due: None,
         };
         let motion = Self::of(assembly, hybrid);
@@ -495,10 +501,3 @@ impl Motion {
 
 /// Longest time of the ways that tell rounding of a place at a start, s.
 const LONGEST: f64 = 1.0;
-
-/// The states of the machine's start.
-pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {
-    let bodies = || assembly.system.bodies_of.iter();
-    let places = bodies().map(|&b| assembly.starts[b].0);
-    places.chain(bodies().map(|&b| assembly.starts[b].1)).chain(assembly.inner.iter().copied()).collect()
-}

@@ -2,21 +2,48 @@
 
 use super::{Hybrid, Motion};
 use crate::mode::{Contact, Triangle};
-use crate::system::System;
+use crate::system::{Functional, System};
+
+/// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e. Beyond
+/// this limit e returns to where the contact began to hold. The value of e itself may have one such
+/// rounding.
+const DRIFT: f64 = 2.0;
+
+/// The distance of e from `from`; 0 within [`DRIFT`] roundings.
+fn drift(e: &Functional, from: f64, z: &[f64]) -> f64 {
+    let (value, size) = e.terms().iter().fold((0.0, 0.0), |(value, size), &(j, x)| {
+        let term: f64 = x * z[j];
+        (value + term, size + term.abs())
+    });
+    let off = value - from;
+    if off.abs() > DRIFT * f64::EPSILON * size { off } else { 0.0 }
+}
+
+/// Where a contact began to hold; the list is sorted.
+fn place_of(contact: Contact, standing: &[(Contact, f64)]) -> Option<f64> {
+    standing.binary_search_by_key(&contact, |held| held.0).ok().map(|place| standing[place].1)
+}
 
 impl Motion {
     /// Projects the state onto the constraints of the present mode, by the least change in the
-    /// inertia's metric: e = gap and e' = 0 of closed stops, e' = 0 of sticking friction.
+    /// inertia's metric: e = gap and e' = 0 of closed stops, e' = 0 and e as it was of sticking
+    /// friction and engaged freewheels. Then puts the inner places of slipping sliders where their
+    /// forces are at their levels.
     pub(super) fn keep_contacts(&mut self) {
+        let drifts = self.find_drifts();
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         // The basis is sorted: stops come first, with the leading part of the triangle.
         let system = &self.assembly.system;
         let stops = mode.basis.iter().take_while(|c| system.keeps_place(**c)).count();
-        if stops > 0 {
-            let r = &self.tables.at(self.place).table.triangle;
+        let r = &self.tables.at(self.place).table.triangle;
+        if drifts {
+            displace(system, (&mode.basis, r, 0), z.as_mut_slice(), &mut self.scratch.off);
+        } else if stops > 0 {
             project(system, &mode.basis[..stops], r, false, z.as_mut_slice(), &mut self.scratch.off);
         }
         self.keep_rates();
+        let Hybrid { mode, z, .. } = &mut self.hybrid;
+        self.assembly.system.keep_levels(&mode.sliders, z.as_mut_slice());
     }
 
     /// Projects the rates alone onto the constraints of the present mode.
@@ -27,6 +54,43 @@ impl Motion {
         }
         let (system, r) = (&self.assembly.system, &self.tables.at(self.place).table.triangle);
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
+    }
+
+    /// Returns whether a contact that keeps e' alone has drifted. If so, writes the deviations of the
+    /// places of the whole basis to the scratch memory.
+    fn find_drifts(&mut self) -> bool {
+        let Hybrid { mode, z, standing, .. } = &self.hybrid;
+        let (system, z) = (&self.assembly.system, z.as_slice());
+        let own = |&(contact, from): &(Contact, f64)| drift(&system.elongation_of(contact).e, from, z);
+        if !standing.iter().any(|held| own(held) != 0.0) {
+            return false;
+        }
+        self.scratch.off.clear();
+        self.scratch.off.extend(mode.basis.iter().map(|&contact| match contact {
+            Contact::Stop(i) if system.keeps_place(contact) => system.stops[i].excess.at(z),
+            _ => place_of(contact, standing).map_or(0.0, |from| own(&(contact, from))),
+        }));
+        true
+    }
+
+    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold. A
+    /// contact that held before keeps its e, unless a jump or an impact has moved it. Does nothing
+    /// for a host's solver, whose states have errors.
+    pub(super) fn note_standing(&mut self) {
+        let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
+        let (system, z) = (&self.assembly.system, z.as_slice());
+        let exact = self.overshoot == 0.0;
+        standing.retain(|&(contact, from)| {
+            let stays = exact && mode.basis.binary_search(&contact).is_ok();
+            stays && drift(&system.elongation_of(contact).e, from, z) == 0.0
+        });
+        let before = standing.len();
+        for &contact in mode.basis.iter().filter(|&&contact| exact && !system.keeps_place(contact)) {
+            if place_of(contact, &standing[..before]).is_none() {
+                standing.push((contact, system.elongation_of(contact).e.at(z)));
+            }
+        }
+        standing.sort_unstable_by_key(|held| held.0);
     }
 }
 
@@ -46,8 +110,17 @@ pub(super) fn project(
         (Contact::Stop(i), false) => system.stops[i].excess.at(z),
         _ => system.elongation_of(contact).rate.at(z),
     }));
+    displace(system, (contacts, r, if rates { system.coordinates } else { 0 }), z, off);
+}
+
+/// Removes the deviations `off` of contacts from the coordinates or rates that begin at `first`.
+fn displace(
+    system: &System,
+    (contacts, r, first): (&[Contact], &Triangle, usize),
+    z: &mut [f64],
+    off: &mut [f64],
+) {
     r.solve(off);
-    let first = if rates { system.coordinates } else { 0 };
     for (&contact, off) in contacts.iter().zip(off.iter()) {
         let e = system.elongation_of(contact);
         e.reach.iter().for_each(|&k| z[first + k] -= off * e.mobility[k]);

@@ -55,7 +55,7 @@ impl Motion {
                 self.report_friction(i, was, now, observer);
             }
             (ElementState::Slider(slider, was), ElementState::Slider(_, now)) if was != now => {
-                let force = self.assembly.system.branches[slider].force.at(self.hybrid.z.as_slice());
+                let force = self.branch_force(slider);
                 let kind = match now {
                     SliderState::Held => EventKind::Hold { slider, force },
                     _ => EventKind::Yield { slider, direction: now.direction(), force },

@@ -1,6 +1,7 @@
 //! Samples of blocks: when they are due, and what they do to the motion.
 
 use super::event::EventKind;
+use super::instant::end_of_instant;
 use super::jump::Parted;
 use super::report::report;
 use super::{Motion, Observer};
@@ -9,9 +10,6 @@ use crate::system::{SampleAction, SampleKind, Sampler, System};
 use serde::{Deserialize, Serialize};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Times that differ by so many units in the last place are one instant.
-const INSTANT: f64 = 4.0;
-
 /// How far a sampled block has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clock {
@@ -19,11 +17,6 @@ pub struct Clock {
     pub reads: u64,
     /// Samples whose outputs act or have acted.
     pub acts: u64,
-}
-
-/// The latest time that counts as an instant.
-fn end_of_instant(time: f64) -> f64 {
-    time + INSTANT * f64::EPSILON * time.abs()
 }
 
 impl Sampler {

@@ -78,6 +78,8 @@ impl Hybrid {
             && self.mode.basis.is_sorted_by(|a, b| a < b)
             && self.mode.basis.iter().all(there)
             && of_its_law
+            && self.standing.is_sorted_by(|a, b| a.0 < b.0)
+            && self.standing.iter().all(|(contact, e)| self.mode.basis.contains(contact) && e.is_finite())
             && self.last.as_ref().is_none_or(known)
             && due
     }

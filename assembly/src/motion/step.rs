@@ -1,5 +1,6 @@
 //! Advancing a motion by sub-steps, each proved to be without an event or ended at the first one.
 
+use super::instant::end_of_instant;
 use super::jump::Parted;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
 use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
@@ -33,7 +34,7 @@ enum Pause {
 }
 
 impl Motion {
-    /// Advances to a time.
+    /// Advances to a time, or to the last time event of its instant, which is then passed.
     ///
     /// # Errors
     /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`],
@@ -128,10 +129,11 @@ impl Motion {
     }
 
     fn advance(&mut self, end: f64, pause: Pause, observer: &mut Observer) -> Result<Reached, Error> {
-        if !(end.is_finite() && end >= self.time()) {
+        if !(end.is_finite() && end_of_instant(end) >= self.time()) {
             return Err(Error::Step { time: self.time(), end });
         }
         self.pass_event(observer)?;
+        let end = self.assembly.system.last_of_instant(end).max(self.time());
         let target = DoubleDouble::new(end);
         let began = self.time();
         let (mut work, mut from) = (WORK.0 as f64, began);

@@ -110,7 +110,7 @@ impl Motion {
                     Part::Spring(i) => self.assembly.system.springs[i].force.dot(z),
                     Part::Stop(i) => stop_force(i),
                     Part::Friction(i) => self.friction(i)[2],
-                    Part::Branch(i) => self.assembly.system.branches[i].force.at(z.as_slice()),
+                    Part::Branch(i) => self.branch_force(i),
                     Part::Load(i) => self.load(i),
                 };
                 parts.iter().map(force).sum()
@@ -138,9 +138,17 @@ impl Motion {
     /// A load's force.
     pub fn load(&self, i: usize) -> f64 {
         let (system, z, stops) = (&self.assembly.system, &self.hybrid.z, &self.hybrid.mode.stops);
-        let limits = system.load_limits[i].iter().filter(|own| stops[own.0] == StopState::Pressed);
-        let beyond: f64 = limits.map(|own| own.1 * system.stops[own.0].excess.at(z.as_slice())).sum();
-        system.loads[i].dot(z) + beyond
+        // A difference of two values would have the rounding of the output without its limit.
+        if system.load_limits[i].iter().any(|own| stops[own.0] == StopState::Pressed) {
+            return system.load_row(i, stops).dot(z);
+        }
+        system.loads[i].dot(z)
+    }
+
+    /// The force of a spring in series.
+    pub(super) fn branch_force(&self, i: usize) -> f64 {
+        let state = self.hybrid.mode.sliders[i];
+        self.assembly.system.branch_force_at(i, state, self.hybrid.z.as_slice())
     }
 
     fn contact_force(&self, contact: Contact) -> f64 {

@@ -183,7 +183,9 @@ impl System {
         match *input {
             BlockInput::Place(body) => Combination::of(self.bodies[body].s.clone()),
             BlockInput::Rate(body) => Combination::of(self.bodies[body].v.clone()),
-            BlockInput::Elongation(i) => Combination::of(elongation(i).map_or_else(zeros, |own| own.e)),
+            BlockInput::Elongation(i) => {
+                Combination::of(elongation(i).map_or_else(zeros, |own| (*own.e).clone()))
+            }
             BlockInput::ElongationRate(i) => {
                 Combination::of(elongation(i).map_or_else(zeros, |own| (*own.rate).clone()))
             }
@@ -237,7 +239,7 @@ impl System {
             let law = StopLaw::Compliant { stiffness: 0.0, damping: 0.0, limit: DampingLimit::Pull };
             limited.beyond.push((self.stops.len(), -sign));
             self.stops.push(StopRows {
-                elongation: Elongation { e: (*excess).clone(), ..elongation },
+                elongation: Elongation { e: excess.clone(), ..elongation },
                 law,
                 force: excess.clone(),
                 spring: excess.clone(),
@@ -263,7 +265,7 @@ impl System {
         let reach = (0..self.coordinates).filter(acts).collect();
         let zeros = || StateRow::zeros(self.signals.size);
         Elongation {
-            e: zeros(),
+            e: Functional::of(zeros()),
             rate: Functional::of(zeros()),
             w: w.clone(),
             drift: zeros(),

@@ -28,14 +28,20 @@ pub struct BranchRows {
     pub law: SeriesLaw,
     /// Index of the inner place x in the augmented state.
     pub place: usize,
-    /// b = stiffness · (e - x).
+    /// b = stiffness · (e - x), from which a slipping slider departs:
+    /// [`System::branch_force`].
     pub force: Functional,
 }
 
 impl BranchRows {
+    /// Whether the partner is a slider.
+    pub(crate) fn is_slider(&self) -> bool {
+        matches!(self.law, SeriesLaw::Slider { .. })
+    }
+
     /// e - x.
     pub(crate) fn stretch(&self) -> StateRow {
-        let mut row = self.elongation.e.clone();
+        let mut row = (*self.elongation.e).clone();
         row[self.place] -= 1.0;
         row
     }
@@ -118,7 +124,32 @@ impl System {
         }
     }
 
-    /// Puts the force of each branch whose slider slips at its level, by its inner place.
+    /// The force of a branch in a state of its slider: the level while the slider slips, whatever
+    /// the inner place.
+    pub fn branch_force(&self, i: usize, state: SliderState) -> StateRow {
+        match self.slip_level(i) {
+            Some(level) if state != SliderState::Held => state.direction() * level,
+            _ => (*self.branches[i].force).clone(),
+        }
+    }
+
+    /// The value of [`branch_force`](Self::branch_force).
+    pub fn branch_force_at(&self, i: usize, state: SliderState, z: &[f64]) -> f64 {
+        let branch = &self.branches[i];
+        match branch.law {
+            SeriesLaw::Slider { slip } if state != SliderState::Held => {
+                state.direction() * slip * z[self.signals.one]
+            }
+            _ => branch.force.at(z),
+        }
+    }
+
+    /// The branches with sliders, by index.
+    pub(crate) fn sliders(&self) -> impl Iterator<Item = usize> {
+        (0..self.branches.len()).filter(|&i| self.branches[i].is_slider())
+    }
+
+    /// Puts the inner place of each branch whose slider slips where its force is at its level.
     pub(crate) fn keep_levels(&self, sliders: &[SliderState], z: &mut [f64]) {
         for (i, state) in sliders.iter().enumerate().filter(|(_, state)| **state != SliderState::Held) {
             self.keep_level(i, state.direction(), z);

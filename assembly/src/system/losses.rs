@@ -106,12 +106,15 @@ impl Losses {
             }
         }
         for (i, branch) in system.branches.iter().enumerate() {
-            let (account, force) = (Account::Branch(i), &branch.force);
+            let account = Account::Branch(i);
             match branch.law {
-                SeriesLaw::Dashpot { damping } => put(When::Always, account, 1.0 / damping, force, force),
+                SeriesLaw::Dashpot { damping } => {
+                    put(When::Always, account, 1.0 / damping, &branch.force, &branch.force);
+                }
                 SeriesLaw::Slider { .. } => {
                     for state in [SliderState::Up, SliderState::Down] {
-                        put(When::Slider(i, state), account, 1.0, force, &branch.elongation.rate);
+                        let level = system.branch_force(i, state);
+                        put(When::Slider(i, state), account, 1.0, &level, &branch.elongation.rate);
                     }
                 }
             }

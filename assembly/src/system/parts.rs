@@ -54,7 +54,7 @@ impl System {
             Part::Friction(i) => {
                 self.friction_force(i, mode.frictions[i], &mode.stops).or_else(|| held(Contact::Friction(i)))
             }
-            Part::Branch(i) => Some((*self.branches[i].force).clone()),
+            Part::Branch(i) => Some(self.branch_force(i, mode.sliders[i])),
             Part::Load(i) => Some(self.load_row(i, &mode.stops)),
         };
         row.unwrap_or_else(|| StateRow::zeros(self.signals.size))

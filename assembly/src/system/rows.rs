@@ -61,7 +61,7 @@ impl Deref for Functional {
 #[derive(Clone, Debug)]
 pub struct Elongation {
     /// e.
-    pub e: StateRow,
+    pub e: Functional,
     /// e'.
     pub rate: Functional,
     /// The direction of its force on the coordinates, w = ∂e'/∂v; e'' = w·a + drift·z.

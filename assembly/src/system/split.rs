@@ -22,7 +22,7 @@ pub struct Term {
 /// What is known of the modes without held contacts before any is met.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// A where nothing is pressed or slips, but for stiff springs.
+    /// A where nothing is pressed or slips, without stiff springs and springs with sliders.
     pub base: Arc<SparseMatrix>,
     /// Stiff springs.
     stiff: Vec<Term>,
@@ -37,8 +37,9 @@ pub struct Split {
     /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
     /// sticks.
     watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
-    /// By branch what is added to A where its slider slips.
-    sliders: Vec<Term>,
+    /// By branch with a slider, in the states of [`SLIDERS`]: the force and, while it slips, the
+    /// rate of the inner place.
+    sliders: Vec<(usize, [Vec<Term>; 3])>,
     /// By branch what is watched where its slider is held, slips upwards and downwards.
     watched_sliders: Vec<[Vec<Known>; 3]>,
     /// By stop, of limits of outputs, what is added to A where they are passed.
@@ -67,8 +68,12 @@ struct Norm {
 const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
-/// The places of the states in [`Split::watched_sliders`].
+/// The places of the states in [`Split::sliders`] and [`Split::watched_sliders`].
 const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
+
+fn place_of_slider(state: SliderState) -> usize {
+    SLIDERS.iter().position(|own| *own == state).unwrap_or_default()
+}
 
 /// The places of the states in [`Split::watched_stops`].
 const STATES: [StopState; 8] = [
@@ -154,12 +159,20 @@ impl Split {
             })
             .collect();
         let follows = system.frictions.iter().map(|own| own.follows.clone()).collect();
-        let levels: Vec<Term> = frictions.iter().flatten().flatten().cloned().collect();
-        let sliding = |branch: &super::BranchRows| {
-            let by = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
-            Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(by) }
+        let of_slider = |i: usize| {
+            let branch = &system.branches[i];
+            let follows = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
+            let rate = Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(follows) };
+            let of_state = |state: SliderState| {
+                let rate = (state != SliderState::Held).then(|| rate.clone());
+                std::iter::once(term(system.branch_force(i, state), &branch.elongation)).chain(rate).collect()
+            };
+            (i, SLIDERS.map(of_state))
         };
-        let sliders = system.branches.iter().map(sliding).collect();
+        let sliders: Vec<(usize, [Vec<Term>; 3])> = system.sliders().map(of_slider).collect();
+        let levels = frictions.iter().flatten().flatten();
+        let levels = levels.chain(sliders.iter().flat_map(|own| own.1.iter().flatten()));
+        let levels: Vec<Term> = levels.cloned().collect();
         let watched_sliders = (0..system.branches.len())
             .map(|i| SLIDERS.map(|state| known(system.watched_of_slider(i, state))))
             .collect();
@@ -190,19 +203,18 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them, the rates of sliders that slip, and
-    /// limits of outputs that are passed.
+    /// The forces of frictions whose state determines them, the forces of sliders, the rates of
+    /// slipping sliders, and limits of outputs that are passed.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
         let acting = |(i, (own, state)): (usize, (&Vec<[Term; 4]>, &FrictionState))| {
             Some(own[self.levels_of(i, mode)?][place(state)?].clone())
         };
-        let sliders = self.sliders.iter().zip(&mode.sliders);
-        let slipping = sliders.filter(|(_, state)| **state != SliderState::Held);
+        let sliders = self.sliders.iter().flat_map(|(i, own)| &own[place_of_slider(mode.sliders[*i])]);
         let limits = self.limits.iter().zip(&mode.stops).filter(|own| *own.1 == StopState::Pressed);
         let limits = limits.filter_map(|own| own.0.clone());
-        frictions.filter_map(acting).chain(slipping.map(|(own, _)| own.clone())).chain(limits).collect()
+        frictions.filter_map(acting).chain(sliders.cloned()).chain(limits).collect()
     }
 
     /// Which levels a friction has in a mode.
@@ -232,7 +244,7 @@ impl Split {
             })
         });
         let sliders = self.watched_sliders.iter().zip(&mode.sliders);
-        let sliders = sliders.map(|(own, state)| &own[SLIDERS.iter().position(|s| s == state).unwrap_or(0)]);
+        let sliders = sliders.map(|(own, state)| &own[place_of_slider(*state)]);
         stops.chain(frictions).chain(sliders).flatten()
     }
 
