@@ -465,8 +465,7 @@ impl<'a> Structure<'a> {
         });
         let blocks = self.elements.len() - self.machine.blocks.len();
         let limits = self.machine.limits_of_outputs();
-        let before = self.machine.first_freewheel() - limits.len();
-        let first = stops_before(self.machine, before);
+        let first = stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
         if let Some(((block, output), _)) = place.checked_sub(first).and_then(|own| limits.get(own)) {
             join(knowns, &self.of_block(blocks + block, What::Output(*output)), Dependent);
             return self.anything_set(knowns);

@@ -33,11 +33,32 @@ pub(crate) fn drawn(machine: &Description) -> Description {
         arms.terms.dedup_by_key(|term| term.0);
         !several || arms.terms.len() > 1
     };
-    drawn.springs.retain_mut(|own| moved(&mut own.arms));
-    drawn.dampers.retain_mut(|own| moved(&mut own.arms));
-    drawn.stops.retain_mut(|own| moved(&mut own.arms));
-    drawn.frictions.retain_mut(|own| moved(&mut own.arms));
-    drawn.links.retain_mut(|own| moved(&mut own.arms));
-    drawn.loads.iter_mut().for_each(|load| load.body = place_of[load.body]);
+    // Without `..`, so that a further kind of element is an error here until its arms are moved.
+    let Description {
+        springs,
+        dampers,
+        stops,
+        frictions,
+        freewheels,
+        links,
+        loads,
+        name: _,
+        gravity: _,
+        starts_at_rest: _,
+        bodies: _,
+        modals: _,
+        matrices: _,
+        sources: _,
+        blocks: _,
+        feeds: _,
+        named: _,
+    } = &mut drawn;
+    springs.retain_mut(|own| moved(&mut own.arms));
+    dampers.retain_mut(|own| moved(&mut own.arms));
+    stops.retain_mut(|own| moved(&mut own.arms));
+    frictions.retain_mut(|own| moved(&mut own.arms));
+    freewheels.retain_mut(|own| moved(&mut own.arms));
+    links.retain_mut(|own| moved(&mut own.arms));
+    loads.iter_mut().for_each(|load| load.body = place_of[load.body]);
     drawn
 }

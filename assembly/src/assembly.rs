@@ -62,6 +62,15 @@ impl Assembly {
         self
     }
 
+    /// The machine with derivatives that leave out the rounding of blocks' inputs to a quantum, for
+    /// searches: exact ones are 0 there and do not see the next multiple.
+    #[must_use]
+    pub fn varying_rounded(mut self) -> Self {
+        let samplers = self.system.blocks.iter_mut().filter_map(|block| block.sampler.as_mut());
+        samplers.for_each(|sampler| sampler.varies_rounded = true);
+        self
+    }
+
     /// Whether a block is sampled.
     pub fn has_samples(&self) -> bool {
         self.system.blocks.iter().any(|block| block.sampler.is_some())

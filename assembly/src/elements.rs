@@ -214,12 +214,16 @@ impl NamedSignal<'_> {
 }
 
 impl Description {
-    /// The place of the first freewheel among the stops of the law, behind stops, corners and
-    /// limits.
+    /// The place of the first freewheel among the stops of the law, behind stops, levels of
+    /// stiffnesses, corners and limits.
     pub fn first_freewheel(&self) -> usize {
-        let corners = |spring: &Spring| spring.points.len().saturating_sub(2);
-        let limits = self.limits_of_outputs().len();
-        self.stops.len() + self.springs.iter().map(corners).sum::<usize>() + limits
+        let levels = crate::stepped::further(self);
+        self.stops.len() + levels + self.corners() + self.limits_of_outputs().len()
+    }
+
+    /// The number of corners of springs by points.
+    pub fn corners(&self) -> usize {
+        self.springs.iter().map(|spring| spring.points.len().saturating_sub(2)).sum()
     }
 
     /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.

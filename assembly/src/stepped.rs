@@ -89,3 +89,11 @@ pub(crate) fn all(d: &Description) -> impl Iterator<Item = &Signal> {
     let stops = d.stops.iter().filter_map(|stop| stop.stepped.as_ref());
     stops.chain(d.springs.iter().filter_map(|spring| spring.stepped.as_ref()))
 }
+
+/// The number of parts of the law that levels need besides the stops of the sections: one for each
+/// level of a spring, and one for each level of a stop but its first.
+pub(crate) fn further(d: &Description) -> usize {
+    let stops = d.stops.iter().filter_map(|stop| stop.stepped.as_ref());
+    let springs = d.springs.iter().filter_map(|spring| spring.stepped.as_ref());
+    stops.map(|signal| count(signal).saturating_sub(1)).chain(springs.map(count)).sum()
+}

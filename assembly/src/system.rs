@@ -265,13 +265,9 @@ impl System {
         levels: &[(usize, Option<usize>)],
         (rows, counters): (&[StateRow], &[StateRow]),
     ) {
-        let mut loads = 0;
-        let up_to_stops = d.springs.len() + d.dampers.len() + d.stops.len();
-        for element in d.elements() {
-            if self.parts.len() == up_to_stops {
-                self.add_levels(d, counters);
-            }
-            let parts = match element {
+        self.parts = vec![Vec::new(); d.elements().count()];
+        for (i, element) in d.elements().enumerate() {
+            self.parts[i] = match element {
                 Element::Spring(Spring { arms, stiffness, damping, series: Some(series), .. }) => {
                     let mut parts = self.add_spring(arms, 0.0, *damping, 0.0);
                     parts.push(self.add_branch(arms, *stiffness, series.law));
@@ -294,27 +290,26 @@ impl System {
                     springs.flat_map(|s| self.add_spring(&s.arms, s.stiffness, s.damping, 0.0)).collect()
                 }
                 Element::Stop(stop) => self.add_stop(&stop.arms, stop.gap, stop.law),
+                _ => continue,
+            };
+        }
+        self.add_levels(d, counters);
+        let mut loads = 0..d.loads.len();
+        for (i, element) in d.elements().enumerate() {
+            match element {
+                // Its levels may follow a stop whose levels are there by now.
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];
-                    match &friction.follows {
+                    self.parts[i] = match &friction.follows {
                         Some(follows) => self.add_following(&friction.arms, follows),
                         None => {
                             self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
                         }
-                    }
+                    };
                 }
-                Element::Load(_) => {
-                    loads += 1;
-                    vec![Part::Load(loads - 1)]
-                }
-                Element::Freewheel(_) | Element::Link(_) | Element::Source(_) | Element::Block(_) => {
-                    Vec::new()
-                }
-            };
-            self.parts.push(parts);
-        }
-        if self.parts.len() == up_to_stops {
-            self.add_levels(d, counters);
+                Element::Load(_) => self.parts[i].extend(loads.next().map(Part::Load)),
+                _ => {}
+            }
         }
         self.add_corners(d);
     }

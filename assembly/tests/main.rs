@@ -37,6 +37,7 @@ mod pauses;
 mod points;
 mod points_rest;
 mod prescribed;
+mod quantum;
 mod random;
 mod rest;
 mod rounding;

@@ -69,14 +69,28 @@ fn labels(text: &str) -> impl Iterator<Item = &str> {
     begins.filter_map(leading_label).map(|(label, _)| label)
 }
 
-/// The labels of a page's equations.
-fn equations(page: &str) -> BTreeSet<String> {
+/// The labels of a page's equations, in the order of the page.
+fn ordered_equations(page: &str) -> Vec<String> {
     let text = fs::read_to_string(root().join("docs").join(page)).expect("a page of docs");
     let of = |mark: &str| -> Vec<String> {
         let ends = text.split(mark).skip(1).filter_map(|rest| rest.split_once('}'));
         ends.map(|(label, _)| label.to_owned()).collect()
     };
     of("\\tag{").into_iter().chain(of("(\\mathrm{").into_iter().filter(|l| l.starts_with('N'))).collect()
+}
+
+/// The labels of a page's equations.
+fn equations(page: &str) -> BTreeSet<String> {
+    ordered_equations(page).into_iter().collect()
+}
+
+#[test]
+fn invariant_equations_are_numbered_in_the_order_of_their_page() {
+    for (page, letter) in [("theory.md", ""), ("assembly-law.md", "A"), ("studies.md", "N")] {
+        let found = ordered_equations(page);
+        let expected: Vec<String> = (1..=found.len()).map(|number| format!("{letter}{number}")).collect();
+        assert_eq!(found, expected, "{page}: renumber the equations and all citations of them");
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod columns;
 mod contacts;
 mod designs;
 pub mod diagram;
+mod eigenvalues;
 mod extremes;
 pub mod fit;
 pub mod flight;
@@ -34,6 +35,7 @@ mod written;
 
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
+pub use eigenvalues::eigenvalues;
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use measures::{Measure, measure};

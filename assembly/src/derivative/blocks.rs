@@ -143,7 +143,7 @@ impl Tangent {
     fn put_states(&mut self, system: &System, both: (&Description, &Description), block: usize) {
         let (own, by): (&Block, &Block) = (&both.0.blocks[block], &both.1.blocks[block]);
         let rows = &system.blocks[block];
-        if own.sampling.is_some() {
+        if let Some(sampling) = by.sampling.as_ref().filter(|_| own.sampling.is_some()) {
             let (states, inputs) = (own.start.len(), own.inputs.len());
             let read = own.inputs.iter().map(|input| self.input_by(system, both, input)).collect();
             self.blocks.samplers.push(Some(SamplerTangent {
@@ -153,6 +153,7 @@ impl Tangent {
                 d: matrix(&by.d, inputs),
                 limits: by.limits.iter().map(|own| own.unwrap_or_default()).collect(),
                 inputs: read,
+                quanta: sampling.quanta.iter().map(|quantum| quantum.unwrap_or(0.0)).collect(),
             }));
             return;
         }

@@ -1,5 +1,6 @@
 //! What samples of blocks make of derivatives (docs/assembly-law.md, section 19).
 
+use super::lost::{Cause, Lost};
 use super::machine::{Machine, Varied};
 use crate::motion::{Event, EventKind};
 use crate::system::{SampleAction, SampledVariation};
@@ -15,20 +16,26 @@ pub(super) fn actions(events: &[Event]) -> Vec<SampleAction> {
 }
 
 impl Machine {
-    /// Carries a derivative over samples from the state before them.
+    /// Carries a derivative over samples from the state before them. There is none where a rounded
+    /// input that varies lies between two multiples.
     pub(super) fn sample(
         &self,
         p: usize,
-        actions: &[SampleAction],
+        (time, actions): (f64, &[SampleAction]),
         z: &DVector<f64>,
         delta: &mut DVector<f64>,
-    ) {
+    ) -> Result<(), Lost> {
         let tangent = &self.tangents[p];
         let blocks = if tangent.is_zero { &[][..] } else { &tangent.blocks.samplers };
         let excess = |stop: usize| (!tangent.is_zero).then(|| &tangent.stops[stop].excess);
         let mut z = z.clone();
-        let varied = SampledVariation { delta: delta.as_mut_slice(), blocks, excess: &excess };
+        let varied = SampledVariation { delta: delta.as_mut_slice(), blocks, excess: &excess, rounds: true };
+        if let Some(block) = self.system.between_multiples(actions, &z, &varied) {
+            let element = format!("block.{}", self.assembly.description.blocks[block].name);
+            return Err(Lost { time, element, cause: Cause::Limit });
+        }
         self.system.sample(actions, &mut z, &mut [varied]);
+        Ok(())
     }
 
     /// Whether a column moves the time of a step at an instant at which blocks are sampled.

@@ -53,7 +53,7 @@ impl Start<'_> {
         let tight = Impulse::all_tight(system, &impacts, at.sizes);
         let found = Impulse::carry_one(system, tangent, (&impacts, &tight), (&delta, &scale));
         let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
-        self.sample(p, &mut delta);
+        self.sample(p, &mut delta)?;
         let mut scale = scale.sup(&delta.abs());
         // What an impact takes of a rate may leave the rounding of what it takes.
         let kicks: f64 = impacts.iter().map(|impulse| impulse.kick_size(system, tangent)).sum();
@@ -73,16 +73,16 @@ impl Start<'_> {
     }
 
     /// Carries a derivative over the samples at the start.
-    fn sample(&self, p: usize, delta: &mut DVector<f64>) {
+    fn sample(&self, p: usize, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (system, sampled) = (&self.machine.system, actions(self.events));
         if sampled.is_empty() {
-            return;
+            return Ok(());
         }
         // What impacts leave, with what blocks keep before the samples.
         let mut z = self.at.z.clone();
         let kept = 2 * system.coordinates + system.branches.len()..system.states();
         z.rows_range_mut(kept.clone()).copy_from(&self.begun.rows_range(kept));
-        self.machine.sample(p, &sampled, &z, delta);
+        self.machine.sample(p, (self.at.time, &sampled), &z, delta)
     }
 
     /// The derivative of a start at rest, to which outputs of the samples at time 0 belong.
@@ -92,7 +92,7 @@ impl Start<'_> {
         let starts = self.machine.tangents[p].inner.iter().enumerate().skip(branches);
         let mut sampled = delta.clone();
         starts.for_each(|(k, by)| sampled[2 * n + k] += by);
-        self.sample(p, &mut sampled);
+        self.sample(p, &mut sampled)?;
         equilibrium(self.machine, p, &mut sampled, &self.at)?;
         let found = 0..2 * n + branches;
         delta.rows_range_mut(found.clone()).copy_from(&sampled.rows_range(found));

@@ -71,7 +71,12 @@ impl Crossing<'_> {
         let sampled: Vec<SampleAction> = self.events.iter().filter_map(Event::sample).collect();
         for variation in variations {
             if !sampled.is_empty() {
-                let varied = SampledVariation { delta: &mut *variation, blocks: &[], excess: &|_| None };
+                let varied = SampledVariation {
+                    delta: &mut *variation,
+                    blocks: &[],
+                    excess: &|_| None,
+                    rounds: false,
+                };
                 system.sample(&sampled, &mut before.clone(), &mut [varied]);
             }
             let later = match passage {

@@ -65,6 +65,8 @@ pub struct Sampler {
     pub limits: Vec<[f64; 2]>,
     /// By input what it is rounded to a multiple of; 0 where it is not.
     pub quanta: Vec<f64>,
+    /// Whether derivatives leave the rounding out.
+    pub varies_rounded: bool,
     /// Time between samples, s.
     pub period: f64,
     /// Time until outputs act, s.
@@ -115,6 +117,7 @@ impl Sampler {
             d: matrix(&block.d, inputs),
             limits: (0..block.outputs.len()).map(|j| block.limits_of(j)).collect(),
             quanta: own.quanta.iter().map(|quantum| quantum.unwrap_or(0.0)).collect(),
+            varies_rounded: false,
             period: own.period,
             delay: own.delay,
             under_way: own.under_way(),

@@ -1,4 +1,4 @@
-//! Freewheels: rigid stops of e' in place of e (docs/assembly-law.md, section 17).
+//! Freewheels: rigid stops of e' in place of e (docs/assembly-law.md, section 18).
 //!
 //! A freewheel takes part in the law as a rigid stop whose e - gap is e': it is closed where e' = 0
 //! is kept by a force that is not negative, and open where e' < 0. What differs is asked for by

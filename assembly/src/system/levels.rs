@@ -60,11 +60,11 @@ impl System {
     /// of the sections.
     pub(super) fn add_levels(&mut self, d: &Description, counters: &[StateRow]) {
         let mut counters = counters.iter().map(DVector::imax);
-        let first = d.springs.len() + d.dampers.len();
         for (i, stop) in d.stops.iter().enumerate() {
             let Some(signal) = &stop.stepped else { continue };
             let counter = counters.next().unwrap_or_default();
             let StopLaw::Compliant { damping, limit, .. } = stop.law else { continue };
+            let element = self.element_of(Part::Stop(i));
             for (level, stiffness) in stepped::levels(signal).into_iter().enumerate() {
                 let law = StopLaw::Compliant { stiffness, damping, limit };
                 let own = StopLevel { counter, level: level as f64, stop: Some(i) };
@@ -73,7 +73,7 @@ impl System {
                 } else {
                     let parts = self.add_stop(&stop.arms, stop.gap, law);
                     self.put_level(self.stops.len() - 1, own, law);
-                    self.parts[first + i].extend(parts);
+                    self.parts[element].extend(parts);
                 }
             }
         }

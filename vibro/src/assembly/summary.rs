@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_analysis::assembly::{StopContact, common_period};
+use vibro_analysis::assembly::{StopContact, common_period, eigenvalues};
 use vibro_assembly::description::{Body, BodyKind, Description, Dimension, Level, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::following::Following;
@@ -262,7 +262,7 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
         (0..system.states()).filter(|k| !kept.iter().any(|own| own.contains(k))).collect();
     let size = places.len();
     let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(places[i], places[j]));
-    let values: Vec<(f64, f64)> = a.complex_eigenvalues().iter().map(|c| (c.re, c.im)).collect();
+    let values: Vec<(f64, f64)> = eigenvalues(a).iter().map(|c| (c.re, c.im)).collect();
     let largest = values.iter().map(|(re, im)| re.hypot(*im)).fold(f64::MIN_POSITIVE, f64::max);
     let mut oscillations: Vec<(f64, f64)> =
         values.iter().copied().filter(|v| v.1 > ZERO * largest).map(|(re, im)| (re.hypot(im), -re)).collect();

@@ -162,7 +162,7 @@ impl<'a> Compared<'a> {
         columns: &Columns,
         note: &mut dyn FnMut(&Event, &[Option<f64>]),
     ) -> Result<Differentiated> {
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?);
+        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
         if k == 0 {
             return Ok(made.start.differentiated_by(assembly, &columns.by, note)?);
         }

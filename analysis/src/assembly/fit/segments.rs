@@ -173,7 +173,7 @@ impl Model<'_> {
     /// request, and the shift of the record's times.
     fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {
         let made = self.unknowns.with(&point.values)?;
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?);
+        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
         let columns: Vec<By> =
             if varied { (0..assembly.system().states()).map(By::Start).collect() } else { Vec::new() };
         let motion = match (nodes.last(), point.states.last()) {

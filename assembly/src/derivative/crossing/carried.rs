@@ -70,7 +70,7 @@ impl Crossing<'_> {
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
         if self.is_sample() {
-            machine.sample(p, &actions(self.events), self.before.z, delta);
+            machine.sample(p, (time, &actions(self.events)), self.before.z, delta)?;
             return Ok(0.0);
         }
         let knots: Vec<_> = tangent.signals.all_later(time).collect();

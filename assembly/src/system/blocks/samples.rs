@@ -47,6 +47,8 @@ pub struct SamplerTangent {
     pub limits: Vec<[f64; 2]>,
     /// u.
     pub inputs: Vec<CombinationTangent>,
+    /// By input: of the quantum.
+    pub quanta: Vec<f64>,
 }
 
 /// A variation of the state at an instant at which blocks are sampled.
@@ -57,6 +59,9 @@ pub struct SampledVariation<'a> {
     pub blocks: &'a [Option<SamplerTangent>],
     /// By stop the derivative of its excess; empty as `blocks`.
     pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
+    /// Whether a rounded input keeps its multiple of the quantum, as the motion has it beside it;
+    /// else it varies as what it is read from.
+    pub rounds: bool,
 }
 
 /// An output that a sample makes anew.
@@ -72,7 +77,11 @@ pub(super) struct ReadOutput<'s> {
 }
 
 /// The derivatives of the matrices of states and of inputs, and of the inputs.
-type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>);
+type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>, &'a [f64]);
+
+/// Distance from the middle between two multiples, in quanta and relative to a large input, within
+/// which either may be read: roundings of the input.
+const MIDDLE: f64 = 1e-12;
 
 /// The number that an input is read as: the nearest multiple, halves away from zero.
 fn rounded(value: f64, quantum: f64) -> f64 {
@@ -110,7 +119,7 @@ impl System {
                             tangent.map_or(0.0, |by| by.limits[output][side])
                         }
                         _ => {
-                            let by = tangent.map(|by| (&by.c, &by.d, &by.inputs));
+                            let by = tangent.map(|by| (&by.c, &by.d, &by.inputs, &by.quanta[..]));
                             self.sum_by(block, (&sampler.c, &sampler.d, output), (sampler, by), (z, own))
                         }
                     }
@@ -150,7 +159,7 @@ impl System {
         let next: Vec<f64> = (0..own.states).map(|k| self.sum(block, of(k), sampler, z)).collect();
         for varied in variations {
             let tangent = varied.blocks.get(block).and_then(Option::as_ref);
-            let by = tangent.map(|by| (&by.a, &by.b, &by.inputs));
+            let by = tangent.map(|by| (&by.a, &by.b, &by.inputs, &by.quanta[..]));
             let all: Vec<f64> =
                 (0..own.states).map(|k| self.sum_by(block, of(k), (sampler, by), (z, varied))).collect();
             varied.delta[own.first..own.first + own.states].copy_from_slice(&all);
@@ -183,7 +192,8 @@ impl System {
         states + inputs.sum::<f64>()
     }
 
-    /// The derivative of [`sum`](Self::sum), where a rounded input varies as what it is read from.
+    /// The derivative of [`sum`](Self::sum). A rounded input is n q with its quantum q, and n does not
+    /// vary, unless the rounding is left out.
     fn sum_by(
         &self,
         block: usize,
@@ -196,10 +206,16 @@ impl System {
         for (j, input) in own.inputs.iter().enumerate() {
             let factor = of_inputs[(i, j)];
             if factor != 0.0 {
-                sum += factor * self.combination_by(input, by.map(|by| &by.2[j]), z, varied);
+                let quantum = sampler.quanta[j];
+                sum += factor
+                    * if varied.rounds && quantum > 0.0 && !sampler.varies_rounded {
+                        by.map_or(0.0, |by| by.3[j] * (input.at(&self.stops, z) / quantum).round())
+                    } else {
+                        self.combination_by(input, by.map(|by| &by.2[j]), z, varied)
+                    };
             }
         }
-        if let Some((states_by, inputs_by, _)) = by {
+        if let Some((states_by, inputs_by, ..)) = by {
             sum += (0..own.states).map(|k| states_by[(i, k)] * z[own.first + k]).sum::<f64>();
             let inputs = own.inputs.iter().enumerate();
             let read = |(j, input): (usize, &Combination)| match inputs_by[(i, j)] {
@@ -209,6 +225,27 @@ impl System {
             sum += inputs.map(read).sum::<f64>();
         }
         sum
+    }
+
+    /// The first block that reads an input which varies from the middle between two multiples.
+    pub(crate) fn between_multiples(
+        &self,
+        actions: &[SampleAction],
+        z: &DVector<f64>,
+        varied: &SampledVariation,
+    ) -> Option<usize> {
+        let reads = actions.iter().filter(|own| own.kind != SampleKind::Acts).map(|own| own.block);
+        reads.into_iter().find(|&block| {
+            let own = &self.blocks[block];
+            let Some(sampler) = own.sampler.as_ref().filter(|own| !own.varies_rounded) else { return false };
+            let tangent = varied.blocks.get(block).and_then(Option::as_ref);
+            own.inputs.iter().zip(&sampler.quanta).enumerate().any(|(j, (input, &quantum))| {
+                let multiple = if quantum > 0.0 { input.at(&self.stops, z) / quantum } else { return false };
+                let apart = (multiple.fract().abs() - 0.5).abs();
+                let by = tangent.map(|by| &by.inputs[j]);
+                apart <= MIDDLE * (1.0 + multiple.abs()) && self.combination_by(input, by, z, varied) != 0.0
+            })
+        })
     }
 
     fn combination_by(
