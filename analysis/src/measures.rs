@@ -48,7 +48,7 @@ pub struct Measured {
     pub numbers: Vec<Option<f64>>,
     /// Scatter of each value between windows of this length: the standard deviation found from the
     /// six parts of this window, each a whole number of periods of a motion that repeats. 0 for
-    /// exact values, and rounding for regular motion. docs/studies.md, (N4) and (N5).
+    /// exact values, and rounding for regular motion. docs/studies.md, (N6) and (N7).
     pub spreads: Vec<f64>,
     /// Class, where it was requested.
     pub class: Option<MotionClass>,
@@ -173,8 +173,8 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
 
 /// Spread of a value over windows as long as these parts together, from its values in the parts. An
 /// extreme of a long window scatters as that of a part does, since the scale of the limit law of
-/// extremes does not depend on the number of parts, docs/studies.md (N4); a mean scatters less by
-/// the root of the number of parts, (N5). A value that is monotone from part to part is still
+/// extremes does not depend on the number of parts, docs/studies.md (N6); a mean scatters less by
+/// the root of the number of parts, (N7). A value that is monotone from part to part is still
 /// drifting, (N8).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {

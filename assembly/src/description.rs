@@ -259,7 +259,7 @@ pub enum StopLaw {
     },
 }
 
-/// The limit of a compliant stop's dashpot (docs/assembly-law.md (A13)).
+/// The limit of a compliant stop's dashpot (docs/assembly-law.md (A14)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DampingLimit {
     /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.

@@ -1,5 +1,5 @@
 //! Energy accounts: work of loads and prescribed motions, and losses in dashpots, compliant stops,
-//! friction and impacts (docs/assembly-law.md (A16) to (A18)). They are computed independently of
+//! friction and impacts (docs/assembly-law.md (A20) to (A22)). They are computed independently of
 //! the mechanical energy: the energy balance therefore tests them.
 
 mod long;

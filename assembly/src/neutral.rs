@@ -1,5 +1,5 @@
 //! Neutral directions: changes of the coordinates on which no force depends, such as the angle of a
-//! free shaft or the position of a train (docs/assembly-law.md (A25)).
+//! free shaft or the position of a train (docs/assembly-law.md (A30)).
 //!
 //! A direction u of the coordinates is neutral if no elongation that determines a force changes
 //! along it: w · u = 0 for every spring with stiffness and every stop. If no dashpot and no

@@ -1,5 +1,5 @@
 //! The force of a spring by straight lines between points, as a line and corners of others
-//! (docs/assembly-law.md (A45)).
+//! (docs/assembly-law.md (A15)).
 
 use crate::description::ForcePoint;
 

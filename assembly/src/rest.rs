@@ -1,5 +1,5 @@
 //! Static equilibrium for the start at rest, by a proximal point method (docs/assembly-law.md
-//! (A19), (A20)).
+//! (A23), (A24)).
 
 mod factor;
 mod lines;

@@ -84,7 +84,7 @@ impl BodyKind {
 }
 
 /// The integral of a harmonic from time 0 on: amplitudes of cosine and sine, what is constant, and
-/// what grows with time (docs/assembly-law.md (A41)).
+/// what grows with time (docs/assembly-law.md (A46)).
 fn harmonic(h: &Harmonic, order: usize) -> [f64; 4] {
     let (cosine, sine) = (h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos());
     let omega = TAU * h.frequency;

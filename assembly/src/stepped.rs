@@ -1,4 +1,4 @@
-//! Stiffness that steps in time (docs/assembly-law.md (A50)): its levels, and the signal of time
+//! Stiffness that steps in time (docs/assembly-law.md (A16)): its levels, and the signal of time
 //! that counts which of them holds.
 //!
 //! Steps have a level each, and one before the first; a record that is held has one for each of its

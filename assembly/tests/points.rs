@@ -1,4 +1,4 @@
-//! Springs whose force goes by straight lines through points (docs/assembly-law.md (A45)).
+//! Springs whose force goes by straight lines through points (docs/assembly-law.md (A15)).
 
 use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;

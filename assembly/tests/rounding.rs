@@ -1,4 +1,4 @@
-//! Rounding that counts as zero (docs/assembly-law.md (A14)): speeds left by balanced forces, and
+//! Rounding that counts as zero (docs/assembly-law.md (A18)): speeds left by balanced forces, and
 //! forces and impulses that cancel.
 
 use crate::common::*;

@@ -1,5 +1,5 @@
 //! Compliant stops that may pull, and those whose dashpot acts only while they are pressed in
-//! (docs/assembly-law.md (A13)).
+//! (docs/assembly-law.md (A14)).
 
 use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;

@@ -615,7 +615,7 @@ def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
 
 
 def test_law_34_backwards_over_flights_and_an_event() -> None:
-    """A sum of a value at the end and of an event's time, of the motion of (A30)."""
+    """A sum of a value at the end and of an event's time, of the motion of (A35)."""
     mp.dps = 60
     r = random.Random(33)
     for _ in range(2):
@@ -752,7 +752,7 @@ def test_law_42_integrals_over_turns() -> None:
 
 
 def swept(law: str, begin: mpf, end: mpf, span: mpf, t: mpf) -> mpf:
-    """The phase of (A43) over 2π, without its start."""
+    """The phase of (A48) over 2π, without its start."""
     if law == "linear":
         return begin * t + (end - begin) / (2 * span) * t**2
     growth = mp.log(end / begin)

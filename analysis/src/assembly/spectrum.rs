@@ -1,5 +1,5 @@
 //! All Lyapunov exponents of a described machine's motion: every variation of its state, carried
-//! exactly through flights and events (docs/assembly-law.md (A21)) and made orthogonal on the way.
+//! exactly through flights and events (docs/assembly-law.md (A26)) and made orthogonal on the way.
 //!
 //! A machine with n coordinates has 2n exponents, and one for each state of first order; the
 //! drive's phase, whose exponent is zero, is not counted. Their sum is the mean rate at which

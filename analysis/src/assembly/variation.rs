@@ -1,5 +1,5 @@
 //! Variations of a described machine's motion, carried exactly through flights and events
-//! (docs/assembly-law.md (A21)): one for the largest Lyapunov exponent, all for the multipliers of
+//! (docs/assembly-law.md (A26)): one for the largest Lyapunov exponent, all for the multipliers of
 //! a period.
 //!
 //! Directions that contacts constrain, and neutral directions, are removed from a variation; only

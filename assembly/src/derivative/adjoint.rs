@@ -1,5 +1,5 @@
 //! The derivative of a sum by everything before it, backwards over a kept motion
-//! (docs/assembly-law.md (A34), (A35)).
+//! (docs/assembly-law.md (A39), (A40)).
 
 use super::columns::padded;
 use super::machine::Machine;

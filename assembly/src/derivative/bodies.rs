@@ -1,4 +1,4 @@
-//! The derivative of all bodies' rows by one parameter (docs/assembly-law.md (A27)).
+//! The derivative of all bodies' rows by one parameter (docs/assembly-law.md (A32)).
 
 use super::rows::BodyTangent;
 use crate::description::{BodyKind, Description};

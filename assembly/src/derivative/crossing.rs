@@ -1,4 +1,4 @@
-//! Derivatives over an event (docs/assembly-law.md (A30)). δt is the derivative of an event's time
+//! Derivatives over an event (docs/assembly-law.md (A35)). δt is the derivative of an event's time
 //! by a parameter.
 
 mod carried;

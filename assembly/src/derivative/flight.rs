@@ -1,4 +1,4 @@
-//! Flights: derivatives of the state between two events (docs/assembly-law.md (A26)).
+//! Flights: derivatives of the state between two events (docs/assembly-law.md (A31)).
 
 use super::columns::Columns;
 use super::mode::VariedMode;

@@ -1,4 +1,4 @@
-//! The derivative of the impacts at one instant (docs/assembly-law.md (A31)).
+//! The derivative of the impacts at one instant (docs/assembly-law.md (A36)).
 
 use super::columns::Columns;
 use super::machine::{BESIDE, STILL};
@@ -282,7 +282,7 @@ impl Impulse {
     }
 
     /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes
-    /// that by the state before (docs/assembly-law.md (A36)).
+    /// that by the state before (docs/assembly-law.md (A41)).
     pub(super) fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
         let (n, [before, after]) = (system.coordinates, &self.states);
         let rows = |k: usize| &system.stops[self.stops[k]].elongation;

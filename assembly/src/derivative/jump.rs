@@ -1,5 +1,5 @@
 //! What bodies that links tie to prescribed ones share of their jumps, and its derivative
-//! (docs/assembly-law.md, section 3, Jumps, and (A30)).
+//! (docs/assembly-law.md, section 3, Jumps, and (A35)).
 
 use super::tangent::Tangent;
 use crate::system::{StateRow, System};

@@ -1,5 +1,5 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
-//! functionals (docs/assembly-law.md (A29)).
+//! functionals (docs/assembly-law.md (A34)).
 
 use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;

@@ -1,5 +1,5 @@
 //! The derivative of a start at rest, by the implicit function on the contacts that bear force
-//! (docs/assembly-law.md (A32)).
+//! (docs/assembly-law.md (A37)).
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};

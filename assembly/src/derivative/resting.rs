@@ -11,7 +11,7 @@ impl Machine {
     ///
     /// They do where forces λ hold all contacts that are coupled to them, with 0 < λ of stops and
     /// |λ| < F of frictions, F being the level at which these slip: the rates vanish within a time
-    /// of their size, by impulses of the contacts alone (A33), and the derivative is the
+    /// of their size, by impulses of the contacts alone (A38), and the derivative is the
     /// projection.
     pub fn returns(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
         let contacts: Vec<Contact> = at.mode.mode.contacts().collect();

@@ -1,5 +1,5 @@
-//! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A27)), which is
-//! also the place of the weights of these rows in a gradient (A35).
+//! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A32)), which is
+//! also the place of the weights of these rows in a gradient (A40).
 
 use crate::system::{CombinationTangent, SamplerTangent, StateRow};
 use nalgebra::DVector;

@@ -1,4 +1,4 @@
-//! Derivatives at the start of a motion (docs/assembly-law.md (A32)).
+//! Derivatives at the start of a motion (docs/assembly-law.md (A37)).
 
 use super::by::By;
 use super::impulse::Impulse;

@@ -1,4 +1,4 @@
-//! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A27)).
+//! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A32)).
 
 use super::bodies::bodies;
 use super::rows::{

@@ -1,5 +1,5 @@
 //! The derivative of a number by all rows and matrices of a machine, from which that by any column
-//! follows (docs/assembly-law.md (A35)).
+//! follows (docs/assembly-law.md (A40)).
 
 use super::columns::padded;
 use super::mode::VariedMode;
@@ -227,7 +227,7 @@ impl Weights {
         }
     }
 
-    /// Adds what the rows of a mode depend on: the adjoint of (A29).
+    /// Adds what the rows of a mode depend on: the adjoint of (A34).
     pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
         let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
         let by_a = own.by_a();

@@ -1,4 +1,4 @@
-//! Bodies with a mass and a stiffness matrix, in normal coordinates (docs/assembly-law.md (A49)).
+//! Bodies with a mass and a stiffness matrix, in normal coordinates (docs/assembly-law.md (A51)).
 
 use super::{Arms, Body, BodyKind, Description, Dimension, Free, Inner};
 use crate::refusal::Problem;

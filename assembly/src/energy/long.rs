@@ -1,5 +1,5 @@
 //! The work of a power over many sub-steps at once: the sum of Gauss's rule over all of them, as
-//! one bilinear form in the initial state (docs/assembly-law.md (A24)).
+//! one bilinear form in the initial state (docs/assembly-law.md (A29)).
 
 use crate::flow::Rung;
 use crate::kernel::{AtNodes, NODES};

@@ -1,5 +1,5 @@
 //! Works over many sub-steps at once where a mode keeps no tables: from the states at the nodes of
-//! Gauss's rule in all of them (docs/assembly-law.md (A24)).
+//! Gauss's rule in all of them (docs/assembly-law.md (A29)).
 //!
 //! A mode of a large machine is seldom met twice. What matrices would prepare for every state, by
 //! power and length, is needed for the few states from which long steps begin.

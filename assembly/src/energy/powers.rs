@@ -194,7 +194,7 @@ impl Powers {
         }
     }
 
-    /// Adds the powers of prescribed bodies (docs/assembly-law.md (A17)).
+    /// Adds the powers of prescribed bodies (docs/assembly-law.md (A21)).
     fn add_motions(&mut self, system: &System, mode: &Mode, table: &FlowTable) {
         let n = system.coordinates;
         let mut add = |factor: f64, force: &StateRow, rate: &StateRow| {

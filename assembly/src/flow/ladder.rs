@@ -1,7 +1,7 @@
 //! Long steps of stiff machines. The length of a sub-step follows from the mode's fastest motion.
 //! If that motion has decayed or does not change the watched functionals, the state advances by 2,
 //! 4, 8, … sub-steps at once; the actual state determines which length is safe
-//! (docs/assembly-law.md (A22), (A23)).
+//! (docs/assembly-law.md (A27), (A28)).
 
 use super::exact::Exact;
 use super::exponential::{exponentials, integral_and_change};

@@ -30,7 +30,7 @@ pub struct Impacts {
     /// Energy lost by the projection, J.
     pub projected_loss: f64,
     /// By coordinate: largest sum over the impulses of one impact of the sizes of the changes of
-    /// its velocity, which bounds the rounding where they cancel (docs/assembly-law.md (A14)); 0
+    /// its velocity, which bounds the rounding where they cancel (docs/assembly-law.md (A18)); 0
     /// where there was only one impulse.
     pub shares: Vec<f64>,
 }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub const ZERO: f64 = 1e-13;
 
 /// Largest absolute value so far of each component of the augmented state, by which rounding is
-/// measured (docs/assembly-law.md (A14)).
+/// measured (docs/assembly-law.md (A18)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
 

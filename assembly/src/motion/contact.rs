@@ -22,7 +22,7 @@ use nalgebra::DVector;
 pub(super) const DOUBTFUL: f64 = 1e3;
 
 /// Fraction of time × change of rate by the forces' sizes that a coordinate counts as having
-/// travelled (docs/assembly-law.md (A14)): less than a moving body travels, and at least the
+/// travelled (docs/assembly-law.md (A18)): less than a moving body travels, and at least the
 /// rounding of one at rest.
 const STANDING: f64 = 0.01;
 
@@ -62,7 +62,7 @@ impl Flags {
     }
 }
 
-/// Whether a bounce with a speed against an acceleration is lower than `least`, by (A15).
+/// Whether a bounce with a speed against an acceleration is lower than `least`, by (A19).
 pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
@@ -98,7 +98,7 @@ impl Motion {
     }
 
     /// Updates the largest sizes of velocities and coordinates by the terms since the mode began
-    /// (docs/assembly-law.md (A14)).
+    /// (docs/assembly-law.md (A18)).
     pub(super) fn include_flight(&mut self) {
         let time = self.time();
         let (n, one) = (self.assembly.system.coordinates, self.assembly.system.states());
@@ -322,7 +322,7 @@ impl Motion {
         }
     }
 
-    /// The stops of impacts whose bounces would be too low, by (A15), with the time until they
+    /// The stops of impacts whose bounces would be too low, by (A19), with the time until they
     /// would have accumulated.
     fn low_bounces(
         &mut self,

@@ -232,7 +232,7 @@ impl Motion {
         true
     }
 
-    /// Whether the bounce that begins at open stop `i` is too low to be followed, by (A15).
+    /// Whether the bounce that begins at open stop `i` is too low to be followed, by (A19).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);

@@ -1,5 +1,5 @@
 //! Long sub-steps of a stiff machine whose fast motions have decayed or move no watched functional
-//! (docs/assembly-law.md (A22)).
+//! (docs/assembly-law.md (A27)).
 
 use super::passage::PassageSearch;
 use super::{Hybrid, Motion, Scratch};

@@ -1,4 +1,4 @@
-//! Low bounces (docs/assembly-law.md (A15)), and their limits if a host's solver integrates between
+//! Low bounces (docs/assembly-law.md (A19)), and their limits if a host's solver integrates between
 //! events and detects impacts late.
 
 use super::Motion;

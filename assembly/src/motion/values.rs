@@ -54,7 +54,7 @@ impl Motion {
     /// The force of a part.
     fn part_force(&self, i: usize) -> f64 {
         let [_, _, force] = self.stop_varied(i);
-        // Of most stops the force is never a pull, by (A13); where it vanishes, rounding has either
+        // Of most stops the force is never a pull, by (A14); where it vanishes, rounding has either
         // sign.
         if self.assembly.system.stops[i].may_pull() { force } else { force.max(0.0) }
     }

@@ -4,7 +4,7 @@
 //! Between events a variation δ of the augmented state follows z' = A z as the state does. At an
 //! event, where h·z = 0, the varied motion meets it by δt = -h·δ / h·f⁻ later, with f = A z on
 //! either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation matrix, with J the derivative of
-//! the impact law, and the identity where no velocity jumps (docs/assembly-law.md (A21)). A
+//! the impact law, and the identity where no velocity jumps (docs/assembly-law.md (A26)). A
 //! variation stays in the space that closed stops and sticking friction leave free.
 
 use super::projection::project;

@@ -1,5 +1,5 @@
 //! Springs by points at rest. Where no line falls, the force is one line and forces between bounds,
-//! which keep the energy convex (docs/assembly-law.md (A46)).
+//! which keep the energy convex (docs/assembly-law.md (A25)).
 
 use super::{Holding, RestContact, RestSpring, direction};
 use crate::description::{Description, ForcePoint};

@@ -1,4 +1,4 @@
-//! Integrals of piecewise polynomials over time, from time 0 on (docs/assembly-law.md (A41)).
+//! Integrals of piecewise polynomials over time, from time 0 on (docs/assembly-law.md (A46)).
 
 use super::pieces::{Knots, Pieces};
 use vibro_impact::numerics::double_double::DoubleDouble;

@@ -1,5 +1,5 @@
 //! The phase of a sine sweep, its derivatives and those by the sweep's numbers
-//! (docs/assembly-law.md (A43)).
+//! (docs/assembly-law.md (A48)).
 
 use crate::description::{Sweep, SweepLaw};
 use std::f64::consts::TAU;

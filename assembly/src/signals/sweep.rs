@@ -1,5 +1,5 @@
 //! Sine sweeps. No finite linear system has one as its solution, so that it is followed by
-//! polynomials over short cells of time, found when they are needed (docs/assembly-law.md (A43)).
+//! polynomials over short cells of time, found when they are needed (docs/assembly-law.md (A48)).
 
 use super::phase::{Jet, ORDER, Phase, Side, Wave, binomial};
 use crate::description::Sweep;

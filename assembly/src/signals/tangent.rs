@@ -1,4 +1,4 @@
-//! The derivative of all signals by one parameter (docs/assembly-law.md (A28)).
+//! The derivative of all signals by one parameter (docs/assembly-law.md (A33)).
 
 use super::integral::{Integral, Integrand};
 use super::pieces::{Knots, Pieces};

@@ -1,4 +1,4 @@
-//! Gyroscopic forces among the coordinates of a body with matrices (docs/assembly-law.md (A49)).
+//! Gyroscopic forces among the coordinates of a body with matrices (docs/assembly-law.md (A51)).
 
 use super::{StateRow, System};
 use crate::description::Description;

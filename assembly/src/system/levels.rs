@@ -1,5 +1,5 @@
 //! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md
-//! (A50)).
+//! (A16)).
 
 use super::{Functional, Part, StateRow, StopRows, System};
 use crate::description::{DampingLimit, Description, StopLaw};

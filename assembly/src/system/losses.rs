@@ -1,5 +1,5 @@
 //! The powers that a machine's loads put in and its losses take out, as products of two functionals
-//! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A16)).
+//! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A20)).
 
 use super::{StateRow, System};
 use crate::description::{SeriesLaw, StopLaw};
