@@ -10,8 +10,8 @@ const ROUNDINGS: f64 = 8.0;
 /// The eigenvalues of a matrix, 1/s. A real part within rounding is 0, so that an oscillation
 /// without damping has a damping ratio of 0.
 ///
-/// The matrix is balanced first, by powers of 2: places and rates differ by the frequency in size,
-/// and the error is that of the largest entry.
+/// The matrix is balanced first, by powers of 2. Places and rates differ in size by the frequency,
+/// and without balancing the error has the size of the largest square of a frequency.
 pub fn eigenvalues(mut a: DMatrix<f64>) -> Vec<Complex<f64>> {
     balance_parlett_reinsch(&mut a);
     let rounding = ROUNDINGS * f64::EPSILON * a.norm();

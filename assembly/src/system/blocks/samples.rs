@@ -59,8 +59,8 @@ pub struct SampledVariation<'a> {
     pub blocks: &'a [Option<SamplerTangent>],
     /// By stop the derivative of its excess; empty as `blocks`.
     pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
-    /// Whether a rounded input keeps its multiple of the quantum, as the motion has it beside it;
-    /// else it varies as what it is read from.
+    /// Whether a rounded input keeps its multiple of the quantum. If not, it varies like the
+    /// quantity that the block reads.
     pub rounds: bool,
 }
 

@@ -40,18 +40,20 @@ fn wheel() -> [Written; 2] {
     [written(wheel.into(), &[("wheel", 0.3)]), written(mass("wheel", 0.5, 250.0, 0.5), &[("wheel", 1.0)])]
 }
 
-/// 4 mm (1 - cos ωt), by its place and by its acceleration.
+/// 4 mm (1 - cos ωt), by its rate and by its acceleration: with a rate of exactly 0 at the start,
+/// which a link requires.
 fn driven() -> [Written; 2] {
     let omega = std::f64::consts::TAU * 3.0;
-    let place = "[body.driven]\nmotion = { amplitude = 0.004, frequency = 3.0, phase = -1.5707963267948966, \
-                 offset = 0.004, dimension = \"translation\" }\n"
-        .replace(", dimension = \"translation\"", "");
+    let rate = format!(
+        "[body.driven]\nmotion = {{ rate = {{ amplitude = {:?}, frequency = 3.0 }} }}\n",
+        0.004 * omega
+    );
     let acceleration = format!(
         "[body.driven]\nmotion = {{ acceleration = {{ amplitude = {:?}, frequency = 3.0, \
          phase = 1.5707963267948966 }} }}\n",
         0.004 * omega * omega
     );
-    [written(place, &[("driven", 1.0)]), written(acceleration, &[("driven", 1.0)])]
+    [written(rate, &[("driven", 1.0)]), written(acceleration, &[("driven", 1.0)])]
 }
 
 fn matrix() -> [Written; 2] {
@@ -109,7 +111,7 @@ pub const ELEMENTS: [&str; 31] = [
     "on:sweep = { amplitude = 0.9, from = 1.0, to = 4.0, duration = 2.0 }",
     "on:table = [[0.0, 0.0], [0.2, 1.0], [0.6, -0.5]]\ninterpolation = \"cubic\"",
     "[block.ELEMENT]\ninputs = [\"hub.s\", \"hub.v\"]\nstates = 1\na = [[-3.0]]\nb = [[20.0, 1.0]]\nc = [[-1.0]]\nd = [[-30.0, -0.5]]\noutputs = [\"u\"]\nlimits = { u = [-0.25, 0.3] }\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT.u\"\nfactor = 1.5",
-    "[damper.ELEMENT_sense]\nARMS\ndamping = 0.1\n[block.ELEMENT]\ninputs = [\"ELEMENT_sense.e\", \"ELEMENT_sense.rate\"]\nd = [[-40.0, -0.6]]\noutputs = [\"u\"]\nsample = 0.01\ndelay = 0.004\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT.u\"\nfactor = 0.8",
+    "[damper.ELEMENT_sense]\nARMS\ndamping = 0.1\n[block.ELEMENT]\ninputs = [\"ELEMENT_sense.e\", \"ELEMENT_sense.rate\"]\nd = [[-40.0, -0.6]]\noutputs = [\"u\"]\nsample = 0.0113\ndelay = 0.004\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT.u\"\nfactor = 0.8",
     "[signal.ELEMENT]\namplitude = 0.5\nfrequency = 2.0\n[block.ELEMENT_gain]\ninputs = [\"ELEMENT\", \"hub.s\"]\nd = [[1.0, -20.0]]\noutputs = [\"y\"]\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT_gain.y\"\nfactor = 1.0",
     // Two or more of what adds parts behind all others.
     "[stop.ELEMENT]\nARMS\ngap = 0.002\nstiffness = { constant = 400.0, steps = [[0.17, 300.0]], repeat = 0.41 }\ndamping = 1.1\nlaw = \"pull\"",
