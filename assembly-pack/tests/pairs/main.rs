@@ -85,7 +85,7 @@ fn second_method_bodies_written_in_another_way_have_the_same_motion_and_energy()
             let near = (value - exact).abs() <= WRITINGS * (1.0 + exact.abs());
             assert!(near, "machine {number}: {name} is {value} or {exact}");
         }
-        assert!(found.len() > 12, "{found:?}");
+        assert!(found.len() > 8, "{found:?}");
         for motion in [&one.0, &other.0] {
             let (kinetic, stored) = motion.kinetic_and_stored();
             let energy = motion.energy();
