@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 use vibro_assembly::description::*;
 use vibro_assembly::mode::StopState;
-use vibro_assembly::motion::EventKind;
+use vibro_assembly::motion::{Event, EventKind};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-13;
@@ -64,11 +64,36 @@ fn closed_form_a_stop_that_pulls_is_left_after_half_a_turn() {
     assert_eq!(kinds.len(), 2, "{kinds:?}");
     assert!((kinds[0].0 - begin).abs() < ROUNDING && (kinds[1].0 - end).abs() < ROUNDING, "{kinds:?}");
     assert!(matches!(kinds[0].1, EventKind::Press { speed, .. } if (speed - V).abs() < ROUNDING));
-    assert_eq!(kinds[1].1, EventKind::Free { stop: 0 });
+    assert!(matches!(kinds[1].1, EventKind::Free { stop: 0, .. }), "{kinds:?}");
     let left = -V * (-delta * PI / omega).exp();
     assert!((m.body(0)[1] - left).abs() < ROUNDING, "{:?} {left}", m.body(0));
     let lost = 0.5 * M * (V * V - left * left);
     assert!((m.energy().stops[0].value() - lost).abs() < ROUNDING, "{:?}", m.energy());
+}
+
+/// The force of spring and dashpot is zero at tan ωt = -2δω/(ω² - δ²), before the body is back at the
+/// gap. A contact has one begin and one end under every law.
+#[test]
+fn closed_form_a_contact_ends_once_with_its_rate() {
+    let (delta, omega) = damped();
+    let turn = PI - 2.0 * (delta / omega).atan();
+    let end = 0.1 / V + turn / omega;
+    let rate = V * (-delta * turn / omega).exp() * (turn.cos() - delta / omega * turn.sin());
+    let all = events(&mut motion(flier(DampingLimit::NoPull)), 1.0);
+    let [_, Event { time, kind: EventKind::Free { rate: found, .. } }] = all[..] else { panic!("{all:?}") };
+    assert!((time - end).abs() < ROUNDING && (found - rate).abs() < ROUNDING, "{time} {end} {found} {rate}");
+    for limit in [DampingLimit::Elastogap, DampingLimit::Pull, DampingLimit::UndampedRebound] {
+        let mut m = motion(flier(limit));
+        let all = events(&mut m, 1.0);
+        let told: Vec<_> = all.iter().filter(|e| !matches!(e.kind, EventKind::Cap { .. })).collect();
+        let [EventKind::Press { .. }, EventKind::Free { rate, .. }] =
+            told.iter().map(|e| e.kind).collect::<Vec<_>>()[..]
+        else {
+            panic!("{limit:?} {all:?}")
+        };
+        // After its end the contact changes no rate.
+        assert!((rate - m.body(0)[1]).abs() < ROUNDING, "{limit:?} {rate} {:?}", m.body(0));
+    }
 }
 
 /// Damped until it turns, at tan ωt = ω/δ, and half a cosine after it; the turn is no event with a

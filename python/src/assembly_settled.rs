@@ -137,6 +137,7 @@ pub fn assembly_section<'py>(
 pub struct AssemblySpectrum<'py> {
     exponents: Array1<'py, f64>,
     errors: Array1<'py, f64>,
+    period: Option<u32>,
     t: Array1<'py, f64>,
     running: Array2<'py, f64>,
 }
@@ -167,6 +168,7 @@ pub fn assembly_spectrum<'py>(
     Ok(AssemblySpectrum {
         exponents: column(py, &exponents),
         errors: column(py, &errors),
+        period: found.period,
         t: column(py, &times),
         running: plane(py, &rows, times.len(), count)?,
     })

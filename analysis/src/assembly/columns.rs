@@ -40,7 +40,7 @@ pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
         EventKind::Close { stop: i } => event("close", stop(i), None, None),
         EventKind::Open { stop: i } => event("open", stop(i), None, None),
         EventKind::Press { stop: i, speed } => event("press", stop(i), Some(speed), None),
-        EventKind::Free { stop: i } => event("free", stop(i), None, None),
+        EventKind::Free { stop: i, rate } => event("free", stop(i), Some(rate), None),
         EventKind::Cap { stop: i, acts } => event("cap", stop(i), Some(f64::from(u8::from(acts))), None),
         EventKind::Corner { corner, rate } => event("corner", stop(corner), Some(rate), None),
         EventKind::Stick { friction: i } => event("stick", friction(i), None, None),

@@ -108,7 +108,7 @@ impl ContactRecorder {
                 }
                 EventKind::Close { stop } => self.begin(stop, event.time, 0.0),
                 EventKind::Press { stop, speed } => self.begin(stop, event.time, speed),
-                EventKind::Open { stop } | EventKind::Free { stop } => self.end(stop, event.time),
+                EventKind::Open { stop } | EventKind::Free { stop, .. } => self.end(stop, event.time),
                 _ => {}
             }
         }
@@ -182,8 +182,7 @@ impl ContactRecorder {
 
 /// Whether a stop has force in a state.
 fn holds(state: StopState) -> bool {
-    use StopState::{Capped, Closed, Pressed, Rebounding};
-    matches!(state, Closed | Pressed | Capped | Rebounding)
+    state == StopState::Closed || state.has_force()
 }
 
 impl StopContact {

@@ -177,8 +177,65 @@ impl Period {
 
     /// Largest exponent, 1/s, where the multiplier gives it.
     pub fn exponent(&self) -> Option<f64> {
-        let logarithm = self.multiplier?.ln();
-        Some(if logarithm.abs() < MARGINAL { 0.0 } else { logarithm / self.time })
+        self.multiplier.map(|multiplier| exponent(multiplier, self.time))
+    }
+}
+
+/// Exponent, 1/s, of a multiplier's modulus over a time, s.
+fn exponent(modulus: f64, time: f64) -> f64 {
+    let logarithm = modulus.ln();
+    if logarithm.abs() < MARGINAL { 0.0 } else { logarithm / time }
+}
+
+/// All multipliers of a period, those of neutral directions among them.
+#[derive(Clone, Debug)]
+pub struct Multipliers {
+    /// Number of returns in the period.
+    pub returns: u32,
+    /// Duration of the period, s.
+    time: f64,
+    /// Moduli, largest first.
+    moduli: Vec<f64>,
+    /// Modulus below which a multiplier is rounding.
+    least: f64,
+}
+
+impl Multipliers {
+    /// Follows the motion over a period of `returns` returns. `None` where the decomposition does
+    /// not converge.
+    ///
+    /// # Errors
+    /// As [`Section::advance`].
+    pub fn follow(
+        motion: &mut Motion,
+        section: &Section,
+        record: &ReturnRecord,
+        returns: u32,
+    ) -> Result<Option<Self>> {
+        let assembly = motion.assembly().clone();
+        let system = assembly.system();
+        let metric = metric(motion, record);
+        let mut frame = Frame::new(system, motion.mode(), &metric);
+        let (from, mut flows) = (motion.time(), Flows::default());
+        for _ in 0..returns {
+            section.follow(motion, &mut flows, &mut [&mut frame])?;
+        }
+        let mut m = DMatrix::zeros(system.states(), system.states());
+        for (j, column) in frame.columns.iter().enumerate() {
+            m.set_column(j, &(metric.scaled(&column[..system.states()]) * metric.0[j]));
+        }
+        let (time, least) = (motion.time() - from, least_multiplier(&m));
+        let Some(mut moduli) = moduli(m) else { return Ok(None) };
+        moduli.sort_by(|a, b| b.total_cmp(a));
+        Ok(Some(Self { returns, time, moduli, least }))
+    }
+
+    /// Exponents, 1/s, largest first, as far as the multipliers are not rounding. `lost` is the
+    /// number of directions that contacts take, whose multipliers are zero.
+    pub fn exponents(&self, lost: usize) -> Vec<f64> {
+        let kept = self.moduli.len().saturating_sub(lost);
+        let found = self.moduli.iter().take(kept).take_while(|modulus| **modulus > self.least);
+        found.map(|modulus| exponent(*modulus, self.time)).collect()
     }
 }
 
@@ -205,14 +262,24 @@ fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: 
 
 /// Largest modulus of the eigenvalues, where it is not rounding.
 fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
-    let size = m.amax();
-    if !size.is_finite() {
+    let least = least_multiplier(&m);
+    let largest = moduli(m)?.into_iter().fold(0.0, f64::max);
+    (largest > least).then_some(largest)
+}
+
+/// Modulus below which an eigenvalue is rounding.
+fn least_multiplier(m: &DMatrix<f64>) -> f64 {
+    LEAST_MULTIPLIER * m.amax().max(1.0)
+}
+
+/// Moduli of the eigenvalues of a finite matrix.
+fn moduli(m: DMatrix<f64>) -> Option<Vec<f64>> {
+    if !m.amax().is_finite() {
         return None;
     }
     let sweeps = SWEEPS * m.nrows().max(1);
     let values = Schur::try_new(m, f64::EPSILON, sweeps)?.complex_eigenvalues();
-    let largest = values.iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max);
-    (largest > LEAST_MULTIPLIER * size.max(1.0)).then_some(largest)
+    Some(values.iter().map(|value| value.re.hypot(value.im)).collect())
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
-use super::monodromy::{MARGINAL, Period, shift};
+use super::monodromy::{MARGINAL, Multipliers, Period, shift};
 use super::oscillations::oscillations;
 use super::returns::ReturnRecord;
 use super::section::{Section, frequencies, last_period};
@@ -271,13 +271,8 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     Ok(growth)
 }
 
-/// Exponent of a motion with a period, by its multipliers, or by the growth of a variation where
-/// the multipliers are too small to be told from rounding.
-fn periodic_exponent(
-    follower: &mut Follower<'_>,
-    (returns, first): (u32, Period),
-    least: u32,
-) -> Result<LargestExponent> {
+/// Follows a motion with a period nearer to its orbit. Returns the last two periods.
+fn approach(follower: &mut Follower<'_>, (returns, first): (u32, Period)) -> Result<[Period; 2]> {
     let mut periods = [first; 2];
     let mut left = PROLONGED / 4;
     while periods[1].exponent().is_some() && left >= returns {
@@ -293,6 +288,32 @@ fn periodic_exponent(
             break;
         }
     }
+    Ok(periods)
+}
+
+/// Multipliers of the periodic orbit on which a motion has settled, from the derivative of each of
+/// two periods in a row. `None` for a motion without a period.
+///
+/// # Errors
+/// As [`Section::advance`].
+pub(super) fn multipliers(motion: &mut Motion, section: &Section) -> Result<Option<[Multipliers; 2]>> {
+    let mut follower = Follower::new(motion, section);
+    let Some(found) = follower.observe()? else { return Ok(None) };
+    approach(&mut follower, found)?;
+    let Follower { motion, section, record, .. } = follower;
+    let mut next = || Multipliers::follow(motion, &section, &record, found.0);
+    let [first, second] = [next()?, next()?];
+    Ok(first.zip(second).map(|(first, second)| [first, second]))
+}
+
+/// Exponent of a motion with a period, by its multipliers, or by the growth of a variation where
+/// the multipliers are too small to be told from rounding.
+fn periodic_exponent(
+    follower: &mut Follower<'_>,
+    (returns, first): (u32, Period),
+    least: u32,
+) -> Result<LargestExponent> {
+    let periods = approach(follower, (returns, first))?;
     let Some(value) = periods[1].exponent() else {
         return Ok(growth(follower, least, f64::INFINITY)?.exponent());
     };

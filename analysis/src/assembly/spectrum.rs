@@ -5,9 +5,13 @@
 //! drive's phase, whose exponent is zero, is not counted. Their sum is the mean rate at which
 //! volumes of states grow: that of the dampers, and at each impact the logarithm of the squared
 //! restitution. Directions that contacts hold are lost for ever, and their exponents are -∞.
+//!
+//! A motion on a periodic orbit has the exponents ln|μ|/T of the orbit's multipliers μ over its
+//! period T. Its growth over n periods differs from them by as much as 1/(n T).
 
 use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage};
 use super::growth::{ALIGN, Growth};
+use super::settled::multipliers;
 use super::variation::{Metric, hold, pass};
 use super::{Machine, require_free, settle};
 use crate::error::Result;
@@ -26,8 +30,12 @@ const LOST: f64 = 1e-13;
 /// All exponents of a motion, with their way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// The exponents, 1/s, largest first, with standard errors.
+    /// The exponents, 1/s, largest first, with standard errors. On a periodic orbit an exponent is
+    /// ln|μ|/T by its multiplier μ, and its error is the difference from the period before. Where
+    /// |μ| is below rounding, the exponent is counted as that of a motion without a period.
     pub exponents: Vec<LargestExponent>,
+    /// Returns in the period of the orbit on which the motion has settled.
+    pub period: Option<u32>,
     /// After each counted return: time since the count began, s, and the exponents up to there.
     pub running: Vec<(f64, Vec<f64>)>,
 }
@@ -161,7 +169,18 @@ pub fn spectrum(
     }
     let mut exponents: Vec<LargestExponent> = growths.iter().map(Growth::exponent).collect();
     exponents.sort_by(|a, b| b.value.total_cmp(&a.value));
-    Ok(Spectrum { exponents, running })
+    let multipliers = multipliers(&mut motion, &section)?;
+    let period = multipliers.as_ref().map(|periods| periods[0].returns);
+    if let Some([before, last]) = multipliers {
+        let lost = exponents.iter().filter(|e| e.value == f64::NEG_INFINITY).count();
+        // The directions whose multipliers are rounding keep their growth.
+        for (own, (value, before)) in
+            exponents.iter_mut().zip(last.exponents(lost).into_iter().zip(before.exponents(lost)))
+        {
+            *own = LargestExponent { value, error: (value - before).abs(), periods: last.returns };
+        }
+    }
+    Ok(Spectrum { exponents, period, running })
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ fn in_words(machine: &Assembly, event: &Event) -> String {
         EventKind::Close { stop: i } => format!("{} closes", stop(i)),
         EventKind::Open { stop: i } => format!("{} opens", stop(i)),
         EventKind::Press { stop: i, speed } => format!("{} is pressed, closing with {speed} (SI)", stop(i)),
-        EventKind::Free { stop: i } => format!("{} is free", stop(i)),
+        EventKind::Free { stop: i, .. } => format!("{} is free", stop(i)),
         EventKind::Cap { stop: i, acts } => {
             format!(
                 "{} {}",

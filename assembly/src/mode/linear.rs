@@ -118,10 +118,7 @@ impl System {
     /// compliant stops that act.
     fn elastic(&self, mode: &Mode, held: &Held, terms: Option<SplitTerms>) -> Option<Elastic> {
         let springs = self.stiff_springs.iter().map(|&i| &self.springs[i].elongation);
-        let acts = |i: &usize| {
-            matches!(mode.stops[*i], StopState::Pressed | StopState::Capped | StopState::Rebounding)
-        };
-        let is_elastic = |i: &usize| acts(i) && !self.is_limit(*i);
+        let is_elastic = |i: &usize| mode.stops[*i].has_force() && !self.is_limit(*i);
         let pressed: Vec<usize> = (0..mode.stops.len()).filter(is_elastic).collect();
         let stops = pressed.iter().map(|&i| &self.stops[i].elongation);
         let elongations: Vec<&Elongation> = springs.chain(stops).collect();

@@ -37,6 +37,11 @@ impl StopState {
         }
     }
 
+    /// Whether it is a compliant stop with a force.
+    pub fn has_force(self) -> bool {
+        matches!(self, Self::Pressed | Self::Capped | Self::Rebounding)
+    }
+
     /// Whether it is a compliant stop with e beyond the gap.
     pub fn is_inside(self) -> bool {
         matches!(self, Self::Pressed | Self::Free | Self::Capped | Self::Rebounding)

@@ -30,7 +30,7 @@ impl Event {
             | EventKind::Close { stop }
             | EventKind::Open { stop }
             | EventKind::Press { stop, .. }
-            | EventKind::Free { stop }
+            | EventKind::Free { stop, .. }
             | EventKind::Cap { stop, .. }
             | EventKind::Corner { corner: stop, .. } => Some(Contact::Stop(stop)),
             EventKind::Stick { friction }
@@ -67,17 +67,20 @@ pub enum EventKind {
         /// Index of the stop.
         stop: usize,
     },
-    /// A compliant stop is entered.
+    /// The force of a compliant stop begins.
     Press {
         /// Index of the stop.
         stop: usize,
         /// e', m/s or rad/s.
         speed: f64,
     },
-    /// A compliant stop is left, or its force falls to zero beyond its gap.
+    /// The force of a compliant stop ends: the stop is left, or its force falls to zero beyond its
+    /// gap. Leaving the gap later without a force is not an event with a name.
     Free {
         /// Index of the stop.
         stop: usize,
+        /// e', m/s or rad/s.
+        rate: f64,
     },
     /// The dashpot's force of an `ElastoGap` reaches its cap, or leaves it.
     Cap {

@@ -68,10 +68,7 @@ impl Motion {
 
     fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
         let stop = self.assembly.system.stop_of(i);
-        let press = || EventKind::Press {
-            stop,
-            speed: self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice()),
-        };
+        let rate = self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice());
         let kind = match (was, now) {
             (a, b) if a == b || self.assembly.system.stops[i].is_gapless() => return,
             _ if self.assembly.system.stops[i].limit.is_some() => {
@@ -90,16 +87,14 @@ impl Motion {
                 if self.assembly.system.stops[i].stiffness() == 0.0 {
                     return;
                 }
-                let rate = self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice());
                 EventKind::Corner { corner: i, rate }
             }
             (_, StopState::Closed) => {
                 return report(observer, self.time() + left, EventKind::Close { stop: i });
             }
             (StopState::Closed, StopState::Open) => EventKind::Open { stop: i },
-            (StopState::Below, _) => press(),
-            (_, StopState::Below | StopState::Free) => EventKind::Free { stop },
-            (StopState::Free, _) => press(),
+            (was, now) if !was.has_force() && now.has_force() => EventKind::Press { stop, speed: rate },
+            (was, now) if was.has_force() && !now.has_force() => EventKind::Free { stop, rate },
             (StopState::Pressed, StopState::Capped) => EventKind::Cap { stop, acts: true },
             (StopState::Capped, StopState::Pressed) => EventKind::Cap { stop, acts: false },
             _ => return,

@@ -248,6 +248,7 @@ fn present(letter: &Letter, system: &System, [before, after]: [&[f64]; 2], time:
                 EventKind::Impact { stop, speed, impulse, stops }
             }
             EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
+            EventKind::Free { stop, .. } => EventKind::Free { stop, rate: rate(&z, stop) },
             EventKind::Yield { slider, direction, .. } => {
                 let force = system.branches[slider].force.at(&z);
                 EventKind::Yield { slider, direction, force }

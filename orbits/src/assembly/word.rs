@@ -10,6 +10,9 @@ use vibro_assembly::motion::{Crossing, Event, keep};
 use vibro_assembly::system::System;
 use vibro_assembly::{Assembly, motion::EventKind};
 
+/// Word of a change of mode without a report, as of a stop that is left without a force.
+const CHANGE: &str = "change";
+
 /// One event of an orbit.
 #[derive(Clone, Debug)]
 pub struct Letter {
@@ -160,7 +163,8 @@ impl Letter {
         variations.into_iter().for_each(|v| keep(system, &self.modes[1], v));
     }
 
-    /// The event in words: `impact steel`, `slip guide`; several reports are joined by ` + `.
+    /// The event in words: `impact steel`, `slip guide`; several reports are joined by ` + `. A change
+    /// of mode without a report is `change`.
     pub fn in_words(&self, assembly: &Assembly) -> String {
         let plain = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
         let mut words: Vec<String> = self.timed().map(|own| own.in_words(assembly)).unwrap_or_default();
@@ -175,7 +179,7 @@ impl Letter {
         if let Some(Chatter { stop, .. }) = self.chatter {
             words.push(format!("chatter {}", plain(&assembly.name_of_stop(stop))));
         }
-        if words.is_empty() { "change".into() } else { words.join(" + ") }
+        if words.is_empty() { CHANGE.into() } else { words.join(" + ") }
     }
 }
 
@@ -286,13 +290,15 @@ impl Word {
     }
 
     /// The events in words: `impact steel, press buffer, free buffer`, with the number of samples
-    /// in a row: `sample control ×40`; empty without events.
+    /// in a row: `sample control ×40`; empty without events. Changes of mode without a report are
+    /// left out.
     pub fn in_words(&self, assembly: &Assembly) -> String {
         let mut words: Vec<(String, usize)> = Vec::new();
         for letter in self.letters.iter() {
             let (word, is_timed) = (letter.in_words(assembly), letter.timed().is_some());
             match words.last_mut().filter(|last| is_timed && last.0 == word) {
                 Some(last) => last.1 += 1,
+                None if word == CHANGE => {}
                 None => words.push((word, 1)),
             }
         }

@@ -116,7 +116,10 @@ class AssemblySpectrum(Result):
     exponents: Floats
     "The exponents, 1/s, largest first; -inf for directions that contacts take. That of the drive's phase, 0, is not among them."
     errors: Floats
-    "Their standard errors, 1/s."
+    "Their standard errors, 1/s; on a periodic orbit the difference between two periods."
+    period: Optional[int]
+    """Returns in the period of the orbit on which the motion has settled: its exponents are ln|μ|/T by the orbit's multipliers μ. None for
+    a motion without a period, whose exponents are counted."""
     t: Floats
     "Times after the count began, shape (n,), s."
     running: Floats

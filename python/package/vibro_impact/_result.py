@@ -13,7 +13,8 @@ from ._arguments import Floats
 from ._show import page
 
 
-#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value, and how many stops took part in an impact.
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value (0 for a kind without one), and how
+#: many stops took part in an impact.
 EVENT = np.dtype([("t", "f8"), ("kind", "U7"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
 
 

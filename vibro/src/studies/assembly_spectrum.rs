@@ -41,7 +41,11 @@ pub fn assembly_spectrum(
     };
     let words: Vec<String> = found.exponents.iter().map(|e| in_words(e.value, e.error)).collect();
     let held = found.exponents.iter().filter(|e| e.value == f64::NEG_INFINITY).count();
-    let mut remarks = vec![format!("exponents: {} 1/s, over {periods} returns", words.join(", "))];
+    let how = match found.period {
+        Some(period) => format!("by the multipliers of the periodic orbit (period in returns: {period})"),
+        None => format!("over {periods} returns"),
+    };
+    let mut remarks = vec![format!("exponents: {} 1/s, {how}", words.join(", "))];
     remarks.push(match held {
         0 => format!(
             "sum: {} 1/s, the mean rate at which volumes grow",

@@ -65,13 +65,51 @@ fn closed_form_the_sum_is_the_dampers_rate_and_the_impacts_share() {
     assert!((sum / (lost - trace) - 1.0).abs() < ROUNDING, "{sum} {}", lost - trace);
 }
 
+/// Rounding of an exponent by its multiplier, relative: that of a linear machine, and of an orbit
+/// with impacts to which the motion has come within 1e-9.
+const EXACT: f64 = 1e-11;
+const SETTLED: f64 = 1e-8;
+
 #[test]
-fn closed_form_exponents_of_a_linear_machine_are_its_decay() {
-    /// Swing of the variations' lengths over the time counted, 1/s.
-    const SWING: f64 = 1e-2;
+fn closed_form_exponents_of_a_linear_machine_are_the_real_parts_of_its_roots() {
     // c/(2 m) = 2/s, twice.
-    for exponent in found(&text(OSCILLATOR), 0, 200).exponents {
-        assert!((exponent.value + 2.0).abs() < SWING && exponent.error > 0.0, "{exponent:?}");
+    let spectrum = found(&text(OSCILLATOR), 0, 40);
+    assert_eq!(spectrum.period, Some(1));
+    for exponent in spectrum.exponents {
+        assert!((exponent.value + 2.0).abs() < EXACT, "{exponent:?}");
+    }
+    // m = 1 kg between 30 N/m and 20 N/m with 5 N s/m in series: the inner place y has
+    // 5 (x' - y') = 20 y, and the roots of s³ + 4 s² + 50 s + 120 are a real one and a pair.
+    let series = "name = \"S\"\n[body.m]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 30.0\n\
+        [spring.s]\nbetween = [\"ground\", \"m\"]\nstiffness = 20.0\nseries_damping = 5.0\n\
+        [load.f]\non = \"m\"\namplitude = 1.0\nfrequency = \"0.5 Hz\"\n";
+    let spectrum = found(&text(series), 0, 40);
+    let mut real = -2.5f64;
+    for _ in 0..50 {
+        let p = ((real + 4.0) * real + 50.0) * real + 120.0;
+        real -= p / ((3.0 * real + 8.0) * real + 50.0);
+    }
+    let pair = (-4.0 - real) / 2.0;
+    let expected = [pair, pair, real];
+    assert!(pair > real, "{expected:?}");
+    for (exponent, expected) in spectrum.exponents.iter().zip(expected) {
+        assert!((exponent.value / expected - 1.0).abs() < EXACT, "{spectrum:?} {expected}");
+    }
+}
+
+#[test]
+fn closed_form_a_pair_of_multipliers_of_an_impact_oscillator_has_half_the_sum_each() {
+    let text = text(
+        "name = \"I\"\n[body.m]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 1.0\ndamping = 0.1\n\
+        [stop.d]\nbetween = [\"ground\", \"m\"]\ngap = 0.2\nrestitution = 0.8\n\
+        [load.f]\non = \"m\"\namplitude = 1.0\nfrequency = \"0.45 Hz\"\n",
+    );
+    let spectrum = found(&text, 300, 16);
+    // Two impacts in four drive periods.
+    assert_eq!(spectrum.period, Some(4));
+    let expected = 0.5 * (-0.1 + 0.45 * 0.8f64.ln());
+    for exponent in &spectrum.exponents {
+        assert!((exponent.value / expected - 1.0).abs() < SETTLED, "{spectrum:?} {expected}");
     }
 }
 

@@ -35,7 +35,7 @@ fn rubbed() -> Machine {
 #[test]
 fn second_method_orbits_whose_friction_slips_with_another_event_are_motions_of_the_machine() {
     for (m, vary, (from, to), word) in [
-        (pressed(), "stop.w.gap", (0.005, 0.02), "press w + slip g, free w, free w, stick g"),
+        (pressed(), "stop.w.gap", (0.005, 0.02), "press w + slip g, free w, stick g"),
         (
             rubbed(),
             "load.f.amplitude",
