@@ -4,8 +4,11 @@
 mod dependencies;
 mod energy;
 mod events;
+mod forces;
 mod lists;
+mod named;
 mod protocol;
+mod samples;
 mod signs;
 mod solver;
 
