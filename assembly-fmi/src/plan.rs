@@ -27,8 +27,8 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
-    /// The continuous states with their rates, in order. What sampled blocks keep is not among
-    /// them, although it is part of the assembly's state.
+    /// The continuous states with their rates, in order. States and outputs of sampled blocks are
+    /// part of the assembly's state, but not continuous.
     pub states: Vec<[vibro_assembly::Quantity; 2]>,
     /// The place of each continuous state among the assembly's states.
     pub(crate) places: Vec<usize>,

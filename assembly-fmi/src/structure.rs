@@ -89,7 +89,7 @@ impl<'a> Structure<'a> {
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
             let knowns =
-                if initially { self.initially(quantity) } else { self.without_samples(self.of(quantity)) };
+                if initially { self.initially(quantity) } else { self.as_of_a_solver(self.of(quantity)) };
             (reference, knowns)
         };
         let lists: Vec<(u32, Knowns)> = unknowns.iter().map(list).collect();
@@ -102,8 +102,9 @@ impl<'a> Structure<'a> {
         lists.into_iter().map(unknown).collect()
     }
 
-    /// Knowns in which time stands for what sampled blocks keep, which is not a state of a solver.
-    fn without_samples(&self, mut knowns: Knowns) -> Knowns {
+    /// Knowns of a solver: time replaces the states and outputs of sampled blocks, which are not
+    /// continuous states.
+    fn as_of_a_solver(&self, mut knowns: Knowns) -> Knowns {
         let before = knowns.len();
         knowns.retain(|known, _| self.plan.table.rows[*known as usize - 1].role != Role::Discrete);
         if knowns.len() < before {

@@ -86,7 +86,7 @@ pub struct VariableTable {
     pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
-    /// What follows from named parameters by expressions, in the order of the rows.
+    /// Numbers and parameters that follow by expressions, in the order of the rows.
     pub following: Vec<Following>,
     /// The value references of the inputs, in order.
     pub inputs: Vec<u32>,
@@ -102,8 +102,8 @@ fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
 /// Most numbers of `step.parameters`; a larger machine has none.
 const MOST_BY_PARAMETERS: usize = 1_000_000;
 
-/// Most numbers that the description of a named parameter lists; a line of a host's window has
-/// about as many.
+/// Largest number of names in the description of a named parameter: about a line of a host's
+/// window.
 const MOST_NAMED: usize = 4;
 
 /// The unit of matrices, whose elements have different units.

@@ -1,6 +1,6 @@
 //! `terminalsAndIcons.xml` (FMI 3.0.2, 2.4.9) of a described machine: a mechanical terminal for
-//! each body, with its motion out and, where an input drives it or a load of it, the motion or the
-//! force in.
+//! each body. Its members are the body's motion, the input that drives it, if any, and the inputs
+//! of its loads.
 
 use std::fmt::Write;
 use vibro_assembly::description::{Body, BodyKind, Dimension, Level};

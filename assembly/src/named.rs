@@ -119,7 +119,7 @@ impl NamedParameters {
         Ok(())
     }
 
-    /// The values of all parameters where those without expressions have given ones.
+    /// The values of all parameters, of which the ones with expressions are computed.
     fn evaluated(&self, mut values: Vec<f64>) -> Result<Vec<f64>, (usize, String)> {
         for &place in &self.order {
             let Some(expression) = &self.all[place].expression else { continue };
@@ -128,8 +128,8 @@ impl NamedParameters {
         Ok(values)
     }
 
-    /// The value of what follows from parameters, by its name, where `value` gives the values of
-    /// parameters without expressions; NaN where it has none, as after a division by zero.
+    /// The value of a number or parameter with an expression, by its name. `value` has the values of
+    /// the parameters without expressions. NaN if the expression divides by zero or overflows.
     pub fn value_with(&self, name: &str, value: impl Fn(&str) -> Option<f64>) -> f64 {
         let given = self.all.iter().map(|own| value(&own.name).unwrap_or(own.value));
         let found = self.evaluated(given.collect()).ok();
@@ -137,8 +137,8 @@ impl NamedParameters {
         found.unwrap_or(f64::NAN)
     }
 
-    /// The parameters without expressions from which a number or a parameter follows, by name;
-    /// none for another name.
+    /// Names of the parameters without expressions that the expression of a number or parameter
+    /// contains, directly or through other parameters; none without an expression.
     pub fn sources_of(&self, name: &str) -> Vec<&str> {
         let sources = self.expression_of(name).map(|expression| self.sources(expression));
         sources.into_iter().flatten().map(|place| self.all[place].name.as_str()).collect()

@@ -29,8 +29,8 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Value in the SI unit.
     pub value: f64,
-    /// Least and largest value, infinite without a bound. A named parameter has the bounds that
-    /// follow from the numbers that are straight lines in it alone.
+    /// Least and largest value, infinite without a bound. The bounds of a named parameter follow
+    /// from the numbers that are straight lines in it alone.
     pub bounds: [f64; 2],
     kind: NumberKind,
     dimension: Dimension,

@@ -230,7 +230,7 @@ mod tests {
         }
     }
 
-    /// The place of a matrix's number is that of its row and column in the text.
+    /// A matrix's number is found by its row and column.
     #[test]
     fn golden_places_of_the_numbers_of_a_matrix() {
         let text = "name = \"M\"\n[body.b]\nmass = 1.0\n[block.c]\ninputs = [\"b.s\", \"b.v\"]\nd = [[-1.0, 2.5], [3.5, 4.5]]\n\

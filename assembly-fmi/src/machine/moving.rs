@@ -187,7 +187,7 @@ impl Moving {
         }
     }
 
-    /// What changes at events only.
+    /// The values that change at events only.
     pub(super) fn discrete(&self) -> Shown {
         let mode = self.motion.mode();
         let stop = |i: usize| {
@@ -261,7 +261,7 @@ pub struct Shown {
     pub(super) lines: Vec<f64>,
     /// By spring in series.
     pub(super) sliders: Vec<f64>,
-    /// What sampled blocks keep.
+    /// States and outputs of sampled blocks.
     pub(super) samples: Vec<f64>,
 }
 

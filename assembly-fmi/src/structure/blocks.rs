@@ -21,7 +21,7 @@ impl Structure<'_> {
     }
 
     /// The knowns of an output, a state or a state's rate of the block with an index among the
-    /// elements. What a sampled block keeps follows at a sample from what it has kept and reads.
+    /// elements. A sample sets those of a sampled block from its states and its inputs.
     pub(super) fn of_block(&self, element: usize, what: What) -> Knowns {
         let mut knowns = Knowns::new();
         let own = element + self.machine.blocks.len() - self.elements.len();

@@ -1,4 +1,4 @@
-//! What the variables of a machine read.
+//! Sources of the variables' values.
 
 use vibro_assembly::{Owner, What};
 
@@ -9,7 +9,7 @@ pub enum Quantity {
     Time,
     /// A parameter, by its index.
     Parameter(usize),
-    /// What follows from named parameters, by its index.
+    /// A number or parameter that follows by an expression, by its index.
     Following(usize),
     /// An input, by its index.
     Input(usize),

@@ -144,8 +144,8 @@ impl Motion {
         if before == self.outputs() { Ok(()) } else { self.settle(&[], &Parted::default(), observer) }
     }
 
-    /// The numbers that sampled blocks keep: states, outputs that act, outputs under way. They
-    /// change at samples alone.
+    /// States of sampled blocks, outputs that act and outputs under way, block by block. Samples
+    /// alone change these numbers.
     pub fn kept_by_samples(&self) -> Vec<f64> {
         let sampled = self.assembly.system.blocks.iter().filter(|own| own.sampler.is_some());
         let of = |own: &crate::system::BlockRows| own.first..own.first + own.kept();
