@@ -12,6 +12,15 @@ use fmi_doors::description::{
 };
 use vibro_assembly::system::StopRows;
 
+/// A bound of a variable's value, if there is one.
+fn bound(bound: f64) -> Option<f64> {
+    Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX)
+}
+
+fn variability(is_tunable: bool) -> Variability {
+    if is_tunable { Variability::Tunable } else { Variability::Fixed }
+}
+
 impl Plan {
     /// The model description of this machine.
     pub fn description(&self) -> Description {
@@ -22,6 +31,7 @@ impl Plan {
         let types = declared().map(Declared::declared_type).chain(units::enumerations(rebounds)).collect();
         let structure = Structure::new(self);
         let outputs = of_roles(self, &[Role::Output, Role::Discrete]);
+        let initial_unknowns = of_roles(self, &[Role::Calculated, Role::Output, Role::Discrete]);
         let derivatives: Vec<_> = self.rates().collect();
         Description {
             model_name: machine.name.clone().into(),
@@ -70,7 +80,7 @@ impl Plan {
                 .collect(),
             outputs: structure.unknowns(&outputs, false),
             derivatives: structure.unknowns(&derivatives, false),
-            initial_unknowns: structure.unknowns(&outputs, true),
+            initial_unknowns: structure.unknowns(&initial_unknowns, true),
             event_indicators: structure.unknowns(&of_roles(self, &[Role::Local]), false),
         }
     }
@@ -111,6 +121,7 @@ impl Plan {
         let causality = match row.role {
             Role::Independent => Causality::Independent,
             Role::Parameter | Role::Tunable => Causality::Parameter,
+            Role::Calculated => Causality::CalculatedParameter,
             Role::Local | Role::Sensitivity => Causality::Local,
             Role::Input => Causality::Input,
             Role::Output | Role::Discrete => Causality::Output,
@@ -125,13 +136,16 @@ impl Plan {
         match (row.quantity, row.base) {
             (Quantity::Parameter(place), _) => {
                 let parameter = &self.table.parameters[place];
-                let bound =
-                    |bound: f64| Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX);
-                let range = parameter.range();
-                let variability =
-                    if row.role == Role::Tunable { Variability::Tunable } else { Variability::Fixed };
-                let real = real.starting_at(parameter.value);
-                Variable { min: bound(range.min), max: bound(range.max), variability, ..real }
+                let variability = variability(row.role == Role::Tunable);
+                let [min, max] = parameter.bounds.map(bound);
+                Variable { min, max, variability, ..real.starting_at(parameter.value) }
+            }
+            (Quantity::Following(place), _) => {
+                let own = &self.table.following[place];
+                let sources = self.assembly.description.named.sources_of(&own.name);
+                let is_tunable = |name: &&str| self.table.role(name) == Some(Role::Tunable);
+                let variability = variability(!sources.is_empty() && sources.iter().all(is_tunable));
+                Variable { min: bound(own.range.min), max: bound(own.range.max), variability, ..real }
             }
             (Quantity::Input(_), _) => real.starting_at(0.0),
             (quantity, Base::Enumeration) => {
@@ -146,8 +160,8 @@ impl Plan {
                 }
             }
             (_, Base::Integer) => real.counting(),
-            (Quantity::Column(quantity), _) => self.in_exchange(quantity, real),
             _ if row.role == Role::Discrete => Variable { variability: Variability::Discrete, ..real },
+            (Quantity::Column(quantity), _) => self.in_exchange(quantity, real),
             _ => real,
         }
     }

@@ -13,15 +13,15 @@ pub(crate) use moving::{SavedMoving, Shown};
 
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
-use crate::table::{Quantity, Role};
+use crate::table::{Quantity, Role, VariableTable};
 use fmi_doors::{Interface, Life, Model, Phase, Problem};
 use last_step::{LastStep, StepMatrices};
 use moving::Moving;
 use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
-use vibro_assembly::Motion;
 use vibro_assembly::signals::Input;
+use vibro_assembly::{Motion, Owner};
 
 /// An instance of a described machine: parameters, inputs and a motion.
 pub struct Machine {
@@ -142,6 +142,7 @@ impl Machine {
         match quantity {
             Quantity::Time => self.time(),
             Quantity::Parameter(i) => self.values[i],
+            Quantity::Following(i) => self.following(i),
             Quantity::Input(i) => match (&self.pending[i], &self.moving) {
                 (Some(input), _) => input[0],
                 (None, Some(moving)) => moving.motion.input(i)[0],
@@ -155,8 +156,19 @@ impl Machine {
     /// host's solver has diverged.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
         let value = self.value(quantity) + 0.0;
-        let allowed = "a finite number: states or inputs are too large for it";
+        let allowed = match quantity {
+            Quantity::Following(_) => "a finite number; its expression of named parameters gives none",
+            _ => "a finite number: states or inputs are too large for it",
+        };
         if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
+    }
+
+    /// A number that follows from the present values of named parameters.
+    fn following(&self, i: usize) -> f64 {
+        let VariableTable { parameters, following, .. } = &self.plan.table;
+        // Named parameters come last.
+        let value = |name: &str| Some(self.values[parameters.iter().rposition(|own| own.name == name)?]);
+        self.plan.assembly.description.named.value_with(&following[i].name, value)
     }
 
     fn of_motion(&self, moving: &Moving, quantity: Quantity) -> f64 {
@@ -167,6 +179,10 @@ impl Machine {
             (Some(shown), Quantity::FrictionState(i)) => shown.frictions[i],
             (Some(shown), Quantity::Line(i)) => shown.lines[i],
             (Some(shown), Quantity::SliderState(i)) => shown.sliders[i],
+            (Some(shown), Quantity::Column(vibro_assembly::Quantity { owner: Owner::Element(i), what })) => {
+                let place = self.plan.assembly.system().place_by_samples(i, what);
+                place.map_or_else(|| moving.value(quantity), |place| shown.samples[place])
+            }
             _ => moving.value(quantity),
         }
     }
@@ -201,7 +217,11 @@ impl Machine {
                     _ if self.life.phase == Phase::Continuous => "inputs and continuous states",
                     _ => "inputs",
                 };
-                let (name, phase) = (name().into(), self.life.phase.words());
+                let name = match row.quantity {
+                    Quantity::Following(i) => self.plan.table.following_in_words(i).into(),
+                    _ => name().into(),
+                };
+                let phase = self.life.phase.words();
                 return Err(Problem::NotSettable { name, phase, allowed });
             }
         }
@@ -220,11 +240,8 @@ impl Machine {
         let state = self.state_of(quantity);
         match (quantity, &mut self.moving) {
             (Quantity::Column(_), Some(moving)) => {
-                let mut states = moving.motion.states().to_vec();
-                if let Some(place) = state {
-                    states[place] = value;
-                }
-                moving.motion.set_states(&states);
+                let place = state.map(|state| self.plan.places[state]);
+                moving.set_states(place.as_slice(), &[value]);
             }
             (Quantity::Parameter(i), _) => self.put_parameter(i, value),
             (Quantity::Input(i), Some(moving)) if moving.is_on_course() && !(at_event && moving.jumps()) => {

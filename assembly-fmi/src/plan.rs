@@ -27,8 +27,13 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
-    /// The continuous states with their rates, in order.
-    pub(crate) states: Vec<[vibro_assembly::Quantity; 2]>,
+    /// The continuous states with their rates, in order. States and outputs of sampled blocks are
+    /// part of the assembly's state, but not continuous.
+    pub states: Vec<[vibro_assembly::Quantity; 2]>,
+    /// The place of each continuous state among the assembly's states.
+    pub(crate) places: Vec<usize>,
+    /// The number of the assembly's states.
+    pub(crate) size: usize,
     /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2,
     /// 2.4.8).
     pub(crate) knows_parameters: bool,
@@ -48,7 +53,12 @@ impl Plan {
         let token = token(&text);
         let table = VariableTable::new(&assembly.description);
         let (nominals, states) = (assembly.nominals(), assembly.state_quantities());
-        Ok(Self { table, assembly, nominals, states, knows_parameters: true, token, text })
+        let size = states.len();
+        let moves = |place: &usize| assembly.description.sampled_block(states[*place][0]).is_none();
+        let places: Vec<usize> = (0..size).filter(moves).collect();
+        let nominals = places.iter().map(|&place| nominals[place]).collect();
+        let states = places.iter().map(|&place| states[place]).collect();
+        Ok(Self { table, assembly, nominals, states, places, size, knows_parameters: true, token, text })
     }
 
     /// The plan of a description, written as a file with its records included.
@@ -64,7 +74,7 @@ impl Plan {
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
-        self.table.add_matrices(self.nominals.len());
+        self.table.add_matrices(self.size);
         self
     }
 
@@ -109,6 +119,11 @@ impl Plan {
     /// The token without arrays, common to both model descriptions of a machine.
     pub(crate) fn machine_token(&self) -> String {
         token(&self.text)
+    }
+
+    /// The continuous states among the states of an assembly, or their derivatives.
+    pub(crate) fn continuous(&self, all: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|&place| all[place]).collect()
     }
 
     /// The text of the [`FILE`].

@@ -6,21 +6,22 @@
 //! make a group: a force on one of them accelerates all.
 
 mod blocks;
+mod energy;
 mod groups;
+mod indicators;
 mod initial;
 mod knowns;
+mod signals;
 
 use crate::plan::Plan;
-use crate::table::{Energy, Quantity, Role, slides};
+use crate::table::{Quantity, Role, slides};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
 use groups::{Group, bodies_of, groups, holds, is_free};
 use knowns::{Knowns, join, put};
 use std::collections::HashMap;
-use vibro_assembly::description::{
-    Arms, BodyKind, Description, Friction, Interpolation, Signal, Spring, Stop, StopLaw,
-};
+use vibro_assembly::description::{Arms, BodyKind, Description, Spring, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::system::Part;
 use vibro_assembly::{Element, Owner, What};
@@ -87,7 +88,8 @@ impl<'a> Structure<'a> {
     /// exceed [`ENTRIES`], lists longer than the share of each are left out.
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
-            let knowns = if initially { self.initially(quantity) } else { self.of(quantity) };
+            let knowns =
+                if initially { self.initially(quantity) } else { self.as_of_a_solver(self.of(quantity)) };
             (reference, knowns)
         };
         let lists: Vec<(u32, Knowns)> = unknowns.iter().map(list).collect();
@@ -98,6 +100,17 @@ impl<'a> Structure<'a> {
             dependencies: (knowns.len() <= most).then(|| knowns.into_iter().collect()),
         };
         lists.into_iter().map(unknown).collect()
+    }
+
+    /// Knowns of a solver: time replaces the states and outputs of sampled blocks, which are not
+    /// continuous states.
+    fn as_of_a_solver(&self, mut knowns: Knowns) -> Knowns {
+        let before = knowns.len();
+        knowns.retain(|known, _| self.plan.table.rows[*known as usize - 1].role != Role::Discrete);
+        if knowns.len() < before {
+            put(&mut knowns, self.references[&Quantity::Time], Dependent);
+        }
+        knowns
     }
 
     /// Adds the parameters of a section except start values.
@@ -121,62 +134,6 @@ impl<'a> Structure<'a> {
         if is_free(self.machine, body) {
             self.of_section("gravity", into);
         }
-    }
-
-    /// Adds the time and input on which a signal's time derivative of an `order` depends. Its
-    /// parameters are those of its section, which the caller adds.
-    fn signal(&self, signal: &Signal, rate: f64, input: &str, order: usize, into: &mut Knowns) {
-        let cubic = signal.table.as_ref().is_some_and(|table| table.interpolation == Interpolation::Cubic);
-        let moves = match order {
-            0 => !signal.harmonics.is_empty() || !signal.steps.is_empty() || rate != 0.0,
-            _ => !signal.harmonics.is_empty(),
-        };
-        let moves = moves || !signal.sweeps.is_empty();
-        if moves || signal.table.is_some() && (cubic || order == 0) {
-            put(into, self.references[&Quantity::Time], Dependent);
-        }
-        if let Some(&reference) = self.inputs.get(input).filter(|_| order == 0) {
-            put(into, reference, Constant);
-        }
-    }
-
-    fn prescribed(&self, body: usize, order: usize) -> Knowns {
-        let mut knowns = Knowns::new();
-        let name = &self.machine.bodies[body].name;
-        match &self.machine.bodies[body].kind {
-            BodyKind::Free(_) | BodyKind::Node(_) => return knowns,
-            BodyKind::Prescribed { motion, rate } => {
-                self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
-            }
-            // An integral moves with time, and with an input since a solver's last point.
-            BodyKind::Integrated(own) if order < own.level.order() => {
-                put(&mut knowns, self.references[&Quantity::Time], Dependent);
-                let input = format!("body.{name}.motion.{}.input", own.level.key());
-                if let Some(&reference) = self.inputs.get(input.as_str()) {
-                    put(&mut knowns, reference, Dependent);
-                }
-            }
-            BodyKind::Integrated(own) => {
-                let input = format!("body.{name}.motion.{}.input", own.level.key());
-                self.signal(&own.signal, 0.0, &input, order - own.level.order(), &mut knowns);
-            }
-        }
-        self.of_body_section(body, &mut knowns);
-        knowns
-    }
-
-    /// The knowns of an element's signals, and its parameters.
-    fn signals(&self, element: Element) -> Knowns {
-        let (mut knowns, section) = (Knowns::new(), element.dotted());
-        for (key, signal) in element.signals() {
-            self.signal(signal, 0.0, &format!("{section}{key}.input"), 0, &mut knowns);
-        }
-        self.of_section(&section, &mut knowns);
-        if let Element::Friction(Friction { follows: Some(follows), .. }) = element {
-            let stop = self.force(Element::Stop(&self.machine.stops[follows.stop]));
-            join(&mut knowns, &stop, Dependent);
-        }
-        knowns
     }
 
     /// The knowns of a body's coordinate (`order` 0) or rate (1).
@@ -363,6 +320,12 @@ impl<'a> Structure<'a> {
             }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
             Quantity::Indicator(place) => self.indicator(place, &mut knowns),
+            Quantity::Following(i) => {
+                for name in self.machine.named.sources_of(&self.plan.table.following[i].name) {
+                    let source = self.plan.table.reference(name);
+                    source.into_iter().for_each(|source| put(&mut knowns, source, Dependent));
+                }
+            }
             Quantity::Time
             | Quantity::Parameter(_)
             | Quantity::Input(_)
@@ -401,100 +364,11 @@ impl<'a> Structure<'a> {
         }
     }
 
-    fn energy(&self, energy: Energy, knowns: &mut Knowns) {
-        let free = (0..self.machine.bodies.len()).filter(|&body| is_free(self.machine, body));
-        match energy {
-            Energy::Kinetic | Energy::Stored => {
-                let order = usize::from(energy == Energy::Kinetic);
-                for body in free {
-                    join(knowns, &self.coordinate(body, order), Dependent);
-                    self.of_body_section(body, knowns);
-                }
-                if order == 0 {
-                    let stores = |e: &&Element| {
-                        matches!(
-                            e.action(),
-                            Action::Linear | Action::Flexing | Action::Switching | Action::Hitting
-                        )
-                    };
-                    for &element in self.elements.iter().filter(stores) {
-                        let mut own = self.of_element(element, 0);
-                        self.slider(element, &mut own);
-                        self.steps(element, &mut own);
-                        join(knowns, &own, Dependent);
-                        self.of_section(&element.dotted(), knowns);
-                    }
-                }
-            }
-            // The accounts depend on the whole motion.
-            Energy::Work | Energy::Lost | Energy::Switched | Energy::Residual => {
-                for [state, _] in &self.plan.states {
-                    put(knowns, self.references[&Quantity::Column(*state)], Dependent);
-                }
-                self.anything_set(knowns);
-                put(knowns, self.references[&Quantity::Time], Dependent);
-            }
-        }
-    }
-
     /// Adds the inputs and all parameters except start values.
     fn anything_set(&self, knowns: &mut Knowns) {
         self.inputs.values().for_each(|&input| put(knowns, input, Dependent));
         self.parameters.keys().for_each(|section| self.of_section(section, knowns));
     }
-
-    /// Adds the knowns of an event indicator. It is relative to the size of its functional, which
-    /// depends on all parameters and on past inputs.
-    fn indicator(&self, place: usize, knowns: &mut Knowns) {
-        let of_element = |element: &Element<'a>| {
-            let (count, first) = match element.action() {
-                Action::Switching if matches!(element, Element::Spring(_)) => (0, 0),
-                Action::Hitting => (1, 0),
-                Action::Switching => (2, 0),
-                Action::Rubbing => (3, 1),
-                Action::Linear if slides(&element.series().copied()) => (2, 0),
-                Action::Linear | Action::Flexing | Action::Tying | Action::Driving => (0, 0),
-                Action::Giving | Action::Computing => (0, 0),
-            };
-            vec![(*element, first); count]
-        };
-        // Corners come after all stops, then freewheels, then friction.
-        let corners = self.elements.iter().flat_map(|element| match element {
-            Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
-            _ => Vec::new(),
-        });
-        let blocks = self.elements.len() - self.machine.blocks.len();
-        let limits = self.machine.limits_of_outputs();
-        let first = stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
-        if let Some(((block, output), _)) = place.checked_sub(first).and_then(|own| limits.get(own)) {
-            join(knowns, &self.of_block(blocks + block, What::Output(*output)), Dependent);
-            return self.anything_set(knowns);
-        }
-        let place = if place >= first { place - limits.len() } else { place };
-        // Those of sliders stand last.
-        let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
-        let rubs = |element: &&Element| element.action() == Action::Rubbing;
-        let is_stop = |element: &&Element| matches!(element, Element::Stop(_));
-        let is_wheel = |element: &&Element| matches!(element, Element::Freewheel(_));
-        let all = self.elements.iter();
-        let stops = all.clone().filter(is_stop).flat_map(of_element);
-        let wheels = all.clone().filter(is_wheel).flat_map(of_element);
-        let frictions = all.clone().filter(|own| rubs(own) && !is_spring(own)).flat_map(of_element);
-        let sliders = all.filter(is_spring).flat_map(of_element);
-        if let Some((element, first)) =
-            stops.chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)
-        {
-            let times = if self.inputs.is_empty() { Discrete } else { Dependent };
-            (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
-        }
-        self.anything_set(knowns);
-    }
-}
-
-/// The number of indicators of stops and corners, of which there are `count`.
-fn stops_before(machine: &Description, count: usize) -> usize {
-    let compliant = |stop: &&Stop| matches!(stop.law, StopLaw::Compliant { .. });
-    count + machine.stops.iter().filter(compliant).count()
 }
 
 /// The inner place of an element, by its index.

@@ -3,12 +3,13 @@
 //! | names | causality |
 //! |---|---|
 //! | `time` | independent |
-//! | dotted names of the file, such as `stop.upper.gap` | parameter |
+//! | dotted names of the file, such as `stop.upper.gap`; named parameters | parameter |
+//! | numbers and named parameters that follow by expressions | calculatedParameter |
 //! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
 //! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
-//! | `SIGNAL`, `BLOCK.OUTPUT`; a block's states `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `.rate` | output |
+//! | `SIGNAL`, `BLOCK.OUTPUT`; a block's states `BLOCK.x[0]` with `.rate`, of sampled blocks `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`, discrete | output |
 //! | `SPRING.line` of springs by points | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
@@ -18,76 +19,16 @@
 //! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
 //! variables share a name.
 
+mod indicators;
+mod quantity;
+
+pub use quantity::{Energy, Quantity};
+
 use fmi_doors::{Base, Bases, Problem};
-use vibro_assembly::description::{Dimension, Series, SeriesLaw, Stop, StopLaw};
+use vibro_assembly::description::{Block, Dimension, Series, SeriesLaw, Stop, StopLaw};
+use vibro_assembly::following::Following;
+use vibro_assembly::quantity::NamedQuantity;
 use vibro_assembly::{Description, Element, Owner, Parameter, What};
-
-/// The source of a variable's value, by the places of bodies and elements in the description.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
-    /// Time.
-    Time,
-    /// A parameter, by its index.
-    Parameter(usize),
-    /// An input, by its index.
-    Input(usize),
-    /// A quantity of a body or an element.
-    Column(vibro_assembly::Quantity),
-    /// The state of a stop.
-    StopState(usize),
-    /// The number of a stop's impacts so far.
-    Impacts(usize),
-    /// The impulse of a stop's last impact.
-    Impulse(usize),
-    /// The state of a friction.
-    FrictionState(usize),
-    /// The number of corners that a spring has passed, by its place among the springs.
-    Line(usize),
-    /// The state of a slider in series with a spring, by the spring's place among those in series.
-    SliderState(usize),
-    /// A part of the energy balance.
-    Energy(Energy),
-    /// An event indicator, by its index.
-    Indicator(usize),
-    /// Derivatives of the states at the end of the last step with respect to those at its start.
-    Transition,
-    /// Derivatives of the states at the end of the last step with respect to the inputs.
-    Response,
-    /// Derivatives of the states at the end of the last step with respect to tunable parameters.
-    ByParameters,
-}
-
-impl Quantity {
-    /// A body's coordinate (`order` 0), its rate (1) or its acceleration (2).
-    pub fn of_body(body: usize, order: usize) -> Self {
-        Self::Column(vibro_assembly::Quantity::of_body(body, [What::S, What::V, What::A][order.min(2)]))
-    }
-
-    /// The body and the order of a body's quantity, the inverse of [`of_body`](Self::of_body).
-    pub fn as_body(self) -> Option<(usize, usize)> {
-        let Self::Column(vibro_assembly::Quantity { owner: Owner::Body(body), what }) = self else {
-            return None;
-        };
-        Some((body, What::OF_BODIES.iter().position(|own| *own == what)?))
-    }
-}
-
-/// A part of the energy balance, J.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Energy {
-    /// Kinetic energy.
-    Kinetic,
-    /// Energy stored in springs, compliant stops and weight.
-    Stored,
-    /// Work of loads and prescribed motions since the start.
-    Work,
-    /// Energy lost in dashpots, stops and friction since the start.
-    Lost,
-    /// What steps of stiffness have put in since the start.
-    Switched,
-    /// Mechanical energy less its value by work and losses: rounding.
-    Residual,
-}
 
 /// The role of a variable, from which causality and variability follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +39,8 @@ pub enum Role {
     Parameter,
     /// A number of the file that may be set at events, too.
     Tunable,
+    /// A number that follows from named parameters by an expression, and is not set.
+    Calculated,
     /// An addition to a signal, set by the host.
     Input,
     /// A result of the motion that changes at any time.
@@ -143,6 +86,8 @@ pub struct VariableTable {
     pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
+    /// Numbers and parameters that follow by expressions, in the order of the rows.
+    pub following: Vec<Following>,
     /// The value references of the inputs, in order.
     pub inputs: Vec<u32>,
     /// The value references of the event indicators.
@@ -157,6 +102,10 @@ fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
 /// Most numbers of `step.parameters`; a larger machine has none.
 const MOST_BY_PARAMETERS: usize = 1_000_000;
 
+/// Largest number of names in the description of a named parameter: about a line of a host's
+/// window.
+const MOST_NAMED: usize = 4;
+
 /// The unit of matrices, whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
@@ -165,13 +114,19 @@ impl VariableTable {
     /// The variables of a machine.
     pub fn new(machine: &Description) -> Self {
         let parameters = machine.parameters();
-        let mut table = Self { rows: Vec::new(), parameters, inputs: Vec::new(), indicators: Vec::new() };
+        let (following, indicators) = (machine.following(), Vec::new());
+        let mut table = Self { rows: Vec::new(), parameters, following, inputs: Vec::new(), indicators };
         table.push("time".into(), "Time", "s", Role::Independent, Quantity::Time);
         for place in 0..table.parameters.len() {
             let Parameter { name, meaning, unit, .. } = table.parameters[place].clone();
             let role = if is_tunable(machine, &name) { Role::Tunable } else { Role::Parameter };
-            // Structured names of FMI write both places of a matrix's number in one bracket.
-            table.push(name.replace("][", ","), meaning, unit, role, Quantity::Parameter(place));
+            let meaning = meaning + &what_follows(&machine.named.numbers_of(&name));
+            table.push(name, meaning, unit, role, Quantity::Parameter(place));
+        }
+        for place in 0..table.following.len() {
+            let Following { name, unit, meaning, expression, .. } = table.following[place].clone();
+            let meaning = format!("{meaning}, by the expression `{expression}`");
+            table.push(name, meaning, unit, Role::Calculated, Quantity::Following(place));
         }
         let inputs = machine.signals().filter(|named| named.signal.input);
         for (place, signal) in inputs.enumerate() {
@@ -185,7 +140,14 @@ impl VariableTable {
         table
     }
 
-    fn push(&mut self, name: String, meaning: &str, unit: &'static str, role: Role, quantity: Quantity) {
+    fn push(
+        &mut self,
+        name: String,
+        meaning: impl Into<String>,
+        unit: &'static str,
+        role: Role,
+        quantity: Quantity,
+    ) {
         let base = match quantity {
             Quantity::Impacts(_) | Quantity::Line(_) => Base::Integer,
             Quantity::StopState(_) | Quantity::FrictionState(_) | Quantity::SliderState(_) => {
@@ -210,15 +172,14 @@ impl VariableTable {
         let mut columns = machine.named_quantities().into_iter().peekable();
         let mut push_those_of = |table: &mut Self, owner: Owner| {
             while let Some(column) = columns.next_if(|column| column.quantity.owner == owner) {
-                let quantity = Quantity::Column(column.quantity);
-                table.push(column.name, column.meaning, column.unit, Role::Output, quantity);
+                table.column(machine, column);
             }
         };
         for i in 0..machine.bodies.len() {
             push_those_of(self, Owner::Body(i));
             // States of a solver.
             for own in machine.inner_quantities(i) {
-                self.push(own.name, own.meaning, own.unit, Role::Output, Quantity::Column(own.quantity));
+                self.column(machine, own);
             }
         }
         let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
@@ -258,15 +219,24 @@ impl VariableTable {
                     sliders += 1;
                 }
                 Element::Block(_) => {
-                    for own in machine.quantities_of_block(blocks, true) {
-                        let quantity = Quantity::Column(own.quantity);
-                        self.push(own.name, own.meaning, own.unit, Role::Output, quantity);
+                    let rates = machine.blocks[blocks].sampling.is_none();
+                    for own in machine.quantities_of_block(blocks, rates) {
+                        self.column(machine, own);
                     }
                     blocks += 1;
                 }
                 _ => {}
             }
         }
+    }
+
+    /// Adds a quantity; one of a sampled block is discrete.
+    fn column(&mut self, machine: &Description, own: NamedQuantity) {
+        let (role, meaning) = match machine.sampled_block(own.quantity) {
+            Some(block) => (Role::Discrete, format!("{}{}", own.meaning, when_sampled(block))),
+            None => (Role::Output, own.meaning.to_owned()),
+        };
+        self.push(own.name, meaning, own.unit, role, Quantity::Column(own.quantity));
     }
 
     fn stop(&mut self, stop: &Stop, i: usize) {
@@ -302,54 +272,6 @@ impl VariableTable {
         }
     }
 
-    /// Adds the event indicators in the order of `Motion::indicators`.
-    fn indicators(&mut self, machine: &Description) {
-        let mut push = |name: String, meaning: &str| {
-            let place = self.indicators.len();
-            self.push(name, meaning, "1", Role::Local, Quantity::Indicator(place));
-            self.indicators.push(self.rows.len() as u32);
-        };
-        for stop in &machine.stops {
-            let name = format!("{}.indicator", stop.name);
-            match stop.law {
-                StopLaw::Rigid { .. } => push(name, "Negative where the stop is to close or to open"),
-                StopLaw::Compliant { .. } => {
-                    push(
-                        format!("{name}.edge"),
-                        "Negative where the stop is met or left, or its force capped",
-                    );
-                    push(format!("{name}.force"), "Negative where the force ends or begins");
-                }
-            }
-        }
-        for spring in &machine.springs {
-            for corner in 1..spring.points.len().saturating_sub(1) {
-                let name = format!("{}.indicator.points[{corner}]", spring.name);
-                push(name, "Negative where the corner is to be passed");
-            }
-        }
-        for (place, is_upper) in machine.limits_of_outputs() {
-            let side = if is_upper { "upper" } else { "lower" };
-            let name = format!("{}.indicator.{side}", machine.name_of_output(place));
-            push(name, "Negative where the output comes to the limit or leaves it");
-        }
-        for wheel in &machine.freewheels {
-            let name = format!("{}.indicator", wheel.name);
-            push(name, "Negative where the freewheel is to engage or to let go");
-        }
-        for friction in &machine.frictions {
-            let name = format!("{}.indicator", friction.name);
-            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
-            push(format!("{name}.down"), "Negative where slipping begins downwards");
-            push(format!("{name}.level"), "Negative where friction begins or ceases to act");
-        }
-        for spring in machine.springs.iter().filter(|spring| slides(&spring.series)) {
-            let name = format!("{}.indicator", spring.name);
-            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
-            push(format!("{name}.down"), "Negative where slipping begins downwards");
-        }
-    }
-
     /// Adds the matrices of derivatives over a step, for a machine with so many states.
     pub(crate) fn add_matrices(&mut self, states: usize) {
         const ROWS: &str = "Derivatives of the states (coordinates, rates, inner places, in the order of the model structure) at the end of the \
@@ -359,7 +281,7 @@ impl VariableTable {
         let mut push = |name: &str, meaning: String, columns: usize, quantity: Quantity| {
             if columns > 0 {
                 let text = format!("{ROWS} by {meaning}, through all its events, in SI units");
-                self.push(name.into(), &text, NO_UNIT, Role::Sensitivity, quantity);
+                self.push(name.into(), text, NO_UNIT, Role::Sensitivity, quantity);
                 self.rows.iter_mut().rev().take(1).for_each(|row| row.dimensions = vec![states, columns]);
             }
         };
@@ -385,6 +307,17 @@ impl VariableTable {
         self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
     }
 
+    /// A number that follows from named parameters, with its expression, as a sentence names it.
+    pub(crate) fn following_in_words(&self, i: usize) -> String {
+        let Following { name, expression, .. } = &self.following[i];
+        format!("{name}, which follows from named parameters by the expression `{expression}`,")
+    }
+
+    /// The role of the variable with a name.
+    pub(crate) fn role(&self, name: &str) -> Option<Role> {
+        Some(self.rows[self.reference(name)? as usize - 1].role)
+    }
+
     /// The value reference of the variable with this source.
     pub(crate) fn reference_of(&self, quantity: Quantity) -> Option<u32> {
         self.rows.iter().position(|row| row.quantity == quantity).map(|place| place as u32 + 1)
@@ -405,6 +338,27 @@ impl VariableTable {
         };
         Err(Problem::Reference { reference, wanted: bases.name, found })
     }
+}
+
+/// The numbers that follow from a named parameter, for its description; empty without any.
+fn what_follows(numbers: &[&str]) -> String {
+    let named = numbers.iter().take(MOST_NAMED).copied().collect::<Vec<_>>().join(", ");
+    match numbers.len() {
+        0 => String::new(),
+        count if count > MOST_NAMED => format!("; sets {named} and {} more", count - MOST_NAMED),
+        _ => format!("; sets {named}"),
+    }
+}
+
+/// When a sampled block is sampled and its outputs act, for descriptions.
+fn when_sampled(block: &Block) -> String {
+    let Some(sampling) = &block.sampling else { return String::new() };
+    let name = &block.name;
+    let mut text = format!("; sampled at multiples of `block.{name}.sample` ({} s)", sampling.period);
+    if sampling.delay > 0.0 {
+        text += &format!(", outputs act `block.{name}.delay` ({} s) later", sampling.delay);
+    }
+    text
 }
 
 /// Whether a spring's partner is a slider.

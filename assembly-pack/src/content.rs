@@ -16,6 +16,20 @@ use vibro_sketch::Sketch;
 /// Path of the model description inside every archive.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
+/// End of an archive's file name, which tells its version of FMI.
+pub const fn suffix(version: Version) -> &'static str {
+    match version {
+        Version::Fmi2 => "",
+        Version::Fmi3 => "-FMI3",
+    }
+}
+
+/// File name of a machine's archive: `NAME.fmu` for FMI 2.0, `NAME-FMI3.fmu` for FMI 3.0, so that
+/// both fit into one folder.
+pub fn file_name(machine: &str, version: Version) -> String {
+    format!("{machine}{}.fmu", suffix(version))
+}
+
 /// Content of a version's archive; a plan with arrays gives the archive of FMI 3.0 with arrays.
 ///
 /// # Errors

@@ -24,6 +24,6 @@ pub use around::{around, platforms_of};
 pub use binaries::{
     Binaries, PACKED_PLATFORMS, PLATFORM, PLATFORM_TUPLE, PackedPlatform, SHARED_LIBRARY, binary_path,
 };
-pub use content::{MODEL_DESCRIPTION, content, write};
+pub use content::{MODEL_DESCRIPTION, content, file_name, suffix, write};
 pub use error::{Error, Result};
 pub use kit::{KIT_FILE, Kit, LICENCE_LIST};

@@ -18,7 +18,7 @@ const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;m
 const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, explanation, roles.
-const SECTIONS: [(&str, &str, &[Role]); 5] = [
+const SECTIONS: [(&str, &str, &[Role]); 6] = [
     ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
     (
         "Outputs",
@@ -30,6 +30,11 @@ const SECTIONS: [(&str, &str, &[Role]); 5] = [
         "Every number of the file, in SI. Tunable ones may be set at events, or between steps where a host handles no events.",
         &[Role::Parameter, Role::Tunable],
     ),
+    (
+        "Calculated parameters",
+        "They follow from named parameters by expressions, and are not set.",
+        &[Role::Calculated],
+    ),
     ("Event indicators", "For the solver of a host in Model Exchange.", &[Role::Local]),
     (
         "Derivatives over a step",
@@ -37,6 +42,20 @@ const SECTIONS: [(&str, &str, &[Role]); 5] = [
         &[Role::Sensitivity],
     ),
 ];
+
+/// The start value of a parameter, or of a number that follows from parameters.
+fn start(plan: &Plan, quantity: Quantity) -> Option<f64> {
+    match quantity {
+        Quantity::Parameter(i) => Some(plan.table.parameters[i].value),
+        Quantity::Following(i) => Some(plan.table.following[i].value),
+        _ => None,
+    }
+}
+
+/// A text whose characters have no meaning in HTML, such as a comment of the machine's file.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
 
 /// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
 ///
@@ -64,7 +83,7 @@ pub fn page(plan: &Plan) -> Result<String> {
         if rows.is_empty() {
             continue;
         }
-        let start = rows.iter().any(|row| matches!(row.quantity, Quantity::Parameter(_)));
+        let start = rows.iter().any(|row| start(plan, row.quantity).is_some());
         let head = if start { "<th>Start</th><th></th>" } else { "" };
         // Writing to a String cannot fail.
         let _ = write!(
@@ -75,11 +94,17 @@ pub fn page(plan: &Plan) -> Result<String> {
             let _ = write!(
                 text,
                 "<tr><td><code>{}</code></td><td>{}</td><td>{}</td>",
-                row.name, row.unit, row.meaning
+                row.name,
+                row.unit,
+                escaped(&row.meaning)
             );
-            if let Quantity::Parameter(i) = row.quantity {
-                let kind = if row.role == Role::Tunable { "tunable" } else { "fixed" };
-                let _ = write!(text, "<td>{}</td><td>{kind}</td>", plan.table.parameters[i].value);
+            if let Some(value) = self::start(plan, row.quantity) {
+                let kind = match row.role {
+                    Role::Tunable => "tunable",
+                    Role::Calculated => "calculated",
+                    _ => "fixed",
+                };
+                let _ = write!(text, "<td>{value}</td><td>{kind}</td>");
             }
             text += "</tr>\n";
         }

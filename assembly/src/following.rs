@@ -4,6 +4,7 @@ use crate::description::Description;
 use crate::named::{Named, NamedParameters};
 use crate::refusal::Problem;
 use crate::slots::{Slot, slots};
+use vibro_impact::parameters::Range;
 
 /// A number that follows from named parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,10 @@ pub struct Following {
     pub unit: &'static str,
     /// Value in the SI unit.
     pub value: f64,
+    /// Meaning in words; of a named parameter the comment behind it.
+    pub meaning: String,
+    /// Values that it may have.
+    pub range: Range,
     /// The expression, as the file writes it: `= backlash / 2`.
     pub expression: String,
 }
@@ -24,7 +29,8 @@ impl Description {
     pub fn following(&self) -> Vec<Following> {
         let of_expression = |own: &Named| {
             let expression = format!("= {}", own.expression.as_ref()?.text);
-            Some(Following { name: own.name.clone(), unit: own.unit, value: own.value, expression })
+            let (name, meaning, range) = (own.name.clone(), own.meaning(), Range::FINITE);
+            Some(Following { name, unit: own.unit, value: own.value, meaning, range, expression })
         };
         let mut all: Vec<_> = self.named.all().iter().filter_map(of_expression).collect();
         if !self.named.has_numbers() {
@@ -34,7 +40,8 @@ impl Description {
         all.extend(slots(&mut copy).into_iter().filter_map(|slot| {
             let expression = format!("= {}", self.named.of_number(&slot.name)?.text);
             let (unit, value) = (slot.kind.unit(slot.dimension), *slot.value);
-            Some(Following { name: slot.name, unit, value, expression })
+            let (meaning, range) = (slot.kind.meaning.to_owned(), slot.kind.range);
+            Some(Following { name: slot.name, unit, value, meaning, range, expression })
         }));
         all
     }

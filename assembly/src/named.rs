@@ -1,9 +1,12 @@
 //! Named parameters, and the numbers of a machine that follow from them by expressions.
 
+mod blame;
 mod expression;
+mod line;
 
 pub(crate) use expression::Expression;
 
+use crate::parameters::usual_name;
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
 
@@ -25,6 +28,15 @@ pub(crate) struct Named {
     pub unit: &'static str,
     pub value: f64,
     pub expression: Option<Expression>,
+    /// Comment that the file has behind its value; empty without one.
+    pub comment: String,
+}
+
+impl Named {
+    /// Its comment, or that it is a named parameter.
+    pub fn meaning(&self) -> String {
+        if self.comment.is_empty() { "Named parameter".into() } else { self.comment.clone() }
+    }
 }
 
 impl NamedParameters {
@@ -102,13 +114,34 @@ impl NamedParameters {
 
     /// Sets the values that follow from others.
     pub(crate) fn evaluate(&mut self) -> Result<(), (usize, String)> {
-        let mut values = self.values();
+        let values = self.evaluated(self.values())?;
+        self.all.iter_mut().zip(values).for_each(|(own, value)| own.value = value);
+        Ok(())
+    }
+
+    /// The values of all parameters, of which the ones with expressions are computed.
+    fn evaluated(&self, mut values: Vec<f64>) -> Result<Vec<f64>, (usize, String)> {
         for &place in &self.order {
             let Some(expression) = &self.all[place].expression else { continue };
             values[place] = expression.value(&values).map_err(|text| (place, text))?;
-            self.all[place].value = values[place];
         }
-        Ok(())
+        Ok(values)
+    }
+
+    /// The value of a number or parameter with an expression, by its name. `value` has the values of
+    /// the parameters without expressions. NaN if the expression divides by zero or overflows.
+    pub fn value_with(&self, name: &str, value: impl Fn(&str) -> Option<f64>) -> f64 {
+        let given = self.all.iter().map(|own| value(&own.name).unwrap_or(own.value));
+        let found = self.evaluated(given.collect()).ok();
+        let found = found.and_then(|values| self.expression_of(name)?.value(&values).ok());
+        found.unwrap_or(f64::NAN)
+    }
+
+    /// Names of the parameters without expressions that the expression of a number or parameter
+    /// contains, directly or through other parameters; none without an expression.
+    pub fn sources_of(&self, name: &str) -> Vec<&str> {
+        let sources = self.expression_of(name).map(|expression| self.sources(expression));
+        sources.into_iter().flatten().map(|place| self.all[place].name.as_str()).collect()
     }
 
     /// The power of length in the unit of each parameter.
@@ -169,7 +202,7 @@ impl NamedParameters {
     fn expression_of(&self, name: &str) -> Option<&Expression> {
         let own = || self.all.iter().find(|named| named.name == name)?.expression.as_ref();
         let number = |name: &str| self.numbers.get(name);
-        number(name).or_else(|| number(&name.replace(".harmonics[0].", "."))).or_else(own)
+        number(name).or_else(|| number(&usual_name(name))).or_else(own)
     }
 
     /// The problem of setting, or of differentiating by, what follows from parameters.

@@ -3,8 +3,9 @@
 //!
 //! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
 //! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
-//! `load.shaker.harmonics[1].amplitude` where there are several harmonics. The set of names depends
-//! on the machine's topology, never on its numbers. Knots of records have no names. Parameters of
+//! `load.shaker.harmonics[1].amplitude` where there are several harmonics, or `block.pid.a[0,1]`, a
+//! matrix's row and column from 0 as in FMI's structured names. The set of names depends on the
+//! machine's topology, never on its numbers. Knots of records have no names. Parameters of
 //! `[parameters]` have their own; what follows from them ([`Description::following`]) is not set.
 
 use crate::check::{check, check_under_way};
@@ -13,6 +14,7 @@ use crate::following::Following;
 use crate::kinds::NumberKind;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
+use std::collections::HashMap;
 use vibro_impact::parameters::Range;
 use vibro_impact::quantities::quantity_in;
 
@@ -21,12 +23,15 @@ use vibro_impact::quantities::quantity_in;
 pub struct Parameter {
     /// Dotted name, such as `stop.upper.gap`.
     pub name: String,
-    /// Its meaning in words.
-    pub meaning: &'static str,
+    /// Its meaning in words; of a named parameter the comment behind it, if there is one.
+    pub meaning: String,
     /// SI unit.
     pub unit: &'static str,
     /// Value in the SI unit.
     pub value: f64,
+    /// Least and largest value, infinite without a bound. The bounds of a named parameter follow
+    /// from the numbers that are straight lines in it alone.
+    pub bounds: [f64; 2],
     kind: NumberKind,
     dimension: Dimension,
 }
@@ -95,18 +100,32 @@ impl Description {
         let mut copy = self.clone();
         let parameter = |slot: Slot| Parameter {
             name: slot.name,
-            meaning: slot.kind.meaning,
+            meaning: slot.kind.meaning.to_owned(),
             unit: slot.kind.unit(slot.dimension),
             value: *slot.value,
+            bounds: [slot.kind.range.min, slot.kind.range.max],
             kind: slot.kind,
             dimension: slot.dimension,
         };
-        let all = slots(&mut copy).into_iter();
-        all.filter(|slot| self.named.of_number(&slot.name).is_none()).map(parameter).collect()
+        let all = slots(&mut copy);
+        if self.named.all().is_empty() {
+            return all.into_iter().map(parameter).collect();
+        }
+        let (follow, own): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|slot| self.named.of_number(&slot.name).is_some());
+        let ranges: HashMap<_, _> = follow.into_iter().map(|slot| (slot.name, slot.kind.range)).collect();
+        let bounds = self.named.ranges(|name| ranges.get(name).copied());
+        let mut parameters: Vec<Parameter> = own.into_iter().map(parameter).collect();
+        // Named parameters without expressions come last.
+        let named = self.named.all().iter().zip(bounds).rev().filter(|own| own.0.expression.is_none());
+        for (parameter, (own, bounds)) in parameters.iter_mut().rev().zip(named) {
+            (parameter.meaning, parameter.bounds) = (own.meaning(), bounds);
+        }
+        parameters
     }
 
     /// The parameter with a name. For a single harmonic, `harmonics[0].amplitude` is an alias of
-    /// `amplitude`.
+    /// `amplitude`; `a[0][1]` is an alias of `a[0,1]`.
     ///
     /// # Errors
     /// A [`Refusal`] with the nearest name, or with the named parameters from which this follows.
@@ -124,7 +143,7 @@ impl Description {
     /// # Errors
     /// A [`Refusal`] with the nearest name.
     pub fn get(&self, name: &str) -> Result<f64, Refusal> {
-        let plain = name.replace(".harmonics[0].", ".");
+        let plain = usual_name(name);
         let is_own = |own: &Following| own.name == name || own.name == plain;
         match self.following().into_iter().find(is_own) {
             Some(found) => Ok(found.value),
@@ -168,22 +187,32 @@ impl Description {
     ) -> Result<Self, Refusal> {
         let mut changed = self.clone();
         let mut all = slots(&mut changed);
-        let mut problems = Vec::new();
+        let (mut problems, mut set) = (Vec::new(), Vec::new());
         for (name, value) in changes {
             match (self.named.refusal(name), position(&all, |s| &s.name, name)) {
                 (Some(follows), _) => problems.push(follows),
-                (None, Ok(place)) => *all[place].value = value,
+                (None, Ok(place)) => {
+                    *all[place].value = value;
+                    set.push((all[place].name.clone(), value));
+                }
                 (None, Err(unknown)) => problems.push(unknown),
             }
         }
         if problems.is_empty() {
             problems = changed.follow();
-        }
-        if problems.is_empty() {
-            problems = check(&changed);
+            if problems.is_empty() {
+                problems = check(&changed);
+            }
+            problems = problems.into_iter().map(|own| self.named.blame(own, &set)).collect();
         }
         if problems.is_empty() { Ok(changed) } else { Err(Refusal { file: String::new(), problems }) }
     }
+}
+
+/// The usual spelling of a name that is understood in another one: `a[0][1]` is `a[0,1]`, and
+/// `harmonics[0].amplitude` of a single harmonic is `amplitude`.
+pub(crate) fn usual_name(name: &str) -> String {
+    name.replace("][", ",").replace(".harmonics[0].", ".")
 }
 
 fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usize, Problem> {
@@ -193,7 +222,7 @@ fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usiz
             format!("no parameter has this name; {}", advice(name, all.iter().map(|t| name_of(t).as_str())));
         Problem::new(name, None, text)
     };
-    find(name).or_else(|| find(&name.replace(".harmonics[0].", "."))).ok_or_else(unknown)
+    find(name).or_else(|| find(&usual_name(name))).ok_or_else(unknown)
 }
 
 /// Whether a text is a number with a unit that converts to `si`.

@@ -95,6 +95,15 @@ impl Description {
         (0..count).flat_map(of).collect()
     }
 
+    /// The block whose samples alone change a quantity: a state or an output of a sampled one.
+    pub fn sampled_block(&self, quantity: Quantity) -> Option<&Block> {
+        let Owner::Element(element) = quantity.owner else { return None };
+        let is_kept = matches!(quantity.what, What::State(_) | What::StateRate(_) | What::Output(_));
+        let first = self.elements().count() - self.blocks.len();
+        let block = self.blocks.get(element.checked_sub(first)?)?;
+        Some(block).filter(|own| is_kept && own.sampling.is_some())
+    }
+
     fn named(&self, quantity: Quantity, elements: &[Element]) -> NamedQuantity {
         let (name, dimension, element) = match quantity.owner {
             Owner::Body(i) => (self.bodies[i].name.as_str(), self.bodies[i].dimension, None),

@@ -188,7 +188,7 @@ impl<'a> Slots<'a> {
         for (key, rows) in matrices {
             for (i, row) in rows.iter_mut().enumerate() {
                 for (j, value) in row.iter_mut().enumerate() {
-                    self.push(format!("{of}.{key}[{i}][{j}]"), kinds::COEFFICIENT_OF_BLOCK, value);
+                    self.push(format!("{of}.{key}[{i},{j}]"), kinds::COEFFICIENT_OF_BLOCK, value);
                 }
             }
         }

@@ -51,15 +51,15 @@ fn closed_form_a_start_at_rest_bears_what_blocks_put_out() {
 #[test]
 fn second_method_derivatives_of_starts_at_rest_beside_blocks() {
     let names: [&[&str]; 5] = [
-        &["block.block.d[0][0]", "signal.level.constant", "load.push.factor", "spring.k.stiffness"],
+        &["block.block.d[0,0]", "signal.level.constant", "load.push.factor", "spring.k.stiffness"],
         &["block.block.limits.y[1]", "signal.level.constant", "load.push.factor"],
-        &["block.block.start[0]", "block.block.c[0][0]", "block.block.a[0][0]"],
-        &["block.block.limits.y[1]", "block.block.d[0][0]", "load.push.factor"],
+        &["block.block.start[0]", "block.block.c[0,0]", "block.block.a[0,0]"],
+        &["block.block.limits.y[1]", "block.block.d[0,0]", "load.push.factor"],
         &[
-            "block.block.d[0][0]",
+            "block.block.d[0,0]",
             "block.block.start[0]",
-            "block.block.c[0][0]",
-            "block.block.a[0][0]",
+            "block.block.c[0,0]",
+            "block.block.a[0,0]",
             "signal.level.constant",
         ],
     ];

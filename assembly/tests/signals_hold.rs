@@ -141,7 +141,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     };
     assert_eq!(
         refused("table = [[0, \"1 N\"], [1, 2]]\nscale = 2.0"),
-        "r.toml:6: load.l.table[0][1] = \"1 N\": allowed is a finite number"
+        "r.toml:6: load.l.table[0,1] = \"1 N\": allowed is a finite number"
     );
     assert_eq!(
         refused("constant = 1.0\nscale = 2.0"),

@@ -43,8 +43,7 @@ impl Version {
     /// Suffix of the file name.
     fn suffix(self) -> &'static str {
         match self {
-            Self::Fmi2 => "",
-            Self::Fmi3 => "-FMI3",
+            Self::Fmi2 | Self::Fmi3 => vibro_pack::suffix(self.fmi()),
             Self::Arrays => "-FMI3-arrays",
             Self::Clocked => "-FMI3-clocked",
         }

@@ -121,6 +121,12 @@ impl Described {
         let write = || vibro_pack::write(&self.description, version, &Kit::read(&kit)?, &path);
         Ok(py.detach(write).map_err(Failure::from)?)
     }
+
+    /// The file name of its FMU.
+    fn fmu_name(&self, version: u8) -> String {
+        let version = if version == 2 { Version::Fmi2 } else { Version::Fmi3 };
+        vibro_pack::file_name(&self.description.name, version)
+    }
 }
 
 impl Described {

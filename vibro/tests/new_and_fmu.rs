@@ -46,10 +46,18 @@ fn fmu_packs_around_the_library_that_is_named_and_says_how_to_get_one() {
     let kit = out.join(KIT_FILE);
     Kit { binaries: Binaries::own(b"a library".to_vec()), ..Kit::default() }.write(&kit).unwrap();
     let kit = kit.display().to_string();
-    for fmi in ["2", "3"] {
-        let told = drawn(&out, &["fmu", &damper, "--fmi", fmi, "--kit", &kit, "--set", "stop.steel.gap=5mm"]);
-        assert!(told.contains(&format!("DamperWithBuffer.fmu (FMI {fmi}.0)")), "{told}");
-        let entries = archive::read_all(&out.join("DamperWithBuffer.fmu")).unwrap();
+    let archives = [("2", "DamperWithBuffer.fmu"), ("3", "DamperWithBuffer-FMI3.fmu")];
+    for again in [false, true] {
+        for (fmi, name) in archives {
+            let told =
+                drawn(&out, &["fmu", &damper, "--fmi", fmi, "--kit", &kit, "--set", "stop.steel.gap=5mm"]);
+            assert!(told.contains(&format!("{name} (FMI {fmi}.0)")), "{told}");
+            assert_eq!(told.contains("in place of the file that was there"), again, "{told}");
+        }
+    }
+    // Neither version has replaced the other.
+    for (fmi, name) in archives {
+        let entries = archive::read_all(&out.join(name)).unwrap();
         let description = String::from_utf8(entries["modelDescription.xml"].clone()).unwrap();
         assert!(description.contains(&format!("fmiVersion=\"{fmi}.0\"")), "{description}");
         assert!(description.contains("0.005") && entries.values().any(|bytes| bytes == b"a library"));

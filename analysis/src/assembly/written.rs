@@ -120,28 +120,27 @@ fn written<'t>(root: &'t DeTable<'t>, name: &str) -> Option<&'t Spanned<DeValue<
 
 /// Entry of a table for a part of a name, such as `harmonics[1]`.
 fn in_table<'t>(table: &'t DeTable<'t>, part: &str) -> Option<&'t Spanned<DeValue<'t>>> {
-    let (key, index) = split(part)?;
+    let (key, places) = split(part)?;
     let harmonic =
         || table.get("harmonics")?.get_ref().as_array()?.iter().next()?.get_ref().as_table()?.get(key);
     let offset = || table.get("offset").filter(|_| key == "constant");
-    item(table.get(key).or_else(harmonic).or_else(offset)?, index)
+    item(table.get(key).or_else(harmonic).or_else(offset)?, &places)
 }
 
-/// The key of a part of a name, and its index.
-fn split(part: &str) -> Option<(&str, Option<usize>)> {
-    match part.split_once('[') {
-        Some((key, index)) => Some((key, Some(index.trim_end_matches(']').parse().ok()?))),
-        None => Some((part, None)),
-    }
+/// The key of a part of a name, and its places: one in a list, two in a matrix.
+fn split(part: &str) -> Option<(&str, Vec<usize>)> {
+    let Some((key, places)) = part.split_once('[') else { return Some((part, Vec::new())) };
+    let places = places.trim_end_matches(']').split(',').map(|place| place.parse().ok());
+    Some((key, places.collect::<Option<_>>()?))
 }
 
-fn item<'t>(found: &'t Spanned<DeValue<'t>>, index: Option<usize>) -> Option<&'t Spanned<DeValue<'t>>> {
-    index.map_or(Some(found), |index| found.get_ref().as_array()?.get(index))
+fn item<'t>(found: &'t Spanned<DeValue<'t>>, places: &[usize]) -> Option<&'t Spanned<DeValue<'t>>> {
+    places.iter().try_fold(found, |found, &place| found.get_ref().as_array()?.get(place))
 }
 
 /// Entry for a part of a name below a value.
 fn step<'t>(value: &'t Spanned<DeValue<'t>>, part: &str) -> Option<&'t Spanned<DeValue<'t>>> {
-    let (key, index) = split(part)?;
+    let (key, places) = split(part)?;
     match value.get_ref() {
         DeValue::Table(table) => in_table(table, part),
         DeValue::Array(pair) => {
@@ -150,10 +149,10 @@ fn step<'t>(value: &'t Spanned<DeValue<'t>>, part: &str) -> Option<&'t Spanned<D
                 "height" | "f" => 1,
                 _ => return None,
             };
-            item(pair.get(place)?, index)
+            item(pair.get(place)?, &places)
         }
         // A signal that is a number.
-        _ => item(Some(value).filter(|_| key == "constant")?, index),
+        _ => item(Some(value).filter(|_| key == "constant")?, &places),
     }
 }
 
@@ -229,6 +228,17 @@ mod tests {
             let number = machine.written_unit(name).unwrap().number(text).round().to_string();
             assert!((machine.quantity(name, &number).unwrap().value - angle).abs() < 1e-14 * angle, "{name}");
         }
+    }
+
+    /// A matrix's number is found by its row and column.
+    #[test]
+    fn golden_places_of_the_numbers_of_a_matrix() {
+        let text = "name = \"M\"\n[body.b]\nmass = 1.0\n[block.c]\ninputs = [\"b.s\", \"b.v\"]\nd = [[-1.0, 2.5], [3.5, 4.5]]\n\
+                    outputs = [\"y\", \"z\"]\n";
+        let machine = Machine::parse(text, "m.toml", &no_records).unwrap();
+        let places = places(text, &machine.description);
+        let at = |name: &str| &text[places[name].clone()];
+        assert_eq!(["block.c.d[0,1]", "block.c.d[1,0]", "body.b.mass"].map(at), ["2.5", "3.5", "1.0"]);
     }
 
     #[test]

@@ -106,7 +106,7 @@ impl Machine {
         let moves = self.plan.knows_parameters
             && !matches!(self.life.phase, Phase::Instantiated | Phase::Initialization);
         let mut along = Along {
-            states: vec![0.0; self.plan.nominals.len()],
+            states: vec![0.0; self.plan.size],
             inputs: vec![0.0; self.pending.len()],
             parameters: Vec::new(),
             time: 0.0,
@@ -118,7 +118,7 @@ impl Machine {
             }
             match (row.quantity, self.state_of(row.quantity).filter(|_| exchange)) {
                 (Quantity::Input(i), _) => along.inputs[i] += part,
-                (_, Some(place)) => along.states[place] += part,
+                (_, Some(place)) => along.states[self.plan.places[place]] += part,
                 (Quantity::Parameter(i), _) if moves && row.role == Role::Tunable => {
                     along.parameters.push((i, part));
                 }

@@ -11,10 +11,10 @@ impl Machine {
         let none = || Problem::Sequence { what: "the instance is not initialized".into() };
         let moving = self.moving.as_mut().filter(|moving| moving.is_on_course()).ok_or_else(none)?;
         if let Some((place, value)) = states.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-            let name = vibro_assembly::Start::names(&self.plan.assembly).swap_remove(place);
+            let name = vibro_assembly::Start::names(&self.plan.assembly).swap_remove(self.plan.places[place]);
             return Err(Problem::value(name, *value, "a finite number").into());
         }
-        moving.motion.set_states(states);
+        moving.set_states(&self.plan.places, states);
         Ok(())
     }
 

@@ -42,7 +42,7 @@ impl Machine {
     }
 
     fn find_matrices(&self) -> Option<StepMatrices> {
-        let states = self.plan.nominals.len();
+        let states = self.plan.size;
         let columns = match (&self.last_step, &self.moving) {
             (Some(step), Some(reached)) if !reached.is_on_course() => replay(step, reached).ok()?,
             _ => (0..states + 4 * self.pending.len())
@@ -66,7 +66,7 @@ impl Machine {
     }
 
     fn find_by_parameters(&self) -> Vec<f64> {
-        let states = self.plan.nominals.len();
+        let states = self.plan.size;
         let zeros = || vec![vec![0.0; states]; self.plan.table.tunable().count()];
         let columns = self.columns_by_parameters().unwrap_or_else(zeros);
         (0..states).flat_map(|i| columns.iter().map(move |column| number(column[i]))).collect()
@@ -81,7 +81,7 @@ impl Machine {
         let names: Vec<&str> = directions.iter().flatten().map(|term| term.0).collect();
         let varied = replay_varied(begin, &names, step, reached).ok()?;
         let mut columns = (0..names.len()).map(|p| varied.state_derivative(p));
-        let zeros = vec![0.0; self.plan.nominals.len()];
+        let zeros = vec![0.0; self.plan.size];
         let sum = |terms: &Vec<(&str, f64)>| {
             let own: Vec<_> = columns.by_ref().take(terms.len()).collect();
             let parts: Option<Vec<_>> =

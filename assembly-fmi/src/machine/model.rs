@@ -166,11 +166,11 @@ impl Model for Machine {
     }
 
     fn continuous_states(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
-        self.finite("a state", self.seen()?.motion.states().to_vec())
+        self.finite("a state", self.plan.continuous(self.seen()?.motion.states()))
     }
 
     fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
-        self.finite("a derivative", self.seen()?.motion.state_derivatives())
+        self.finite("a derivative", self.plan.continuous(&self.seen()?.motion.state_derivatives()))
     }
 
     fn event_indicators(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {

@@ -141,6 +141,16 @@ impl Moving {
         Ok(())
     }
 
+    /// Sets the states at some places among the assembly's states.
+    pub(super) fn set_states(&mut self, places: &[usize], states: &[f64]) {
+        if places.len() == self.motion.states().len() {
+            return self.motion.set_states(states);
+        }
+        let mut all = self.motion.states().to_vec();
+        places.iter().zip(states).for_each(|(&place, state)| all[place] = *state);
+        self.motion.set_states(&all);
+    }
+
     /// Sets an input that a host's solver sees at once.
     pub(super) fn set_input_on_course(&mut self, i: usize, value: f64) {
         let residual = self.unaccounted() - self.origin;
@@ -177,7 +187,7 @@ impl Moving {
         }
     }
 
-    /// Stops' states, impacts and last impulses, and frictions' states.
+    /// The values that change at events only.
     pub(super) fn discrete(&self) -> Shown {
         let mode = self.motion.mode();
         let stop = |i: usize| {
@@ -189,6 +199,7 @@ impl Moving {
             frictions: mode.frictions.iter().copied().map(friction_state).collect(),
             lines: (0..self.motion.assembly().description.springs.len()).map(|i| self.line(i)).collect(),
             sliders: mode.sliders.iter().copied().map(slider_state).collect(),
+            samples: self.motion.kept_by_samples(),
         }
     }
 
@@ -214,6 +225,7 @@ impl Moving {
             Quantity::Column(column) => motion.value(column),
             Quantity::Time
             | Quantity::Parameter(_)
+            | Quantity::Following(_)
             | Quantity::Input(_)
             | Quantity::Transition
             | Quantity::Response
@@ -249,12 +261,15 @@ pub struct Shown {
     pub(super) lines: Vec<f64>,
     /// By spring in series.
     pub(super) sliders: Vec<f64>,
+    /// States and outputs of sampled blocks.
+    pub(super) samples: Vec<f64>,
 }
 
 impl Shown {
     /// Whether it is of as many stops and frictions.
     pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
-        let counts = |shown: &Self| [&shown.frictions, &shown.lines, &shown.sliders].map(Vec::len);
+        let counts =
+            |shown: &Self| [&shown.frictions, &shown.lines, &shown.sliders, &shown.samples].map(Vec::len);
         self.stops.len() == other.stops.len() && counts(self) == counts(other)
     }
 }

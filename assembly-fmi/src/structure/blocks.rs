@@ -15,25 +15,37 @@ impl Structure<'_> {
         let feed = self.machine.feeds.iter().find(|feed| Some(feed.load) == load);
         if let (Some(feed), Element::Load(_)) = (feed, element) {
             let first = self.elements.len() - self.machine.blocks.len();
-            join(&mut knowns, &self.of_block(first + feed.block, What::Output(feed.output)), Dependent);
+            join(&mut knowns, &self.seen_output(first + feed.block, feed.output), Dependent);
         }
         knowns
     }
 
     /// The knowns of an output, a state or a state's rate of the block with an index among the
-    /// elements.
+    /// elements. A sample sets those of a sampled block from its states and its inputs.
     pub(super) fn of_block(&self, element: usize, what: What) -> Knowns {
         let mut knowns = Knowns::new();
         let own = element + self.machine.blocks.len() - self.elements.len();
         let block = &self.machine.blocks[own];
-        let states = block.start.len();
         match what {
-            What::State(_) => self.state(element, what, &mut knowns),
-            What::Output(j) if block.sampling.is_some() => {
-                self.state(element, What::State(states + j), &mut knowns);
+            What::State(_) if block.sampling.is_none() => self.state(element, what, &mut knowns),
+            _ if block.sampling.is_some() => {
+                (0..block.start.len()).for_each(|k| self.state(element, What::State(k), &mut knowns));
+                self.of_section(&format!("block.{}", block.name), &mut knowns);
+                self.read(own, &mut vec![false; self.machine.blocks.len()], &mut knowns);
+                put(&mut knowns, self.references[&Quantity::Time], Dependent);
             }
-            What::StateRate(_) if block.sampling.is_some() => {}
             _ => self.computed(own, &mut vec![false; self.machine.blocks.len()], &mut knowns),
+        }
+        knowns
+    }
+
+    /// The knowns of an output as loads and other blocks see it: a sampled one is held.
+    fn seen_output(&self, element: usize, output: usize) -> Knowns {
+        let block = &self.machine.blocks[element + self.machine.blocks.len() - self.elements.len()];
+        let mut knowns = Knowns::new();
+        match block.sampling {
+            Some(_) => self.state(element, What::State(block.start.len() + output), &mut knowns),
+            None => knowns = self.of_block(element, What::Output(output)),
         }
         knowns
     }
@@ -51,7 +63,13 @@ impl Structure<'_> {
         let (own, first) = (&self.machine.blocks[block], self.elements.len() - self.machine.blocks.len());
         (0..own.start.len()).for_each(|k| self.state(first + block, What::State(k), knowns));
         self.of_section(&format!("block.{}", own.name), knowns);
-        for input in &own.inputs {
+        self.read(block, seen, knowns);
+    }
+
+    /// Adds what a block reads.
+    fn read(&self, block: usize, seen: &mut [bool], knowns: &mut Knowns) {
+        let first = self.elements.len() - self.machine.blocks.len();
+        for input in &self.machine.blocks[block].inputs {
             match *input {
                 BlockInput::Place(body) => join(knowns, &self.coordinate(body, 0), Dependent),
                 BlockInput::Rate(body) => join(knowns, &self.coordinate(body, 1), Dependent),
@@ -66,7 +84,7 @@ impl Structure<'_> {
                     self.computed(other, seen, knowns);
                 }
                 BlockInput::Output(other, output) => {
-                    join(knowns, &self.of_block(first + other, What::Output(output)), Dependent);
+                    join(knowns, &self.seen_output(first + other, output), Dependent);
                 }
             }
         }

@@ -4,9 +4,12 @@
 mod dependencies;
 mod energy;
 mod events;
+mod forces;
 mod instants;
 mod lists;
+mod named;
 mod protocol;
+mod samples;
 mod signs;
 mod solver;
 

@@ -69,7 +69,10 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
         }
     };
     match found {
-        Ok((value, unit, expression)) => Some(Named { name, unit, value, expression }),
+        Ok((value, unit, expression)) => {
+            let comment = reading.comment(entry);
+            Some(Named { name, unit, value, expression, comment })
+        }
         Err(text) => {
             reading.refuse(entry, text);
             None
@@ -102,11 +105,11 @@ fn candidates(entry: &str) -> [String; 10] {
         let cut = entry.strip_suffix(end).unwrap_or(entry);
         if cut.len() < entry.len() { format!("{cut}{by}") } else { entry.to_owned() }
     };
-    let step = match entry.rsplit_once('[') {
-        Some((of, "0]")) if of.contains(".steps[") => format!("{of}.time"),
-        Some((of, "1]")) if of.contains(".steps[") => format!("{of}.height"),
-        Some((of, "0]")) if of.contains(".points[") => format!("{of}.e"),
-        Some((of, "1]")) if of.contains(".points[") => format!("{of}.f"),
+    let step = match entry.rsplit_once(',') {
+        Some((of, "0]")) if of.contains(".steps[") => format!("{of}].time"),
+        Some((of, "1]")) if of.contains(".steps[") => format!("{of}].height"),
+        Some((of, "0]")) if of.contains(".points[") => format!("{of}].e"),
+        Some((of, "1]")) if of.contains(".points[") => format!("{of}].f"),
         _ => entry.to_owned(),
     };
     let one = entry.replace(".harmonics[0].", ".");

@@ -217,7 +217,7 @@ impl<'a> Reading<'a> {
             problem.value = problem.value.and_then(|value| written.value.clone().or(Some(value)));
         } else {
             let mut name = problem.name.as_str();
-            while let Some(end) = name.rfind(['.', '[']) {
+            while let Some(end) = name.rfind(['.', '[', ',']) {
                 name = &name[..end];
                 if let Some(written) = self.written.get(name) {
                     problem.line = Some(written.line);
@@ -232,6 +232,13 @@ impl<'a> Reading<'a> {
     fn value(&self, entry: &Entry) -> Option<String> {
         let table = entry.value.is_table();
         (!table).then(|| quoted(self.text, &entry.span)).filter(|value| !value.is_empty())
+    }
+
+    /// The comment behind a value, on its line; empty without one.
+    pub fn comment(&self, entry: &Entry) -> String {
+        let rest = self.text.get(entry.span.end..).and_then(|rest| rest.lines().next());
+        let comment = rest.and_then(|rest| rest.trim_start().strip_prefix('#'));
+        comment.map_or_else(String::new, |comment| comment.trim().to_owned())
     }
 
     fn note(&mut self, entry: &Entry) {
@@ -272,8 +279,10 @@ impl<'a> Reading<'a> {
 
     /// The items of an array, with their places in their names.
     pub fn items<'t>(&mut self, entry: &Entry<'t>) -> Option<Vec<Entry<'t>>> {
+        // An array within an array has both places in one bracket, as FMI's structured names have.
+        let before = entry.name.strip_suffix(']').map_or(format!("{}[", entry.name), |of| format!("{of},"));
         let item = |(i, item): (usize, &'t Spanned<DeValue<'t>>)| {
-            let (name, span) = (format!("{}[{i}]", entry.name), item.span());
+            let (name, span) = (format!("{before}{i}]"), item.span());
             Entry {
                 name,
                 key: entry.key.clone(),

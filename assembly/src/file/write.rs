@@ -76,10 +76,12 @@ fn parameters(text: &mut String, machine: &Description) {
         line!(text, "\n[parameters]");
     }
     for own in all {
+        let comment = &own.comment;
+        let comment = if comment.is_empty() { String::new() } else { format!(" # {comment}") };
         match &own.expression {
-            Some(expression) => line!(text, "{} = \"= {}\"", own.name, expression.text),
-            None if own.unit == "1" => line!(text, "{} = {:?}", own.name, own.value),
-            None => line!(text, "{} = \"{:?} {}\"", own.name, own.value, own.unit),
+            Some(expression) => line!(text, "{} = \"= {}\"{comment}", own.name, expression.text),
+            None if own.unit == "1" => line!(text, "{} = {:?}{comment}", own.name, own.value),
+            None => line!(text, "{} = \"{:?} {}\"{comment}", own.name, own.value, own.unit),
         }
     }
 }
@@ -193,18 +195,18 @@ impl Writing<'_> {
         line!(text, "inputs = {inputs:?}");
         line!(text, "states = {}", block.start.len());
         let list = |name: &str, all: &[f64]| {
-            let numbers = all.iter().enumerate().map(|(i, x)| self.number(&format!("{of}.{name}[{i}]"), *x));
+            let numbers = all.iter().enumerate().map(|(i, x)| self.number(&format!("{of}.{name}{i}]"), *x));
             format!("[{}]", numbers.collect::<Vec<_>>().join(", "))
         };
-        line!(text, "start = {}", list("start", &block.start));
+        line!(text, "start = {}", list("start[", &block.start));
         for (key, rows) in [("a", &block.a), ("b", &block.b), ("c", &block.c), ("d", &block.d)] {
-            let rows = rows.iter().enumerate().map(|(i, row)| list(&format!("{key}[{i}]"), row));
+            let rows = rows.iter().enumerate().map(|(i, row)| list(&format!("{key}[{i},"), row));
             line!(text, "{key} = [{}]", rows.collect::<Vec<_>>().join(", "));
         }
         line!(text, "outputs = {:?}", block.outputs);
         for (output, limits) in block.outputs.iter().zip(&block.limits) {
             if let Some(limits) = limits {
-                line!(text, "limits.{output} = {}", list(&format!("limits.{output}"), limits));
+                line!(text, "limits.{output} = {}", list(&format!("limits.{output}["), limits));
             }
         }
         let Some(sampling) = &block.sampling else { return };

@@ -137,6 +137,14 @@ impl Motion {
         if before == self.outputs() { Ok(()) } else { self.settle(&[], &Parted::default(), observer) }
     }
 
+    /// States of sampled blocks, outputs that act and outputs under way, block by block. Samples
+    /// alone change these numbers.
+    pub fn kept_by_samples(&self) -> Vec<f64> {
+        let sampled = self.assembly.system.blocks.iter().filter(|own| own.sampler.is_some());
+        let of = |own: &crate::system::BlockRows| own.first..own.first + own.kept();
+        sampled.flat_map(of).map(|place| self.hybrid.z[place]).collect()
+    }
+
     /// The outputs of sampled blocks that act.
     fn outputs(&self) -> Vec<f64> {
         let sampled = self.assembly.system.blocks.iter().filter(|own| own.sampler.is_some());

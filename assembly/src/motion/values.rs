@@ -55,8 +55,10 @@ impl Motion {
     fn part_force(&self, i: usize) -> f64 {
         let [_, _, force] = self.stop_varied(i);
         // Of most stops the force is never a pull, by (A14); where it vanishes, rounding has either
-        // sign.
-        if self.assembly.system.stops[i].may_pull() { force } else { force.max(0.0) }
+        // sign. A host's solver goes beyond the end of a contact and sees the pull that its
+        // accelerations contain.
+        let is_seen = self.overshoot > 0.0 || self.assembly.system.stops[i].may_pull();
+        if is_seen { force } else { force.max(0.0) }
     }
 
     /// A stop's elongation, its rate and its force as linear functions of the state, so that the

@@ -1,5 +1,6 @@
 //! Expressions: sums and products of numbers, `pi` and named parameters.
 
+use super::line::Line;
 use crate::refusal::advice;
 use std::f64::consts::PI;
 
@@ -67,6 +68,11 @@ impl Expression {
         self.root.length_power(of)
     }
 
+    /// The straight line in one parameter that it is, if it is one; `of` has the parameters' lines.
+    pub(super) fn line(&self, of: &[Option<Line>]) -> Option<Line> {
+        self.root.line(of)
+    }
+
     /// Adds the places of its parameters.
     pub fn add_parameters(&self, to: &mut Vec<usize>) {
         self.root.add_parameters(to);
@@ -115,6 +121,25 @@ impl Term {
                             x
                         }
                     }
+                }
+            }
+        }
+    }
+
+    fn line(&self, of: &[Option<Line>]) -> Option<Line> {
+        let number = |line: &Line| line.place.is_none();
+        match self {
+            Self::Number(x) => Some(Line::number(*x)),
+            Self::Parameter(place) => of[*place],
+            Self::Minus(term) => Some(term.line(of)?.times(-1.0)),
+            Self::Of(operator, terms) => {
+                let (x, y) = (terms.0.line(of)?, terms.1.line(of)?);
+                match operator {
+                    Operator::Plus => x.plus(y),
+                    Operator::Minus => x.plus(y.times(-1.0)),
+                    Operator::Times if number(&x) => Some(y.times(x.constant)),
+                    Operator::Times => number(&y).then(|| x.times(y.constant)),
+                    Operator::Over => number(&y).then(|| x.times(1.0 / y.constant)),
                 }
             }
         }

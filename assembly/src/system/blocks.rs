@@ -131,6 +131,15 @@ impl BlockRows {
         self.first + self.states + turn.map_or(0, |turn| 1 + turn) * self.outputs.len() + output
     }
 
+    /// The place of a state or of an output that acts among [`kept`](Self::kept).
+    fn place_among_kept(&self, what: What) -> Option<usize> {
+        match what {
+            What::State(k) => Some(k),
+            What::Output(j) => Some(self.states + j),
+            _ => None,
+        }
+    }
+
     /// Numbers that it keeps: states, outputs that act, outputs under way.
     pub fn kept(&self) -> usize {
         self.states + self.sampler.as_ref().map_or(0, |own| self.outputs.len() * (1 + own.under_way))
@@ -365,6 +374,15 @@ impl System {
             What::Output(j) => self.blocks[element - first].outputs[j].row_in(&self.stops, states),
             _ => self.sources[element + self.sources.len() - first].clone(),
         }
+    }
+
+    /// The place of a quantity of a sampled block, by its element, among
+    /// [`Motion::kept_by_samples`](crate::Motion::kept_by_samples).
+    pub fn place_by_samples(&self, element: usize, what: What) -> Option<usize> {
+        let own = (element + self.blocks.len()).checked_sub(self.parts.len())?;
+        let block = self.blocks.get(own).filter(|block| block.sampler.is_some())?;
+        let before = self.blocks[..own].iter().filter(|block| block.sampler.is_some());
+        Some(before.map(BlockRows::kept).sum::<usize>() + block.place_among_kept(what)?)
     }
 
     /// The place of a state of a block, by the index of the element.

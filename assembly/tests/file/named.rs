@@ -152,10 +152,14 @@ fn a_changed_parameter_is_a_file_with_that_value() {
     }
     let before = machine.clone();
     for (name, value, said) in [
-        ("ratio", 0.0, "stop.hard.restitution: divides by zero"),
+        ("ratio", 0.0, "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero"),
         ("ratio", f64::NAN, "ratio = NaN: allowed is a finite number"),
-        ("ratio", 0.5, "stop.hard.restitution = 2.0: allowed is a number from 0 to 1"),
-        ("radius", 1e308, "stop.front.arms.wheel: is not finite"),
+        (
+            "ratio",
+            0.5,
+            "ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: allowed is a number from 0 to 1",
+        ),
+        ("radius", 1e308, "radius = 1e308: then stop.front.arms.wheel = radius * ratio: is not finite"),
         ("backlas", 1.0, "backlas: no parameter has this name; the nearest is `backlash`"),
     ] {
         assert_eq!(machine.replace(name, value).unwrap_err().to_string(), said);
@@ -200,7 +204,7 @@ fn refusals_name_the_expression_and_its_line() {
         "name = \"M\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\ntable = [[0.0, \"= 1\"], [1.0, 2.0]]\n";
     assert_eq!(
         parse(record, "m.toml", &no_records).unwrap_err().to_string(),
-        "m.toml:6: load.l.table[0][1]: an expression; allowed in a record are numbers"
+        "m.toml:6: load.l.table[0,1]: an expression; allowed in a record are numbers"
     );
 }
 
@@ -220,4 +224,77 @@ fn second_method_the_example_moves_as_the_one_with_numbers() {
     for (found, written) in end("play_by_one_number.toml").iter().zip(end("gear_backlash.toml")) {
         assert!((found - written).abs() < ROUNDING * written.abs(), "{found} and {written}");
     }
+}
+
+/// What a parameter makes wrong is told under its own name, of several under all that are to
+/// blame; what is wrong by another number is not.
+#[test]
+fn a_parameter_is_blamed_for_what_follows_from_it_alone() {
+    let machine = read(
+        r#"
+        name = "M"
+        [parameters]
+        play = "0.1 m"        # of both sides
+        reach = "= 2 * play"  # further on
+        soft = 0.5
+        [body.b]
+        mass = 1.0
+        start = { s = 0.05 }
+        [stop.s]
+        between = ["ground", "b"]
+        gap = "= reach - play"
+        restitution = "= soft"
+        [stop.t]
+        between = ["b", "ground"]
+        gap = 0.1
+        restitution = "= soft / play * 0.1"
+        "#,
+    );
+    let refused = |changes: &[(&str, f64)]| machine.with(changes.iter().copied()).unwrap_err().to_string();
+    // A start beyond the stop that has moved.
+    assert!(refused(&[("play", 0.01)]).starts_with("play = 0.01: then "), "{}", refused(&[("play", 0.01)]));
+    let both = refused(&[("play", 0.2), ("soft", 4.0)]);
+    let lines: Vec<_> = both.lines().collect();
+    assert_eq!(lines[0], "soft = 4.0: then stop.s.restitution = soft = 4.0: allowed is a number from 0 to 1");
+    assert!(
+        lines[1].starts_with("play = 0.2, soft = 4.0: then stop.t.restitution = soft / play * 0.1 = 2.0")
+    );
+    assert_eq!(refused(&[("body.b.mass", -1.0)]), "body.b.mass = -1.0: allowed is a finite number > 0");
+    let other = refused(&[("soft", 0.4), ("body.b.start.s", 0.3)]);
+    assert!(!other.contains("soft"), "{other}");
+    // Comments are kept, and are the meaning.
+    let meaning = |name: &str| machine.parameter(name).unwrap().meaning;
+    assert_eq!([meaning("play"), meaning("soft")], ["of both sides", "Named parameter"]);
+    assert_eq!(machine.following()[0].meaning, "further on");
+    assert!(machine.to_toml().contains("reach = \"= 2 * play\" # further on\n"));
+}
+
+/// Both places of a matrix's number are in one bracket, as in FMI's structured names; the spelling
+/// with two is understood.
+#[test]
+fn a_matrix_has_one_name_a_number_and_another_spelling() {
+    let text = r#"
+        name = "M"
+        parameters = { g = 2.0 }
+        body.b = { mass = 1.0 }
+        load.l = { on = "b", from = "c.y" }
+        [block.c]
+        inputs = ["b.s", "b.v"]
+        d = [[-1.0, "= -g"]]
+        outputs = ["y"]
+    "#;
+    let mut machine = read(text);
+    let names: Vec<_> = machine.parameters().into_iter().map(|own| own.name).collect();
+    assert!(names.contains(&"block.c.d[0,0]".to_owned()) && !names.iter().any(|name| name.contains("][")));
+    for name in ["block.c.d[0,0]", "block.c.d[0][0]"] {
+        machine.replace(name, -3.0).unwrap();
+        assert_eq!((machine.get("block.c.d[0,0]").unwrap(), machine.get(name).unwrap()), (-3.0, -3.0));
+        machine.replace(name, -1.0).unwrap();
+    }
+    for name in ["block.c.d[0,1]", "block.c.d[0][1]"] {
+        assert_eq!(machine.get(name).unwrap(), -2.0);
+        assert!(machine.replace(name, 1.0).unwrap_err().to_string().contains("follows from `g`"));
+    }
+    let wrong = parse(&text.replace("-1.0,", "\"x\","), "m.toml", &no_records).unwrap_err().to_string();
+    assert!(wrong.contains("m.toml:8: block.c.d[0,0] = \"x\""), "{wrong}");
 }

@@ -155,7 +155,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("table = \"record.csv\"", "table = \"record.csv\"\namplitude = 3.0", "m.toml:39: load.shaker.amplitude = 3.0: stands beside harmonics; allowed is one harmonic by its keys or a list of harmonics"),
     ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[0.9, 20.0], [0.4, -20.0]]", "m.toml:37: load.shaker.steps[1].time = 0.4: allowed is a time after 0.9 s, that of the step before"),
     ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[0.4, 20.0], [0.9]]", "m.toml:37: load.shaker.steps[1] = [0.9]: allowed is a list of [time, height], such as [[0.4, 20.0]]"),
-    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[\"0.4 m\", \"20 N\"]]", "m.toml:37: load.shaker.steps[0][0] = \"0.4 m\": allowed is a finite number, in s, ms, us, min, h"),
+    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[\"0.4 m\", \"20 N\"]]", "m.toml:37: load.shaker.steps[0,0] = \"0.4 m\": allowed is a finite number, in s, ms, us, min, h"),
     ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = 0.4", "m.toml:37: load.shaker.steps = 0.4: allowed is a list of [time, height], such as [[0.4, 20.0]]"),
     ("table = \"record.csv\"", "table = \"recrd.csv\"", "m.toml:38: load.shaker.table = \"recrd.csv\": cannot be read: there is no such file"),
     ("table = \"record.csv\"", "table = \"..\u{2f}record.csv\"", "m.toml:38: load.shaker.table = \"..\u{2f}record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),

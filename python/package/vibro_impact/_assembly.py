@@ -465,7 +465,8 @@ class Assembly(AssemblyDescription):
         Parameters
         ----------
         path
-            The file; in a folder it has the machine's name, and so it has in the current one without a path.
+            The file. In a folder, or without a path in the current folder, it is called ``NAME.fmu`` for FMI 2.0 and ``NAME-FMI3.fmu``
+            for FMI 3.0, after the machine.
         version
             2 for FMI 2.0, 3 for FMI 3.0.
 
@@ -481,7 +482,7 @@ class Assembly(AssemblyDescription):
         version = whole("version", version, 2, 3)
         to = Path(path) if path is not None else Path()
         if to.is_dir():
-            to /= f"{self.name}.fmu"
+            to /= self._described.fmu_name(version)
         self._described.fmu(version, os.fspath(kit_path()), os.fspath(to))
         return to
 

@@ -452,8 +452,9 @@ async function pack(version) {
   try {
     const bytes = await packer.ask("pack", { ...machineFile(), version, kit }, 30_000);
     workbench.packed = performance.now() - began;
-    save(`${run.machine.name}.fmu`, new Blob([bytes], { type: "application/octet-stream" }));
-    note("taken", `${run.machine.name}.fmu of FMI ${version}.0, ${(bytes.length / 1e6).toFixed(2)} MB, packed here in ${(workbench.packed / 1000).toFixed(2)} s.`);
+    const name = `${run.machine.name}${version === 3 ? "-FMI3" : ""}.fmu`; // as vibro_pack::file_name
+    save(name, new Blob([bytes], { type: "application/octet-stream" }));
+    note("taken", `${name} of FMI ${version}.0, ${(bytes.length / 1e6).toFixed(2)} MB, packed here in ${(workbench.packed / 1000).toFixed(2)} s.`);
   } catch (error) { note("taken", /** @type {Error} */ (error).message); }
 }
 

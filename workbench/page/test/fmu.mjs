@@ -1,5 +1,6 @@
 // FMUs that the page packs, downloaded in headless Chromium: node fmu.mjs <npm packages> <page with
 // a kit> <folder> <example>….
+import assert from "node:assert/strict";
 import { join } from "node:path";
 import { open } from "../../../explorer/page/test/browser.mjs";
 
@@ -9,6 +10,7 @@ for (const example of examples) {
   const { tab, wrong, close } = await browser.tab({}, `#example=${example}`);
   for (const version of [2, 3]) {
     const [download] = await Promise.all([tab.waitForEvent("download"), tab.click(`[data-take="fmu${version}"]`)]);
+    assert.equal(download.suggestedFilename().endsWith("-FMI3.fmu"), version === 3, download.suggestedFilename());
     await download.saveAs(join(folder, `${example}-fmi${version}.fmu`));
     console.log(`${example} FMI ${version}.0: ${await tab.evaluate("workbench.packed.toFixed(0)")} ms`);
   }

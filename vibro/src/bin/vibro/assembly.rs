@@ -2,7 +2,7 @@
 
 use crate::arguments::Command;
 use crate::assembly_studies::start_of;
-use crate::common_arguments::Common;
+use crate::common_arguments::{Common, names};
 use crate::destination::{self, Destination};
 use crate::output;
 use crate::packing;
@@ -103,7 +103,8 @@ fn follow(
         invocation.options.insert("start".into(), start.to_string());
     }
     let destination = Destination::new(common, &invocation, &machine);
-    assembly::check_parameters(&machine.description, &start, &a.derivatives)?;
+    let by = names(&a.derivatives);
+    assembly::check_parameters(&machine.description, &start, &by)?;
     let columns = Chosen::of(&machine.description, &a.columns)?;
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
@@ -116,9 +117,9 @@ fn follow(
     let record = assembly::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
         progress.part(part)
     })?;
-    let derivatives = match a.derivatives.is_empty() {
+    let derivatives = match by.is_empty() {
         true => None,
-        false => Some(DerivativeRecord::new(&record, &a.derivatives, &stop)?),
+        false => Some(DerivativeRecord::new(&record, &by, &stop)?),
     };
     drop(progress);
     let held = destination::hold(&out);

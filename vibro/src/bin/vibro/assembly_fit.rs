@@ -1,7 +1,7 @@
 //! `vibro fit`: from arguments to the library's fit.
 
 use crate::assembly_studies::{invocation, machine, read_axis, start_of};
-use crate::common_arguments::{Common, SectionArguments};
+use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::fit_arguments::FitArguments;
 use crate::output;
@@ -71,8 +71,8 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
 /// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
 fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
     let mut all: Vec<Free> =
-        a.free.iter().map(|name| Free { name: name.trim().to_owned(), within: None }).collect();
-    for text in &a.within {
+        names(&a.free).iter().map(|name| Free { name: name.trim().to_owned(), within: None }).collect();
+    for text in &names(&a.within) {
         let name = text.split('=').next().unwrap_or_default().trim();
         let own = all.iter_mut().find(|own| own.name == name).ok_or_else(|| Error::Refused {
             what: format!("--within {text}"),

@@ -2,7 +2,7 @@
 //! studies.
 
 use crate::arguments::one_of;
-use crate::common_arguments::{Common, SectionArguments};
+use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::long::perform_as;
 use crate::output;
@@ -179,10 +179,11 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
     let start = start_of(&machine, &a.start)?;
     let mut studies = Vec::new();
     for pair in &a.of_file.pair {
-        let names = pair.split_once(',');
-        let form =
-            || Error::form(pair, "two names with a comma between, e.g. stop.upper.gap,body.block.mass");
-        let (x, y) = names.ok_or_else(form)?;
+        let of_pair = names(std::slice::from_ref(pair));
+        let [x, y] = &of_pair[..] else {
+            let form = "two names with a comma between, e.g. stop.upper.gap,body.block.mass";
+            return Err(Error::form(pair, form));
+        };
         let (x, y) = (named(x)?, named(y)?);
         let options = [
             ("vary", format!("{} {}", counted(&x), counted(&y))),

@@ -49,6 +49,18 @@ pub(crate) use start_help;
 /// Form of the value of `--start`.
 pub const START_VALUE: &str = "NAME=VALUE,…";
 
+/// The names in lists with commas. A comma within brackets is part of a name: `block.pid.a[0,1]`.
+pub fn names(lists: &[String]) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for part in lists.iter().flat_map(|list| list.split(',')) {
+        match all.last_mut().filter(|name| name.contains('[') && !name.contains(']')) {
+            Some(begun) => *begun += &format!(",{part}"),
+            None => all.push(part.to_owned()),
+        }
+    }
+    all
+}
+
 /// Whether a command takes a machine's file.
 pub fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)
@@ -130,4 +142,16 @@ pub struct ConstantLoads {
     /// parameter load.block. Loads from files: `vibro run`
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::names;
+
+    #[test]
+    fn golden_a_comma_within_brackets_is_part_of_a_name() {
+        let lists = ["kp,block.pd.d[0,0],block.pd.x[1]".to_owned(), "block.pd.a[1,2]=-1:2,T=1:3".to_owned()];
+        let found = ["kp", "block.pd.d[0,0]", "block.pd.x[1]", "block.pd.a[1,2]=-1:2", "T=1:3"];
+        assert_eq!(names(&lists), found);
+    }
 }

@@ -21,10 +21,10 @@ pub struct FitArguments {
     pub events: Option<PathBuf>,
     /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
     /// start.box.s), record.shift, record.offset.COLUMN
-    #[arg(long, required = true, value_name = "NAME,…", value_delimiter = ',')]
+    #[arg(long, required = true, value_name = "NAME,…")]
     pub free: Vec<String>,
     /// Range of a free number [default: what it may be]. May be repeated
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
     pub within: Vec<String>,
     /// Standard deviation of the noise: a number for each column in the record's order, then one
     /// for the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms` [default: by the

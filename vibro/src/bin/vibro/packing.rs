@@ -33,7 +33,8 @@ pub fn begin(arguments: &New) -> Result<()> {
     ))
 }
 
-/// Packs a machine as an FMU, NAME.fmu in the folder of results.
+/// Packs a machine as an FMU in the folder of results: NAME.fmu for FMI 2.0, NAME-FMI3.fmu for
+/// FMI 3.0. An archive that it replaces is named.
 ///
 /// # Errors
 /// [`Error::Refused`] where no library is at hand, and for a machine that cannot be packed;
@@ -45,9 +46,10 @@ pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<(
     let kit = Kit::read(&path).map_err(refused(format!("--kit {}", path.display())))?;
     let version = if arguments.fmi == "2" { Version::Fmi2 } else { Version::Fmi3 };
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
-    let to = common.out.join(format!("{}.fmu", machine.name));
+    let to = common.out.join(vibro_pack::file_name(&machine.name, version));
+    let replaced = if to.exists() { ", in place of the file that was there" } else { "" };
     vibro_pack::write(machine, version, &kit, &to).map_err(refused(format!("fmu {}", to.display())))?;
-    output::say(&format!("packed in {} (FMI {}.0)", to.display(), arguments.fmi))
+    output::say(&format!("packed in {} (FMI {}.0){replaced}", to.display(), arguments.fmi))
 }
 
 /// The library: the one that is named, or the first that is at hand.

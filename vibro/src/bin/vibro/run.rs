@@ -62,7 +62,7 @@ pub struct RunOfFile {
     /// Write the exact derivatives of all columns (derivatives.csv) and of the events' times
     /// (event-derivatives.csv) by these parameters, e.g. stop.upper.gap,friction.guide.force, or by
     /// numbers of the start: start.box.s, start.box.v, start.time
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,…")]
     pub derivatives: Vec<String>,
 }
 

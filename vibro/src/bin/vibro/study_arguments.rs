@@ -191,7 +191,7 @@ pub struct Fmu {
     /// The machine's file (TOML); docs/assemblies.md says what may stand in it
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Version of FMI
+    /// Version of FMI: 2 writes NAME.fmu, 3 writes NAME-FMI3.fmu
     #[arg(long, value_name = "2|3", default_value = "3", value_parser = ["2", "3"])]
     pub fmi: String,
     /// The compiled library of described machines (machine-kit.zip)
