@@ -27,7 +27,7 @@ pub use name::{Coordinate, Measure};
 
 use crate::attractor::MotionClass;
 use crate::error::Result;
-use crate::lyapunov::{self, SpectrumOptions};
+use crate::lyapunov::{self, Spectrum, SpectrumOptions};
 use crate::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::trajectories::Start;
 use crate::verdict::verdict;
@@ -47,8 +47,9 @@ pub struct Measured {
     /// closed form without a value.
     pub numbers: Vec<Option<f64>>,
     /// Scatter of each value between windows of this length: the standard deviation found from the
-    /// six parts of this window, each a whole number of periods of a motion that repeats. 0 for
-    /// exact values, and rounding for regular motion. docs/studies.md, (N6) and (N7).
+    /// six parts of this window, each a whole number of periods of a motion that repeats. The
+    /// standard error of an exponent. 0 for exact values, and rounding for regular motion.
+    /// docs/studies.md, (N6) and (N7).
     pub spreads: Vec<f64>,
     /// Class, where it was requested.
     pub class: Option<MotionClass>,
@@ -112,16 +113,20 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         // In 1/s throughout: without a spring between box and ground ω10 is no unit.
         let options = SpectrumOptions::default();
         let options = SpectrumOptions { threshold: options.threshold * p.box_frequency(), ..options };
-        exponent = Some(lyapunov::spectrum(simulator, &options)?.largest_beside_phase());
+        exponent = Some(lyapunov::spectrum(simulator, &options)?);
     }
     let number = |measure: &Measure| match measure {
         Measure::Class => None,
-        Measure::Exponent => exponent,
+        Measure::Exponent => exponent.as_ref().map(Spectrum::largest_beside_phase),
         Measure::AmplitudeWithoutBlock => amplitude_without_block(&p).ok(),
         other => Some(window.number(*other, &p)),
     };
     let numbers = measures.iter().map(number).collect();
-    let spreads = measures.iter().map(|measure| spread(&parts, *measure, &p)).collect();
+    let spread = |measure: &Measure| match (measure, &exponent) {
+        (Measure::Exponent, Some(exponent)) => exponent.deviation,
+        _ => spread(&parts, *measure, &p),
+    };
+    let spreads = measures.iter().map(spread).collect();
     let goes = |measure: &Measure| is_of_window(measure) && is_drifting(&of_parts(&parts, *measure, &p));
     Ok(Measured { numbers, class, spreads, unsettled: measures.iter().position(goes) })
 }

@@ -63,11 +63,7 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
 
 /// All problems of a machine whose motion has begun: those of [`check`] without those of the start.
 pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
-    let mut problems = names::check(machine);
-    if !problems.is_empty() {
-        return problems;
-    }
-    flexible::check(machine, &mut problems);
+    let mut problems = check_structure(machine);
     if !problems.is_empty() {
         return problems;
     }
@@ -97,6 +93,15 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     levels(machine, &mut problems);
     bodies(machine, &mut problems);
     links::check(machine, &mut problems);
+    problems
+}
+
+/// Problems of names and structure, which no numbers mend.
+pub(crate) fn check_structure(machine: &Description) -> Vec<Problem> {
+    let mut problems = names::check(machine);
+    if problems.is_empty() {
+        flexible::check(machine, &mut problems);
+    }
     problems
 }
 

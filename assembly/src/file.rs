@@ -47,7 +47,7 @@ mod write;
 pub use completion::{Completion, completion};
 pub use records::{no_records, records_beside};
 
-use crate::check::check;
+use crate::check::{check, check_structure};
 use crate::description::{Description, Dimension};
 use crate::elements::SECTIONS;
 use crate::kinds;
@@ -68,10 +68,27 @@ const MOST_BYTES: u64 = 64 << 20;
 /// # Errors
 /// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
 pub fn read(path: &Path) -> Result<Description, Refusal> {
+    read_by(path, check)
+}
+
+/// Reads a file like [`read`], for numbers that are changed before the machine is used: what its
+/// numbers must fulfil together is not checked, such as a start within the gaps of rigid stops.
+/// [`Description::with`] checks it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_draft(path: &Path) -> Result<Description, Refusal> {
+    read_by(path, check_structure)
+}
+
+fn read_by(path: &Path, check: Check) -> Result<Description, Refusal> {
     let (name, text) = (path.display().to_string(), text_of(path)?);
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    parse(&text, &name, &records_beside(&folder))
+    parse_by(&text, (&name, &records_beside(&folder)), check)
 }
+
+/// The checks of a machine that a text describes.
+type Check = fn(&Description) -> Vec<Problem>;
 
 /// The text of a file.
 pub(crate) fn text_of(path: &Path) -> Result<String, Refusal> {
@@ -94,6 +111,10 @@ fn read_text(path: &Path) -> io::Result<String> {
 /// # Errors
 /// A [`Refusal`] with every problem found.
 pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Refusal> {
+    parse_by(text, (file, records), check)
+}
+
+fn parse_by(text: &str, (file, records): (&str, Records), check: Check) -> Result<Description, Refusal> {
     let refusal = |problems| Refusal { file: file.into(), problems };
     let (root, broken) = reading::toml(text);
     if !broken.is_empty() {

@@ -36,6 +36,7 @@ mod slots;
 pub mod start;
 mod stepped;
 pub mod system;
+pub mod table;
 mod vectors;
 mod what;
 

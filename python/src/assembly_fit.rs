@@ -5,8 +5,12 @@ use crate::background::compute;
 use crate::described::{Described, Numbers};
 use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::collections::HashMap;
+use vibro_analysis::assembly::QuantityName;
 use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
+use vibro_assembly::table::Table;
 
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]
@@ -50,6 +54,23 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
         segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
         lost: fitted.lost.clone(),
     }
+}
+
+/// The columns of a table with a heading, in SI; `names` has other names of the machine's columns.
+#[pyfunction]
+pub fn columns_of_table(
+    machine: &Described,
+    text: &str,
+    names: HashMap<String, String>,
+) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let unit = |name: &str| match name {
+        "time" => Some("s"),
+        name => {
+            let own: QuantityName = names.get(name).map_or(name, |own| own).parse().ok()?;
+            Some(own.find(&machine.description).ok()?.unit)
+        }
+    };
+    Table::read(text).columns(&unit).map_err(PyValueError::new_err)
 }
 
 /// Fits numbers of a machine to a record.

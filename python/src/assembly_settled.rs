@@ -84,6 +84,7 @@ pub fn assembly_basins<'py>(
         BasinCell::Outside => -1,
         BasinCell::NotSettled => -2,
         BasinCell::Ended => -3,
+        BasinCell::Rest => -4,
     };
     let codes: Vec<i32> = cells.iter().map(code).collect();
     Ok(AssemblyBasins { attractors, cells: plane(py, &codes, rows, columns)?, ended })

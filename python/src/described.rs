@@ -75,6 +75,12 @@ impl Described {
         Measure::all(d).into_iter().map(|m| (m.to_string(), m.unit(d), m.description())).collect()
     }
 
+    /// The value of a parameter's text, SI.
+    fn value(&self, name: &str, text: &str) -> PyResult<f64> {
+        let read = self.description.parameter(name).and_then(|parameter| parameter.read(text));
+        Ok(read.map_err(Failure::from)?)
+    }
+
     /// The machine with other values.
     fn replace(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let value = |(name, value): &(String, Value)| match value {

@@ -47,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use super::assembly::{assembly_diagram, measure_assemblies};
     #[pymodule_export]
-    use super::assembly_fit::fit_assembly;
+    use super::assembly_fit::{columns_of_table, fit_assembly};
     #[pymodule_export]
     use super::assembly_motion::{
         assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,

@@ -286,8 +286,8 @@ pub fn measures() -> Vec<(String, &'static str, String)> {
     Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
 }
 
-/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a
-/// number or, for the class, a text.
+/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a row
+/// of [`measure_many`].
 #[pyfunction]
 #[pyo3(signature = (system, start, names, discard, periods, progress = None))]
 pub fn measure(
@@ -298,12 +298,12 @@ pub fn measure(
     discard: u32,
     periods: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Vec<Option<f64>>, Option<String>)> {
+) -> PyResult<MeasureRow> {
     let named = names.iter().map(|name| name.parse()).collect::<Result<Vec<Measure>, _>>();
     let (named, p) = (named.map_err(Failure::from)?, *system.parameters());
     let found =
         compute(py, progress, move |control| one(control, &p, &state(&start), &named, (discard, periods)))?;
-    Ok((found.numbers, found.class.map(MotionClass::name)))
+    Ok(row(Ok(found), false)?)
 }
 
 /// Measures of a settled motion.
@@ -321,9 +321,9 @@ fn one(
     Ok(measured(&mut simulator, measures, periods)?)
 }
 
-/// Measures of one of many motions: numbers, class, and the reason if they are missing and the row
-/// gives reasons.
-pub type MeasureRow = (Vec<Option<f64>>, Option<String>, Option<String>);
+/// Measures of one of many motions: numbers, their spreads, class, index of the measure that had not
+/// settled, and the reason if measures are missing and the row gives reasons.
+pub type MeasureRow = (Vec<Option<f64>>, Vec<f64>, Option<String>, Option<usize>, Option<String>);
 
 /// A motion's row. If `in_rows` is set, a failure of this motion alone is given in its row.
 ///
@@ -331,8 +331,10 @@ pub type MeasureRow = (Vec<Option<f64>>, Option<String>, Option<String>);
 /// All other failures.
 pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow, Failure> {
     match found {
-        Ok(found) => Ok((found.numbers, found.class.map(MotionClass::name), None)),
-        Err(failure) if in_rows => Ok((Vec::new(), None, Some(failure.reason()?))),
+        Ok(found) => {
+            Ok((found.numbers, found.spreads, found.class.map(MotionClass::name), found.unsettled, None))
+        }
+        Err(failure) if in_rows => Ok((Vec::new(), Vec::new(), None, None, Some(failure.reason()?))),
         Err(failure) => Err(failure),
     }
 }

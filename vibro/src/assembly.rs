@@ -38,12 +38,13 @@ const MOST: usize = 10_000_000;
 
 /// Reads a machine's file and replaces parameters, each as `NAME=VALUE`. A value without a unit is
 /// in the unit that the file or an earlier value used for the parameter; `note` is called if that
-/// unit is not SI.
+/// unit is not SI. The machine with the new values is checked, not the file's.
 ///
 /// # Errors
 /// [`Error::Refusal`] with all problems if the file or the new values are not valid.
 pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
-    let mut machine = Machine::read(path).map_err(|error| match parameter_file::is_at(path) {
+    let read = if set.is_empty() { Machine::read } else { Machine::read_draft };
+    let mut machine = read(path).map_err(|error| match parameter_file::is_at(path) {
         true => Error::Config { path: path.into(), problem: PARAMETER_FILE.into() },
         false => error.into(),
     })?;
@@ -58,13 +59,28 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
         machine.note_unit(name, value);
         changes.push((name, read.value));
     }
-    let mut machine = machine.with(changes.iter().copied())?;
+    let mut machine = machine.with(changes.iter().copied()).map_err(|error| placed(error, path))?;
     for (name, value) in changes {
         let name = machine.description.parameter(name)?.name;
         let words = machine.told(&name, value);
         machine.changes.insert(name, words);
     }
     Ok(machine)
+}
+
+/// A refusal of changed numbers with the lines at which the file has the same problems.
+fn placed(error: vibro_analysis::Error, path: &Path) -> vibro_analysis::Error {
+    use vibro_analysis::Error::Refusal;
+    match (error, Machine::read(path)) {
+        (Refusal(mut own), Err(Refusal(before))) => {
+            for problem in &mut own.problems {
+                let known = before.problems.iter().find(|known| known.name == problem.name);
+                problem.line = known.and_then(|known| known.line);
+            }
+            Refusal(vibro_assembly::Refusal { file: before.file, ..own })
+        }
+        (error, _) => error,
+    }
 }
 
 /// Note of the unit in which numbers without a unit were read; `None` if the unit makes no

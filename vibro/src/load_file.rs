@@ -7,19 +7,16 @@
 //! 0.001;12.5
 //! ```
 //!
-//! Columns are separated by commas or semicolons; numbers have a decimal point. A header is
-//! allowed; the only units that it may name are s and N. Empty lines and lines that begin with #
-//! are skipped.
+//! The file is a [`Table`]: its heading may name other units of time and of force.
 
+use crate::table::read_text;
 use crate::{Error, Result};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vibro_analysis::{Name, ParameterSet, quantity_in};
+use vibro_assembly::table::{Table, in_unit};
 use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::parameters::LOADS;
-
-const EXPECTED: &str =
-    "two numbers, time (s) and force (N), separated by a comma or a semicolon, with a decimal point";
 
 /// Load of the command line: `box=record.csv` or `block=-3.4N`. A text that can be read as a force
 /// is a force; a file with the name `5N` is written `./5N`.
@@ -98,13 +95,9 @@ impl LoadFile {
     /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the file, the line and
     /// what is allowed if a line is not valid.
     pub fn read(&self, interpolation: Interpolation) -> Result<Load> {
-        let bytes = std::fs::read(&self.path).map_err(Error::file("reading", &self.path))?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let line =
-                1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
-            problem(&self.path, format!("line {line} is no UTF-8 text: allowed is CSV text, {EXPECTED}"))
-        })?;
-        parse(&text, self.body, interpolation).map_err(|words| problem(&self.path, words))
+        let text = read_text(&self.path)?;
+        let problem = |problem| Error::Config { path: self.path.clone(), problem };
+        parse(&text, self.body, interpolation).map_err(problem)
     }
 
     /// Body and digest of the file's contents, for manifests. Results of different contents are
@@ -116,68 +109,29 @@ impl LoadFile {
     }
 }
 
-fn problem(path: &Path, problem: String) -> Error {
-    Error::Config { path: path.into(), problem }
-}
-
 /// Parses a record. An error begins with the line's number.
 fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::Result<Load, String> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let (mut samples, mut lines, mut separator) = (Vec::new(), Vec::new(), None);
-    let mut first = true;
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
+    let table = Table::read(text);
+    let (mut units, mut rows) = ([None, None], &table.rows[..]);
+    if let Some(names) = table.heading() {
+        let first = &table.rows[0];
+        table.check(first, 2)?;
+        for ((unit, name), si) in units.iter_mut().zip(&names).zip(["s", "N"]) {
+            *unit = name.unit(si).map_err(|text| first.refused(&text))?;
         }
-        let separator = *separator.get_or_insert(if line.contains(';') { b';' } else { b',' });
-        let cells = cells(line, separator).map_err(|error| format!("line {number}: {error}"))?;
-        let numbers: Vec<Option<f64>> =
-            cells.iter().map(|c| c.trim_matches('"').trim().parse().ok()).collect();
-        match numbers[..] {
-            [Some(time), Some(force)] => {
-                samples.push((time, force));
-                lines.push(number);
-            }
-            [None, None] if first => check_units(number, &cells)?,
-            _ => return Err(format!("line {number} is `{line}`: allowed is {EXPECTED}")),
-        }
-        first = false;
+        rows = &table.rows[1..];
     }
+    let sample = |row| -> std::result::Result<(f64, f64), String> {
+        let numbers = table.numbers(row, 2)?;
+        Ok((in_unit(units[0], numbers[0]), in_unit(units[1], numbers[1])))
+    };
+    let samples = rows.iter().map(sample).collect::<std::result::Result<Vec<_>, _>>()?;
     Load::new(body, &samples, interpolation).map_err(|error| match error {
         vibro_impact::Error::Sample { index, time, force, allowed } => {
-            format!("line {}, time {time} s, force {force} N: allowed is {allowed}", lines[index])
+            format!("line {}, time {time} s, force {force} N: allowed is {allowed}", rows[index].line)
         }
         other => other.to_string(),
     })
-}
-
-/// Cells of a line. Records are parsed line by line so that an error can name its line; their cells
-/// have no line breaks.
-fn cells(line: &str, separator: u8) -> csv::Result<csv::StringRecord> {
-    let mut record = csv::StringRecord::new();
-    csv::ReaderBuilder::new()
-        .has_headers(false)
-        .delimiter(separator)
-        .trim(csv::Trim::All)
-        .buffer_capacity(line.len())
-        .from_reader(line.as_bytes())
-        .read_record(&mut record)?;
-    Ok(record)
-}
-
-/// Checks units in brackets or parentheses in the two cells of a header: a record in other units
-/// would be misread silently.
-fn check_units(line: usize, cells: &csv::StringRecord) -> std::result::Result<(), String> {
-    for (cell, allowed) in cells.iter().zip(["s", "N"]) {
-        let inside = cell.split_once(['[', '(']).and_then(|(_, rest)| rest.split_once([']', ')']));
-        if let Some((unit, _)) = inside
-            && unit.trim() != allowed
-        {
-            return Err(format!("line {line}: the unit of `{cell}` is {unit}: allowed is {allowed}"));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -227,6 +181,7 @@ mod tests {
             "\u{feff}t [s]; F [N]\r\n0;1\r\n0.5;-25e-1\r\n\r\n1;0\r\n",
             "\"t; since the start [s]\";\"F [N]\"\n0;1\n\"0.5\"; \"-2.5\"\n1;0",
             "# from the shaker\n\"t (s)\",\"f (N)\"\n0, 1\n 0.5 , -2.5\n# end\n1,0",
+            "t [ms],f (kN)\n0,0.001\n500,-0.0025\n1000,0\n",
         ] {
             assert_eq!(read(text), Ok(expected.clone().unwrap()), "{text}");
         }
@@ -235,17 +190,17 @@ mod tests {
     #[test]
     fn what_is_no_record_is_refused_by_its_line() {
         for (text, line) in [
-            ("t,f\n0,1\n1,NaN\n2,0", "line 3, time 1 s, force NaN N: allowed is a finite"),
-            ("t,f\n\n0,1\n1,inf\n2,0", "line 4, "),
+            ("t,f\n0,1\n1,NaN\n2,0", "line 3: `NaN` is not a number; expected a finite number"),
+            ("t,f\n\n0,1\n1,inf\n2,0", "line 4: `inf` "),
             ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: allowed is a time later"),
             ("0,1\n2,2\n1,3\n", "line 3, "),
-            ("0,1\n1,\n", "line 2 is `1,`: allowed is two numbers"),
-            ("0,1\n1,2,3\n", "line 2 is "),
-            ("0;1\n0,5;2\n", "line 2 is `0,5;2`: allowed is two numbers"),
-            ("t,f\nu,g\n", "line 2 is "),
-            ("t,1\n0,1\n1,1\n", "line 1 is "),
-            ("t [ms],f [N]\n0,1\n1,1\n", "line 1: the unit of `t [ms]` is ms: allowed is s"),
-            ("t,f (kN)\n0,1\n1,1\n", "line 1: the unit of `f (kN)` is kN: allowed is N"),
+            ("0,1\n1,\n", "line 2: `` is not a number"),
+            ("0,1\n1,2,3\n", "line 2: `1,2,3` has 3 cells; expected 2 cells"),
+            ("0;1\n0,5;2\n", "line 2: `0,5` has a decimal comma; expected a decimal point"),
+            ("t,f\nu,g\n", "line 2: `u` is not a number"),
+            ("t,1\n0,1\n1,1\n", "line 1: `t` is not a number"),
+            ("t [mm],f [N]\n0,1\n1,1\n", "line 1: `t` has the unit `mm`; expected one of s, ms"),
+            ("t,f (kW)\n0,1\n1,1\n", "line 1: `f` has the unit `kW`; expected one of N, mN, kN"),
             ("t,f\n0,1\n", "a record of 1 samples: allowed is two or more"),
             ("", "a record of 0 samples"),
         ] {

@@ -158,6 +158,21 @@ pub(crate) fn read(path: &Path, allowed: &str) -> Result<(csv::StringRecord, Vec
     Ok((header, rows))
 }
 
+/// The text of a file.
+///
+/// # Errors
+/// [`Error::File`] for a file that cannot be read; [`Error::Config`] with the line of a byte that
+/// is not UTF-8.
+pub(crate) fn read_text(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).map_err(Error::file("reading", path))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|b| **b == b'\n').count();
+        let problem = format!("line {line} is not UTF-8 text; expected a table as text");
+        Error::Config { path: path.into(), problem }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

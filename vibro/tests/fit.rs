@@ -143,7 +143,11 @@ fn what_is_no_record_is_refused_by_name_and_row() {
             "friction.floor.force",
             "row 3 has the time 0.5 s",
         ),
-        (table("nan.csv", "time,mass.s\n0,1\n1,NaN\n"), "friction.floor.force", "row 2: mass.s = `NaN`"),
+        (
+            table("nan.csv", "time,mass.s\n0,1\n1,NaN\n"),
+            "friction.floor.force",
+            "line 3: `NaN` is not a number",
+        ),
         (table("empty.csv", "time,mass.s\n"), "friction.floor.force", "no sample"),
         (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "the nearest is `mass.s`"),
         (sound.clone(), "friction.floor.forc", "the nearest is `friction.floor.force`"),
@@ -240,5 +244,47 @@ fn closed_form_residuals_of_contacts_are_in_a_table_of_their_own() {
     assert_eq!(rows.len(), 8);
     for (row, time) in rows.iter().zip(times) {
         assert!((row[1] - row[0] - row[2]).abs() < 1e-15 && (row[1] - time).abs() < 3e-4, "{row:?} {time}");
+    }
+}
+
+/// A mass of 1 kg on 100 N/m from 10 mm moves as 10 mm cos 10t.
+const COSINE: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.01 }\n[spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 90.0\n";
+
+/// Error of a stiffness of 100 N/m from places of 10 mm that are rounded to 0.1 µm.
+const ROUNDED: f64 = 1e-2;
+
+#[test]
+fn closed_form_of_a_fit_to_a_record_in_other_units() {
+    // Rounded to 0.1 µm.
+    let row = |k: i32, separator: char, (time, way): (f64, f64)| {
+        let (t, digits) = (0.05 * f64::from(k), if way == 1.0 { 7 } else { 4 });
+        format!("{}{separator}{:.digits$}\n", t * time, 0.01 * (10.0 * t).cos() * way)
+    };
+    let rows = |separator, units| (0..20).map(|k| row(k, separator, units)).collect::<String>();
+    let tables = [
+        ("si.csv", format!("time,m.s\n{}", rows(',', (1.0, 1.0)))),
+        ("comment.csv", format!("# shaker 3\n\ntime [s],m.s [m]\n# run 7\n{}", rows(',', (1.0, 1.0)))),
+        ("units.csv", format!("time [ms];m.s [mm]\n{}", rows(';', (1e3, 1e3)))),
+        ("wrong.csv", format!("time [ms],m.s [kN]\n{}", rows(',', (1e3, 1e3)))),
+        ("comma.csv", "time;m.s\n0;0,01\n0,05;0,0088\n".into()),
+    ];
+    let tables: Vec<(&str, &str)> = tables.iter().map(|(name, text)| (*name, &text[..])).collect();
+    let fit = |name: &str| {
+        said(&format!("fit-{name}"), COSINE, &tables, &format!("--data {name} --free spring.k.stiffness")).1
+    };
+    let value = |name: &str| {
+        let told = fit(name);
+        let (_, value) = told.split_once("spring.k.stiffness = ").unwrap_or_else(|| panic!("{name}: {told}"));
+        value.split_whitespace().next().unwrap().parse::<f64>().unwrap()
+    };
+    for name in ["si.csv", "comment.csv", "units.csv"] {
+        assert!((value(name) - 100.0).abs() < ROUNDED, "{name}");
+    }
+    for (name, words) in [
+        ("wrong.csv", "wrong.csv: line 1: `m.s` has the unit `kN`; expected one of m, cm, mm"),
+        ("comma.csv", "comma.csv: line 2: `0,01` has a decimal comma; expected a decimal point"),
+    ] {
+        let told = fit(name);
+        assert!(told.contains(words), "{told}");
     }
 }

@@ -106,3 +106,74 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let (code, error) = refused(&["sweep", &damper, "--start", "boks.s=1m"]);
     assert!(code == 2 && error.contains("the nearest is `box.s`"), "{error}");
 }
+
+/// A machine's file in the test's folder.
+fn written(name: &str, text: &str) -> String {
+    let out = folder(name);
+    std::fs::create_dir_all(&out).unwrap();
+    let path = out.join("m.toml");
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+/// A body at 5 mm, beyond a rigid stop at 2 mm.
+const BEYOND: &str = "name = \"B\"\n[body.b]\nmass = 1.0\nstart = { s = \"5 mm\" }\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\
+    stiffness = \"1 kN/m\"\n[stop.w]\nbetween = [\"ground\", \"b\"]\ngap = \"2 mm\"\nrestitution = 0.5\n";
+
+#[test]
+fn set_mends_a_file_whose_start_violates_a_gap() {
+    let path = written("starts-beyond", BEYOND);
+    let out = folder("starts-beyond-out");
+    for set in ["stop.w.gap=6mm", "body.b.start.s=1"] {
+        let said = drawn(&out, &["check", &path, "--set", set]);
+        assert!(said.contains("b: 1 kg; s = "), "{said}");
+    }
+    // What is still wrong is said with its line, and a new fault without one.
+    let (_, error) = refused(&["check", &path, "--set", "body.b.start.s=4mm"]);
+    assert!(
+        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates it with e = 0.004 m"),
+        "{error}"
+    );
+    let sound = written("starts-within", &BEYOND.replace("5 mm", "1 mm"));
+    let (_, error) = refused(&["check", &sound, "--set", "body.b.start.s=4mm"]);
+    assert!(error.contains("error: stop.w.gap = 0.002: the start violates it"), "{error}");
+}
+
+/// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s in the mean; a
+/// load of 5 Hz does not change that.
+#[test]
+fn closed_form_of_the_mean_speed_that_check_says_of_a_record_with_a_mean() {
+    let text = "name = \"R\"\n[body.table]\nmotion = { acceleration = { table = [[0, 0.02], [10, 0.02]] } }\n[body.m]\nmass = 1.0\n\
+        [spring.k]\nbetween = [\"table\", \"m\"]\nstiffness = 100.0\n[load.f]\non = \"m\"\namplitude = 1.0\nfrequency = 5.0\n";
+    let said = drawn(&folder("starts-record-out"), &["check", &written("starts-record", text)]);
+    let words = "table drifts: over its record of 10 s its mean speed is 0.1 m/s and it moves by 1 m; with v = -0.1 m/s it is 0";
+    assert!(said.contains(words), "{said}");
+}
+
+/// Friction of 1.2 N on a spring of 8 kN/m holds within ±0.15 mm; a dashpot leads to one place.
+#[test]
+fn closed_form_of_where_motions_come_to_rest() {
+    let text = "name = \"D\"\n[body.slide]\nmass = \"1 kg\"\n[spring.mount]\nbetween = [\"ground\", \"slide\"]\nstiffness = \"8 kN/m\"\n\
+        [friction.guide]\nbetween = [\"ground\", \"slide\"]\nforce = \"1.2 N\"\n";
+    let axes = ["--start", "slide.s=-1mm:1mm:5", "--start", "slide.v=-1:1:5"];
+    let basin = |name: &str, text: &str| {
+        let path = written(&format!("starts-{name}"), text);
+        let out = folder(&format!("starts-{name}-out"));
+        (drawn(&out, &[&["basin", &path][..], &axes].concat()), table(&out, "basin.csv"))
+    };
+    let (said, cells) = basin("held", text);
+    let (_, places) = said
+        .split_once("all 25 motions came to rest (not at one place: friction holds a range): slide.s from ")
+        .expect(&said);
+    let ends: Vec<f64> = places.split_whitespace().filter_map(|word| word.parse().ok()).take(2).collect();
+    assert!(ends[0] < ends[1] && ends.iter().all(|s| s.abs() <= 1.2 / 8e3), "{said}");
+    assert!(said.contains("basins of rest over slide.s and slide.v"), "{said}");
+    assert!(cells.iter().all(|cell| cell["class"] == "rest"));
+    // A preload of 2 N moves the place by 2/8000 m.
+    let damped = text.replace("\"8 kN/m\"", "\"8 kN/m\"\ndamping = 40.0\npreload = 2.0");
+    let damped = damped
+        .replace("[friction.guide]", "[stop.guide]")
+        .replace("force = \"1.2 N\"", "gap = 1e-3\nrestitution = 0.5");
+    let (said, _) = basin("damped", &damped);
+    assert!(said.contains("came to rest (at one place): slide.s = -0.00025 m"), "{said}");
+}

@@ -4,6 +4,8 @@ use crate::file::read;
 use serde_json::{Value, json};
 use vibro_analysis::assembly::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use vibro_assembly::Start;
+use vibro_assembly::description::Description;
+use vibro_assembly::table::Table;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -13,19 +15,13 @@ extern "C" {
     fn goes_on() -> Result<bool, JsValue>;
 }
 
-/// The cells of a line of a table.
-fn cells(line: &str) -> Vec<&str> {
-    line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
-}
-
 /// The record of a table: values over time, or times of contacts where it has a column `element`.
-fn record(table: &str) -> Result<Measured, JsError> {
-    let mut lines = table.trim_start_matches('\u{feff}').lines().filter(|line| !line.trim().is_empty());
-    let header = cells(lines.next().unwrap_or_default());
-    let (mut measured, rows) = (Measured::default(), lines.map(cells));
-    match header.contains(&"element") {
-        true => measured.add_contacts(&header, rows)?,
-        false => measured.add_columns(&header, rows)?,
+/// Without a machine only the times are in SI.
+fn record(text: &str, machine: Option<&Description>) -> Result<Measured, JsError> {
+    let (table, mut measured) = (Table::read(text), Measured::default());
+    match table.names().iter().any(|own| own.name == "element") {
+        true => measured.add_contacts(&table)?,
+        false => measured.add_columns(&table, machine)?,
     }
     Ok(measured)
 }
@@ -36,7 +32,7 @@ fn record(table: &str) -> Result<Measured, JsError> {
 /// What is no record.
 #[wasm_bindgen]
 pub fn recorded(table: &str) -> Result<String, JsError> {
-    let measured = record(table)?;
+    let measured = record(table, None)?;
     let columns: Vec<String> = measured.columns.iter().map(|(name, _)| name.to_string()).collect();
     let contacts: Vec<&String> = measured.contacts.iter().map(|(name, _)| name).collect();
     let times = measured.times.iter().chain(measured.contacts.iter().flat_map(|(_, times)| times));
@@ -61,10 +57,11 @@ pub fn fitted(
     free: Vec<String>,
 ) -> Result<String, JsError> {
     let machine = read(text, &names, &texts)?;
+    let measured = record(table, Some(&machine.description))?;
     let request = FitRequest {
         machine,
         start: Start::default(),
-        measured: record(table)?,
+        measured,
         free: free.into_iter().map(|name| Free { name, within: None }).collect(),
         sigma: None,
         loss: Loss::Linear,

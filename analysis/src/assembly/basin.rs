@@ -3,16 +3,17 @@
 //!
 //! Attractors with a period are told apart by their class, their period and their states at the
 //! section, as in a [diagram](super::diagram). Of two motions without a period nothing decides
-//! whether they are one attractor: all of one class count as one.
+//! whether they are one attractor: all of one class count as one. Places of rest are not numbered:
+//! friction may hold a body anywhere in a range.
 
-use super::timescales::{runs_on_beyond, settle};
+use super::timescales::{runs_on, runs_on_beyond, settle};
 use super::{Machine, Section, Settled, settled};
 use crate::error::{Error, Result};
 use crate::parts::Task;
 use crate::plane::check_cells;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use vibro_assembly::{Assembly, Error as MotionError, Start};
+use vibro_assembly::{Assembly, Error as MotionError, Motion, Start};
 
 /// Motions of a part, rounded up to whole rows.
 const MOTIONS: usize = 32;
@@ -63,6 +64,8 @@ pub enum BasinCell {
     NotSettled,
     /// The motion cannot go on, or never returns to the section.
     Ended,
+    /// The motion came to rest, from where it never returns to the section.
+    Rest,
 }
 
 /// An attractor.
@@ -83,7 +86,21 @@ pub struct Basins {
     pub cells: Vec<BasinCell>,
     /// Why the first motion that ended did.
     pub ended: Option<String>,
+    /// Least and largest coordinate of each body over all motions that came to rest; empty where
+    /// none did.
+    pub rest: Vec<[f64; 2]>,
 }
+
+/// Where a motion led.
+enum Led {
+    Attractor(BasinAttractor),
+    /// Coordinates of the bodies at rest.
+    Rest(Vec<f64>),
+}
+
+/// Largest way, relative to the way from the start, that a body at rest goes in the time for which
+/// a return was awaited.
+const AT_REST: f64 = 1e-9;
 
 impl BasinRequest {
     /// Checks what every start depends on.
@@ -171,17 +188,33 @@ pub fn basins(machine: &Machine, request: &BasinRequest, task: &Task) -> Result<
     Ok(Some(found))
 }
 
-/// What the motion from a start settles on, with its state then.
-fn motion(
-    assembly: &Arc<Assembly>,
-    section: &Section,
-    start: &Start,
-    discard: u32,
-) -> Result<BasinAttractor> {
+/// Attractor of the motion from a start with its state then, or its place of rest.
+fn motion(assembly: &Arc<Assembly>, section: &Section, start: &Start, discard: u32) -> Result<Led> {
     let mut motion = start.motion(assembly.clone())?.without_energy_accounts();
-    settle(&mut motion, section, discard)?;
-    let settled = settled(&mut motion, section, None)?;
-    Ok(BasinAttractor { settled, start: Start::of(&motion) })
+    let begin = (motion.time(), states(&motion));
+    match settle(&mut motion, section, discard).and_then(|()| settled(&mut motion, section, None)) {
+        Ok(settled) => Ok(Led::Attractor(BasinAttractor { settled, start: Start::of(&motion) })),
+        Err(_) if is_at_rest(&motion, begin) => {
+            Ok(Led::Rest(states(&motion).into_iter().map(|[s, ..]| s).collect()))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Coordinates, rates and accelerations of all bodies.
+fn states(motion: &Motion) -> Vec<[f64; 3]> {
+    (0..motion.assembly().description.bodies.len()).map(|i| motion.body(i)).collect()
+}
+
+/// Whether all bodies stay where they are, by their states when the motion began.
+fn is_at_rest(motion: &Motion, (time, begin): (f64, Vec<[f64; 3]>)) -> bool {
+    let passed = motion.time() - time;
+    let now = states(motion);
+    let way = now.iter().zip(&begin).map(|(now, begin)| (now[0] - begin[0]).abs()).fold(0.0, f64::max);
+    let is_steady =
+        |[_, v, a]: &[f64; 3]| (v * passed).abs().max((a * passed * passed).abs()) <= AT_REST * way;
+    let is_over = runs_on(&motion.assembly().description, motion.time()).is_none();
+    passed > 0.0 && is_over && now.iter().all(is_steady)
 }
 
 impl BasinAttractor {
@@ -203,10 +236,14 @@ impl Basins {
         count as f64 / self.cells.len().max(1) as f64
     }
 
-    fn cell(&mut self, led: Result<BasinAttractor>) -> Result<BasinCell> {
+    fn cell(&mut self, led: Result<Led>) -> Result<BasinCell> {
         match led {
-            Ok(found) if !found.settled.class.is_decided() => Ok(BasinCell::NotSettled),
-            Ok(found) => Ok(BasinCell::Attractor(self.number(found)?)),
+            Ok(Led::Attractor(found)) if !found.settled.class.is_decided() => Ok(BasinCell::NotSettled),
+            Ok(Led::Attractor(found)) => Ok(BasinCell::Attractor(self.number(found)?)),
+            Ok(Led::Rest(places)) => {
+                self.widen(places.into_iter().map(|s| [s, s]).collect());
+                Ok(BasinCell::Rest)
+            }
             Err(Error::Assembly(MotionError::Refused(_)) | Error::Refusal(_)) => Ok(BasinCell::Outside),
             Err(error) => {
                 self.ended.get_or_insert_with(|| error.to_string());
@@ -237,6 +274,18 @@ impl Basins {
         };
         self.cells.extend(part.cells.into_iter().map(own));
         self.ended = self.ended.take().or(part.ended);
+        self.widen(part.rest);
         Ok(())
+    }
+
+    /// Takes places of rest into the range of all.
+    fn widen(&mut self, places: Vec<[f64; 2]>) {
+        if self.rest.is_empty() {
+            self.rest = places;
+            return;
+        }
+        for (own, [least, largest]) in self.rest.iter_mut().zip(places) {
+            *own = [own[0].min(least), own[1].max(largest)];
+        }
     }
 }

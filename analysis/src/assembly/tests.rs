@@ -251,7 +251,7 @@ fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
     let row = swept(&machine, &["rms.a.s", "power.k", "maximum.a.s", "class"], 400, 60);
     assert_eq!(row.classes, [MotionClass::Periodic(3)]);
     for output in row.outputs.iter().flatten() {
-        assert!(output.is_exact(), "{output:?}");
+        assert!(output.is_exact, "{output:?}");
     }
     assert_eq!(row.reason, None);
 }

@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use vibro_assembly::description::Description;
 use vibro_assembly::file::{self, Records};
+use vibro_assembly::refusal::Refusal;
 use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 
 impl Machine {
@@ -18,7 +19,19 @@ impl Machine {
     /// # Errors
     /// As [`vibro_assembly::file::read`].
     pub fn read(path: &Path) -> Result<Self> {
-        let mut machine = Self::new(file::read(path)?);
+        Self::read_by(path, file::read)
+    }
+
+    /// Reads a machine's file as [`vibro_assembly::file::read_draft`], with its units.
+    ///
+    /// # Errors
+    /// As [`vibro_assembly::file::read_draft`].
+    pub fn read_draft(path: &Path) -> Result<Self> {
+        Self::read_by(path, file::read_draft)
+    }
+
+    fn read_by(path: &Path, read: fn(&Path) -> std::result::Result<Description, Refusal>) -> Result<Self> {
+        let mut machine = Self::new(read(path)?);
         // The file was read just before.
         let text = std::fs::read_to_string(path).unwrap_or_default();
         machine.units = units(&text, &machine.description);

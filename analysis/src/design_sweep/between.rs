@@ -5,6 +5,7 @@
 //! exceed its largest known value, the middle is measured next (S. A. Piyavskii, 1972). Values at
 //! which the machine resonates come first.
 
+use super::row::{BARS, is_exact, upper};
 use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 
 /// Most further values of one design along one interval.
@@ -27,20 +28,69 @@ pub(super) struct BandMotions {
     pub places: Vec<Vec<f64>>,
     /// The motions, combination by combination.
     pub outcomes: Vec<MotionMeasures>,
+    /// Number of motions that were computed.
+    pub computed: usize,
 }
 
 /// A value along an interval, the largest measure at this value, and the measure's spread.
 type ValueSpread = (f64, f64, f64);
 
+/// Whether a longer window changes nothing about a motion, since all its measures repeat.
+fn repeats((found, objection): &MotionMeasures) -> bool {
+    let mut numbers = found.numbers.iter().zip(&found.spreads);
+    objection.is_none() && numbers.all(|(number, spread)| number.is_some_and(|x| is_exact(x, *spread)))
+}
+
 impl BandMotions {
-    /// Largest of a measure over the starts at a combination, and its spread.
-    fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
+    /// The motions at some combinations.
+    pub fn new<M: DesignMachine>(own: &M, request: &SweepRequest<M>, places: Vec<Vec<f64>>) -> Self {
+        let outcomes = motions(own, request, &places);
+        Self { computed: outcomes.len(), outcomes, places }
+    }
+
+    /// The motions at one combination.
+    fn at(&self, place: usize) -> &[MotionMeasures] {
         let starts = self.outcomes.len() / self.places.len();
-        let own = &self.outcomes[place * starts..(place + 1) * starts];
+        &self.outcomes[place * starts..(place + 1) * starts]
+    }
+
+    /// Number of motions at the combinations where a motion does not repeat.
+    pub fn open(&self) -> usize {
+        let starts = self.outcomes.len() / self.places.len().max(1);
+        starts * (0..self.places.len()).filter(|&place| !self.at(place).iter().all(repeats)).count()
+    }
+
+    /// The same motions over the windows of another request. Motions that repeat are not computed
+    /// again.
+    pub fn over<M: DesignMachine>(&self, own: &M, request: &SweepRequest<M>) -> Self {
+        let mut looked = Self { places: self.places.clone(), ..Self::default() };
+        for (place, values) in self.places.iter().enumerate() {
+            let known = self.at(place);
+            if known.iter().all(repeats) {
+                looked.outcomes.extend_from_slice(known);
+            } else {
+                looked.add(motions(own, request, std::slice::from_ref(values)));
+            }
+        }
+        looked
+    }
+
+    /// Appends computed motions.
+    fn add(&mut self, outcomes: Vec<MotionMeasures>) {
+        self.computed += outcomes.len();
+        self.outcomes.extend(outcomes);
+    }
+
+    /// Largest of a measure over the starts at a combination, and half the distance from there to
+    /// the largest upper end of the error bars.
+    fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
         let number = |(found, _): &MotionMeasures| {
             Some((found.numbers.get(measure).copied()??, found.spreads[measure]))
         };
-        own.iter().map(number).reduce(|a, b| if b?.0 > a?.0 { b } else { a }).flatten()
+        let bars: Vec<(f64, f64)> = self.at(place).iter().map(number).collect::<Option<_>>()?;
+        let largest = bars.iter().map(|bar| bar.0).reduce(f64::max)?;
+        let top = bars.into_iter().map(upper).fold(largest, f64::max);
+        Some((largest, (top - largest) / BARS))
     }
 
     /// Values along an axis through the combination with the largest measure, and that combination;
@@ -79,13 +129,13 @@ pub(super) fn search_between<M: DesignMachine>(
         let resonances = own.varied(&assigned).map_or(Vec::new(), |m| m.resonances(&axis.name));
         let mut first = resonances.into_iter();
         while line.len() < axis.values.len() + MOST {
-            if line.iter().any(|p| p.1 - 2.0 * p.2 > enough) {
+            if line.iter().any(|p| p.1 - BARS * p.2 > enough) {
                 return false;
             }
             let Some(x) = first.find(|x| is_new(&line, *x)).or_else(|| next(&line)) else { break };
             let mut place = through.clone();
             place[k] = x;
-            looked.outcomes.extend(motions(own, request, std::slice::from_ref(&place)));
+            looked.add(motions(own, request, std::slice::from_ref(&place)));
             looked.places.push(place);
             let Some((y, spread)) = looked.largest(looked.places.len() - 1, measure) else { return true };
             let at = line.partition_point(|p| p.0 < x);
@@ -117,6 +167,6 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
     };
     // Of equal bounds the first is taken.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let passes = line.len() < LEAST || bound > top.1 + (2.0 * top.2).max(PART * top.1.abs());
+    let passes = line.len() < LEAST || bound > top.1 + (BARS * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))
 }

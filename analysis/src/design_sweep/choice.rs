@@ -1,14 +1,19 @@
 //! Choice of the design with the least value of the first measure.
 //!
-//! Every number of a sweep has an error bar: its spread, which is zero where the motions repeat.
-//! All designs that may be the best within their error bars are measured again. Each measurement is
-//! four times as long as the one before, and also covers values between those of the parameters
-//! over which the designs are summarized. The choice ends when one design is the best beyond its
-//! error bar, when none of these designs can be measured more accurately, or when a given number of
-//! periods is spent. The rows of the choice then replace those of the sweep everywhere.
+//! Every number of a sweep has an error bar: two spreads up and down, which are zero where the
+//! motion repeats. The value of a design is the largest of its motions. Its error bar reaches from
+//! the largest of their lower ends to the largest of their upper ends. All designs that may be the
+//! best within their error bars are measured again. Each measurement is four times as long as the
+//! one before, and also covers values between those of the parameters over which the designs are
+//! summarized. All motions of a design are measured as long as the longest one, except those that
+//! repeat: a chaotic motion below the largest may rise above it in a longer window.
+//!
+//! The choice ends when none of these designs can be measured more accurately, or when a given
+//! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
 use super::between::{BandMotions, MOST, search_between};
-use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, motions, part, summary};
+use super::row::upper;
+use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
 use rayon::prelude::*;
@@ -21,8 +26,6 @@ const LONGER: u32 = 4;
 const ROUNDS: u32 = 3;
 /// Number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
-/// Least difference of two distinct values, in units of their spread.
-const APART: f64 = 2.0;
 /// Relative difference of values that is rounding.
 const SAME: f64 = 1e-9;
 
@@ -43,11 +46,22 @@ pub struct Choice {
     pub spent: u64,
 }
 
+impl Choice {
+    /// Whether one design is the best and all its motions are measured as long as the choice
+    /// measures any.
+    pub fn is_decided(&self) -> bool {
+        self.possible.len() == 1 && self.left == 0
+    }
+}
+
 /// Estimate of a design's value.
 #[derive(Clone, Copy, Debug)]
 struct Estimate {
     value: f64,
-    spread: f64,
+    /// Ends of the error bar.
+    lower: f64,
+    upper: f64,
+    /// Whether all motions repeat.
     is_exact: bool,
     /// Whether the search between values is complete.
     is_searched: bool,
@@ -57,17 +71,15 @@ struct Estimate {
 
 impl Estimate {
     fn of(found: Summary, rounds: u32, is_searched: bool) -> Self {
-        Self { value: found.largest, spread: found.spread, is_exact: found.is_exact(), is_searched, rounds }
-    }
-
-    /// Upper end of the error bar.
-    fn most(&self) -> f64 {
-        self.value + APART * self.spread
+        let upper = upper((found.largest, found.spread));
+        let Summary { largest: value, lower, is_exact, .. } = found;
+        Self { value, lower, upper, is_exact, is_searched, rounds }
     }
 
     /// Whether the value may be less than that of another design.
     fn may_be_less(&self, other: &Self) -> bool {
-        let bar = if self.is_exact && other.is_exact { 0.0 } else { APART * self.spread.hypot(other.spread) };
+        let bar = (self.value - self.lower).hypot(other.upper - other.value);
+        let bar = if self.is_exact && other.is_exact { 0.0 } else { bar };
         self.value - other.value <= bar.max(SAME * other.value.abs())
     }
 }
@@ -79,7 +91,17 @@ struct Race<'a, M: DesignMachine> {
     task: &'a Task<'a>,
     measure: usize,
     estimates: Vec<Option<Estimate>>,
+    /// Motions of designs that were measured again and may be the best.
+    motions: BTreeMap<usize, BandMotions>,
     found: Choice,
+}
+
+/// Second measurement of a design.
+struct Remeasured {
+    row: DesignRow,
+    motions: BandMotions,
+    /// Whether the search between values is complete.
+    is_searched: bool,
 }
 
 impl<M: DesignMachine> Race<'_, M> {
@@ -92,7 +114,7 @@ impl<M: DesignMachine> Race<'_, M> {
     /// The estimate whose error bar has the lowest upper end.
     fn surest(&self) -> Option<Estimate> {
         let known = self.estimates.iter().flatten().copied();
-        known.reduce(|a, b| if b.most() < a.most() { b } else { a })
+        known.reduce(|a, b| if b.upper < a.upper { b } else { a })
     }
 
     /// Designs that may have the least value, in ascending order of value.
@@ -108,14 +130,22 @@ impl<M: DesignMachine> Race<'_, M> {
     /// Periods of the next measurement of a design; unchanged where its motions repeat.
     fn periods(&self, index: usize) -> u32 {
         let rounds = self.estimates[index].filter(|own| !own.is_exact).map_or(0, |own| own.rounds + 1);
-        self.request.periods.saturating_mul(LONGER.pow(rounds))
+        self.request.periods.saturating_mul(LONGER.pow(rounds.min(ROUNDS)))
     }
 
     /// Most periods of motion that the next measurement may take.
     fn cost(&self, index: usize) -> u64 {
-        let further = if has_intervals(self.request) { MOST * self.request.between.len() } else { 0 };
-        let motions = self.request.motions() + further * self.request.starts.len();
-        motions as u64 * (u64::from(self.request.discard) + u64::from(self.periods(index)))
+        let known = self.motions.get(&index);
+        let between = known.map_or(0, |known| known.places.len() - self.request.places().len());
+        let most = if has_intervals(self.request) { MOST * self.request.between.len() } else { 0 };
+        let further = most.saturating_sub(between) * self.request.starts.len();
+        let motions = known.map_or(self.request.motions(), BandMotions::open) + further;
+        self.periods_of(motions, self.periods(index))
+    }
+
+    /// Periods of some motions, each measured over a window.
+    fn periods_of(&self, motions: usize, window: u32) -> u64 {
+        motions as u64 * (u64::from(self.request.discard) + u64::from(window))
     }
 
     /// A design's row in the sweep.
@@ -127,10 +157,9 @@ impl<M: DesignMachine> Race<'_, M> {
         found.ok_or_else(|| Error::Form { text: index.to_string(), expected: "a design of the sweep" })
     }
 
-    /// Measures a design again; the search between values stops when the measure certainly exceeds
-    /// `enough`. Returns the design's row, whether the search between values is complete, and the
-    /// periods of motion spent.
-    fn measured(&self, index: usize, enough: f64) -> Result<(DesignRow, bool, u64)> {
+    /// Measures a design again. The search between values stops when the measure certainly exceeds
+    /// `enough`.
+    fn measured(&self, index: usize, enough: f64) -> Result<Remeasured> {
         let mut row = self.row(index)?;
         let periods = self.periods(index);
         let own = design(self.set, self.request, &row.values)?;
@@ -140,28 +169,27 @@ impl<M: DesignMachine> Race<'_, M> {
         let request = SweepRequest { periods, measures, ..self.request.clone() };
         let measure = places_of_windows.iter().position(|&m| m == self.measure).unwrap_or(0);
         let asked = self.request.places();
-        let mut looked = BandMotions { outcomes: motions(&own, &request, &asked), places: asked };
-        let before = looked.places.len();
-        if let Some(again) = self.found.rows.get(&index).and_then(|row| row.again.as_ref()) {
-            looked.outcomes.extend(motions(&own, &request, &again.between));
-            looked.places.extend(again.between.iter().cloned());
-        }
+        let count = asked.len();
+        let mut looked = match self.motions.get(&index) {
+            Some(known) => known.over(&own, &request),
+            None => BandMotions::new(&own, &request, asked),
+        };
         let is_searched = search_between(&own, &request, (measure, enough), &mut looked);
-        let cost = looked.outcomes.len() as u64 * (u64::from(request.discard) + u64::from(periods));
-        let again = Again { periods, between: looked.places.split_off(before) };
-        let mut found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
+        let again = Again { periods, between: looked.places[count..].to_vec() };
+        let found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
         for (output, &place) in found.outputs.iter().zip(&places_of_windows) {
             row.outputs[place] = *output;
         }
-        row.reason = row.reason.or(found.reason.take());
+        row.reason = row.reason.or(found.reason);
         row.again = found.again;
-        Ok((row, is_searched, cost))
+        Ok(Remeasured { row, motions: looked, is_searched })
     }
 
     /// Measures again, a few designs at a time, until none is open or no more periods may be spent.
     fn run(mut self) -> Result<Choice> {
         loop {
             let possible = self.possible();
+            self.motions.retain(|i, _| possible.contains(i));
             let open: Vec<usize> = possible.iter().copied().filter(|&i| self.is_open(i)).collect();
             let mut spent = self.found.spent;
             let affordable = |i: &usize| {
@@ -175,14 +203,16 @@ impl<M: DesignMachine> Race<'_, M> {
                 return Ok(self.found);
             }
             self.task.store.go_on()?;
-            let enough = self.surest().map_or(f64::INFINITY, |surest| surest.most());
+            let enough = self.surest().map_or(f64::INFINITY, |surest| surest.upper);
             let found: Vec<_> = next.par_iter().map(|&i| self.measured(i, enough)).collect::<Result<_>>()?;
-            for (index, (row, is_searched, cost)) in next.into_iter().zip(found) {
+            for (index, Remeasured { row, motions, is_searched }) in next.into_iter().zip(found) {
                 let rounds = self.estimates[index].map_or(0, |own| own.rounds + 1);
+                let window = row.again.as_ref().map_or(0, |again| again.periods);
+                self.found.spent += self.periods_of(motions.computed, window);
                 self.estimates[index] =
                     row.outputs[self.measure].map(|s| Estimate::of(s, rounds, is_searched));
                 self.found.rows.insert(index, row);
-                self.found.spent += cost;
+                self.motions.insert(index, motions);
             }
         }
     }
@@ -213,7 +243,7 @@ pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task)
             Ok(())
         })?;
         let found = Choice { measure, ..Choice::default() };
-        Race { set, request, task, measure, estimates, found }.run()
+        Race { set, request, task, measure, estimates, motions: BTreeMap::new(), found }.run()
     })
 }
 

@@ -18,16 +18,26 @@ pub struct Summary {
     pub largest: f64,
     /// First motion with the largest value, for [`SweepRequest::motion`] and [`DesignRow::motion`].
     pub at: usize,
-    /// Scatter of the largest value between windows of the motions, from their
-    /// [`Measured::spreads`](crate::measures::Measured::spreads).
+    /// Half the distance from the largest value to the largest upper end of the motions' error
+    /// bars, which reach [`BARS`] [spreads](crate::measures::Measured::spreads) up and down.
     pub spread: f64,
+    /// Largest lower end of these error bars.
+    pub lower: f64,
+    /// Whether all motions repeat, so that no longer window changes a value by more than rounding.
+    pub is_exact: bool,
 }
 
-impl Summary {
-    /// Whether the largest value is exact up to rounding, since its motions repeat.
-    pub fn is_exact(&self) -> bool {
-        self.spread <= REGULAR * self.largest.abs()
-    }
+/// Half the length of an error bar, in spreads.
+pub(super) const BARS: f64 = 2.0;
+
+/// Whether a value with this spread is exact up to rounding, since its motion repeats.
+pub(super) fn is_exact(value: f64, spread: f64) -> bool {
+    spread <= REGULAR * value.abs()
+}
+
+/// Upper end of an error bar.
+pub(super) fn upper((value, spread): (f64, f64)) -> f64 {
+    value + BARS * spread
 }
 
 /// Second measurement of a design that may be the best.
@@ -115,7 +125,25 @@ fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> 
     let least = numbers.iter().copied().fold(largest, f64::min);
     let first = &numbers[..asked.clamp(1, numbers.len())];
     let mean = if least == largest { largest } else { first.iter().sum::<f64>() / first.len() as f64 };
-    // Another motion may come above this one in another window.
-    let reach = numbers.iter().zip(&spreads).map(|(number, spread)| number + spread - largest);
-    Some(Summary { least, mean, largest, at, spread: reach.fold(spreads[at], f64::max) })
+    // In another window another motion may have the largest value.
+    let bars = || numbers.iter().copied().zip(spreads.iter().copied());
+    let spread = bars().map(|bar| (upper(bar) - largest) / BARS).fold(spreads[at], f64::max);
+    let lower = bars().map(|(number, spread)| number - BARS * spread).fold(f64::NEG_INFINITY, f64::max);
+    let is_exact = bars().all(|(number, spread)| is_exact(number, spread));
+    Some(Summary { least, mean, largest, at, spread, lower, is_exact })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_the_error_bar_of_the_largest_reaches_to_the_largest_ends() {
+        // Bars from 9.8 to 10.2, from 7 to 11, and 9.
+        let found = together([(10.0, 0.1), (9.0, 1.0), (9.0, 0.0)].map(Some).into_iter(), 3).unwrap();
+        assert_eq!((found.largest, found.at, found.is_exact), (10.0, 0, false));
+        assert_eq!((upper((found.largest, found.spread)), found.lower), (11.0, 10.0 - BARS * 0.1));
+        let exact = together([(10.0, 1e-9), (9.0, 0.0)].map(Some).into_iter(), 2).unwrap();
+        assert!(exact.is_exact && is_exact(exact.largest, exact.spread));
+    }
 }

@@ -283,3 +283,43 @@ fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_n
     let none = choice(&set, &spent, &Task::ALL).unwrap().unwrap();
     assert!(none.rows.is_empty() && none.left == none.possible.len() && none.left > 0, "{none:?}");
 }
+
+/// An absorber of which a regular motion at 9.4 Hz is larger, over 60 periods, than the chaotic
+/// motion at 10.4 Hz.
+const ABSORBER: &str = "name = \"A\"\n[body.box]\nmass = 12.0\n[body.block]\nmass = 0.8\nstart = { v = 0.3 }\n[spring.mount]\n\
+    between = [\"ground\", \"box\"]\nstiffness = 48e3\ndamping = 40.0\n[stop.up]\nbetween = [\"box\", \"block\"]\ngap = 0.02\n\
+    restitution = 0.6\n[stop.down]\nbetween = [\"block\", \"box\"]\ngap = 0.02\nrestitution = 0.6\n[load.shaker]\non = \"box\"\n\
+    amplitude = 80.0\nfrequency = 10.0\n";
+
+#[test]
+fn second_method_the_best_holds_the_chaotic_motions_of_its_band_over_the_longest_window() {
+    let machine = described(ABSORBER);
+    let mass = 1.0999999999999999;
+    let request = SweepRequest::<crate::assembly::Machine> {
+        designs: Designs::Grid(vec![described_axis("body.block.mass", &[mass, 0.5])]),
+        over: vec![described_axis("load.shaker.frequency", &[9.4, 10.4])],
+        discard: 800,
+        measures: vec!["amplitude.box.s".parse().unwrap()],
+        ..SweepRequest::default()
+    };
+    let alone = |frequency: f64, periods: u32| {
+        let names = ["body.block.mass", "load.shaker.frequency"].map(String::from).into();
+        let designs = Designs::Rows { names, rows: vec![vec![mass, frequency]] };
+        let request = SweepRequest { designs, over: Vec::new(), periods, ..request.clone() };
+        row(&machine, &request, 0).outputs[0].unwrap()
+    };
+    // In windows of 60 periods the chaotic motion stays below the regular one by more than its spread.
+    let [regular, chaotic] = [9.4, 10.4].map(|frequency| alone(frequency, 60));
+    assert!(regular.is_exact && !chaotic.is_exact);
+    assert!(chaotic.largest + chaotic.spread < regular.largest, "{regular:?} {chaotic:?}");
+    let found = choice(&machine, &request, &Task::ALL).unwrap().unwrap();
+    let own = found.rows[&0].outputs[0].unwrap();
+    let long = alone(10.4, 64 * 60);
+    assert!(long.largest > regular.largest);
+    assert_eq!(
+        (own.largest, own.is_exact, found.rows[&0].again.as_ref().unwrap().periods),
+        (long.largest, false, 3840)
+    );
+    // The other design, whose motions repeat, may be better.
+    assert_eq!((&found.possible[..], found.is_decided(), found.left), (&[1, 0][..], false, 0));
+}

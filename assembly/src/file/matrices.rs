@@ -3,6 +3,7 @@
 use super::reading::{Entry, Reading, finite};
 use super::records::stays_inside;
 use crate::check::MOST_COORDINATES;
+use crate::table::Table;
 use nalgebra::DMatrix;
 
 const ALLOWED: &str = "allowed is a Matrix Market file such as \"M.mtx\", a file of rows such as \"M.csv\", or a list of rows of \
@@ -41,29 +42,23 @@ fn of_file(reading: &Reading, path: &str) -> Result<DMatrix<f64>, String> {
     let text = (reading.records)(path).map_err(|e| format!("cannot be read: {e}"))?;
     let found = match text.get(..14).is_some_and(|start| start.eq_ignore_ascii_case("%%MatrixMarket")) {
         true => market(&text),
-        false => csv(&text),
+        false => csv(&text).map_err(|e| format!(" {e}")),
     };
     found.map_err(|e| format!("{path}:{e}"))
 }
 
-/// Rows of numbers, separated by commas.
+/// Rows of numbers of a [table](Table) without a heading.
 fn csv(text: &str) -> Result<DMatrix<f64>, String> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
-        let row: Option<Vec<f64>> = line.split(',').map(value).collect();
-        let count = rows.first().map_or(0, Vec::len);
-        let row = row.filter(|row| count == 0 || row.len() == count);
-        let Some(row) = row.filter(|row| row.len() <= MOST_COORDINATES && rows.len() < MOST_COORDINATES)
-        else {
-            return Err(format!(
-                "{number}: allowed are up to {MOST_COORDINATES} rows of equally many finite numbers"
-            ));
-        };
-        rows.push(row);
+    let table = Table::read(text);
+    let columns = table.rows.first().map_or(0, |row| row.cells.len());
+    if let Some(row) =
+        table.rows.get(MOST_COORDINATES).or(table.rows.first().filter(|_| columns > MOST_COORDINATES))
+    {
+        let expected = format!("expected at most {MOST_COORDINATES} rows and columns");
+        return Err(row.refused(&format!("is beyond the limit; {expected}")));
     }
-    of_rows(rows).ok_or_else(|| " it has no numbers".into())
+    let rows = table.rows.iter().map(|row| table.numbers(row, columns)).collect::<Result<Vec<_>, _>>()?;
+    of_rows(rows).ok_or_else(|| "it has no numbers".into())
 }
 
 fn value(text: &str) -> Option<f64> {

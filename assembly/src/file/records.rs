@@ -1,9 +1,13 @@
 //! Reading of records: two columns of numbers, time and value.
 
-use super::{Records, read_text};
+use super::signals::Values;
+use super::{Records, any_unit, read_text};
 use crate::check::MOST_KNOTS;
+use crate::kinds;
+use crate::table::{Heading, Table, in_unit};
 use std::io;
 use std::path::{Component, Path, PathBuf};
+use vibro_impact::quantities::Unit;
 
 /// A reader for texts without records, which finds none.
 ///
@@ -27,11 +31,14 @@ fn read_regular(path: &Path) -> io::Result<String> {
     read_text(path)
 }
 
+/// Kind of a record's values, and whether its `scale` has their unit.
+type Scaled = (Values, bool);
+
 /// The knots of a record. The error is the problem's text.
-pub(super) fn read(path: &str, records: Records) -> Result<Vec<(f64, f64)>, String> {
+pub(super) fn read(path: &str, records: Records, values: Scaled) -> Result<Vec<(f64, f64)>, String> {
     stays_inside(path)?;
     let text = records(path).map_err(|e| format!("cannot be read: {e}"))?;
-    knots(&text).map_err(|e| format!("{path}:{e}"))
+    knots(&text, values).map_err(|e| format!("{path}: {e}"))
 }
 
 /// Checks that a path is below the file's folder and means the same on every system.
@@ -46,40 +53,49 @@ pub(super) fn stays_inside(path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The knots of a text with one knot a line: time and value in SI, separated by a comma. The first
-/// line may be a heading; blank lines and lines that begin with # are skipped.
-fn knots(text: &str) -> Result<Vec<(f64, f64)>, String> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-    let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+/// The knots of a [table](Table) with two columns, time and value, in SI or in the units of its
+/// heading.
+fn knots(text: &str, values: Scaled) -> Result<Vec<(f64, f64)>, String> {
+    let table = Table::read(text);
+    let heading = table.heading();
+    let (mut units, mut rows) = ([None, None], &table.rows[..]);
+    if let Some(names) = &heading {
+        let first = &table.rows[0];
+        table.check(first, 2)?;
+        let refused = |text: String| first.refused(&text);
+        let value = unit_of_values(&names[1], values).map_err(refused)?;
+        units = [names[0].unit(kinds::TIME.units[0]).map_err(refused)?, value];
+        rows = &table.rows[1..];
+    }
     let mut knots: Vec<(f64, f64)> = Vec::new();
-    for (i, (line, text)) in lines.enumerate() {
-        let said = || -> String { text.chars().take(60).collect() };
-        let Some((time, value)) = pair(text) else {
-            let heading = i == 0
-                && text.split(',').count() == 2
-                && text.split(',').all(|word| word.parse::<f64>().is_err());
-            if heading {
-                continue;
-            }
-            return Err(format!("{line}: {}: allowed is a time and a value, such as 0.5,20", said()));
-        };
+    for row in rows {
+        let numbers = table.numbers(row, 2)?;
+        let (time, value) = (in_unit(units[0], numbers[0]), in_unit(units[1], numbers[1]));
         if knots.last().is_some_and(|last| time <= last.0) {
-            return Err(format!("{line}: {}: allowed is a time after that of the line before", said()));
+            return Err(row.refused("has a time that is not after the one before; expected rising times"));
         }
         knots.push((time, value));
         if knots.len() > MOST_KNOTS {
-            return Err(format!("{line}: allowed are up to {MOST_KNOTS} lines"));
+            return Err(row.refused(&format!("is beyond the limit; expected at most {MOST_KNOTS} rows")));
         }
     }
     if knots.len() < 2 {
-        return Err(format!(" it has {} knots; allowed are 2 to {MOST_KNOTS}", knots.len()));
+        return Err(format!("it has {} knots; expected 2 to {MOST_KNOTS}", knots.len()));
     }
     Ok(knots)
 }
 
-fn pair(text: &str) -> Option<(f64, f64)> {
-    let (time, value) = text.split_once(',')?;
-    let number = |text: &str| text.trim().parse().ok().filter(|v: &f64| v.is_finite());
-    number(time).zip(number(value))
+/// The unit of a record's values, by its heading.
+fn unit_of_values(heading: &Heading, (values, has_scale): Scaled) -> Result<Option<&'static Unit>, String> {
+    match heading.unit {
+        Some(symbol) if values.kind.any_unit => {
+            let allowed = format!("`{symbol}` is not a unit; expected a unit such as mm, N or rad/s");
+            let (_, si) = any_unit::quantity(&format!("1 {symbol}"), &allowed)?;
+            heading.unit(si)
+        }
+        Some(symbol) if has_scale => heading.unit("1").map_err(|_| {
+            format!("`{}` has the unit `{symbol}`; expected no unit, since `scale` has it", heading.name)
+        }),
+        _ => heading.unit(values.kind.unit(values.dimension)),
+    }
 }

@@ -205,10 +205,11 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
         return is_sound.then_some(None);
     };
     // Beside a scale the values are plain numbers.
-    let values = if table.has("scale") { Values { kind: kinds::PLAIN, ..values } } else { values };
+    let has_scale = table.has("scale");
+    let values = if has_scale { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {
         Some(path) => {
-            let knots = records::read(path, reading.records);
+            let knots = records::read(path, reading.records, (values, has_scale));
             knots.map_err(|problem| reading.refuse(&found, problem)).ok()
         }
         None => {

@@ -164,3 +164,30 @@ fn invariant_records_are_read_beside_the_file() {
     let gone = vibro_assembly::file::read(&file).unwrap_err().to_string();
     assert!(gone.starts_with(&format!("{}: cannot be read:", file.display())), "{gone}");
 }
+
+/// A record with units in its heading is the same record in SI; a unit of another quantity is
+/// refused, and so is one beside `scale`.
+#[test]
+fn closed_form_units_in_the_heading_of_a_record() {
+    let of = |heading: &'static str, keys: &str| {
+        let text =
+            format!("name = \"M\"\n[body.m]\nmass = 1.0\n[load.f]\non = \"m\"\ntable = \"r.csv\"\n{keys}\n");
+        parse(&text, "m.toml", &|_| Ok(format!("{heading}0,1\n10,2.5\n")))
+            .map(|d| d.loads[0].force.table.clone().unwrap().knots)
+            .map_err(|refused| refused.to_string())
+    };
+    assert_eq!(of("time [ms],f [kN]\n", ""), Ok(vec![(0.0, 1e3), (0.01, 2.5e3)]));
+    assert_eq!(of("time (min); acc\n", "").map_err(|e| e.contains("line 2")), Err(true));
+    assert_eq!(of("time_s,acc_g\n", "scale = 9.81"), Ok(vec![(0.0, 1.0), (10.0, 2.5)]));
+    for (heading, keys, words) in [
+        ("time [ms],f [mm]\n", "", "r.csv: line 1: `f` has the unit `mm`; expected one of N, mN"),
+        (
+            "time,f [kN]\n",
+            "scale = 2.0",
+            "r.csv: line 1: `f` has the unit `kN`; expected no unit, since `scale`",
+        ),
+    ] {
+        let refused = of(heading, keys).unwrap_err();
+        assert!(refused.contains(words), "{refused}");
+    }
+}

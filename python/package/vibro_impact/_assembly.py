@@ -15,6 +15,7 @@ from ._base import merged
 from ._instants import after, instants
 from ._assembly_description import AssemblyDescription
 from ._assembly_fit import fit
+from ._measures import Measures
 from ._assembly_many import Section, measures_of, names_of, section_of
 from ._assembly_orbits import AssemblyBranch, AssemblyOrbit, find_branches, find_orbit
 from ._assembly_results import (
@@ -159,8 +160,11 @@ class Assembly(AssemblyDescription):
         section: Section = None,
         start: StartLike = None,
         progress: bool = False,
-    ) -> dict[str, float | str | None]:
+    ) -> Measures:
         """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
+
+        `spread` of the result has by name how much a number would scatter from one window of the motion to the next: its standard error if it
+        is a mean, rounding where the motion repeats. `unsettled` names a measure that still went one way while it was measured, or is None.
 
         Parameters
         ----------

@@ -102,8 +102,18 @@ class AssemblyDescription(AnyMachine):
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
         """The values in SI: texts with units are converted, numbers are returned unchanged."""
-        found: ArrayLike = converted(given, lambda value: self.replace(**{name: value}).parameters[name])
+        # The machine with one of several new values may be one that is refused: only the machine with all of them is checked.
+        found: ArrayLike = converted(given, lambda value: self._value(name, value))
         return found
+
+    def _value(self, name: str, value: Any) -> float:
+        """A value of a parameter, a number in SI or a text with a unit, in SI."""
+        if not isinstance(value, str):
+            return number(name, value)
+        units = self.units
+        if is_number(value) and units.get(name, "1") != "1":
+            raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
+        return self._described.value(name, value)
 
     @classmethod
     def _of(cls, described: _native.Described) -> Self:

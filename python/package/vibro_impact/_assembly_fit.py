@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -96,30 +95,26 @@ class MachineFit(AssemblyFit):
     "The same as a machine of your own, whose names columns and starts have."
 
 
-def _table(path: Union[str, os.PathLike[str]]) -> dict[str, tuple[Floats, Floats]]:
-    """The columns of a table, with its times."""
+def _table(path: Union[str, os.PathLike[str]], machine: AssemblyDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
+    """The columns of a table in SI, with its times; `names` has other names of the machine's columns."""
     with open(path, newline="", encoding="utf-8") as file:
-        header, *rows = list(csv.reader(file)) or [[]]
-    names = [name.strip() for name in header]
-    if "time" not in names or len(set(names)) < len(names):
-        raise ValueError(f"{path}: its first line is {','.join(header)[:200]!r}; allowed is one that names 'time' and columns such as 'box.s', each once")
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for line, row in enumerate(rows, start=2):
-        if len(row) != len(names):
-            raise ValueError(f"{path}, line {line}: {len(row)} values; allowed are {len(names)}, as its first line has")
-        for name, cell in zip(names, row):
-            try:
-                columns[name].append(float(cell))
-            except ValueError:
-                raise ValueError(f"{path}, line {line}, column {name}: {cell!r} is no number") from None
-    t = np.array(columns.pop("time"))
-    return {name: (t, np.array(values)) for name, values in columns.items()}
+        text = file.read()
+    try:
+        found = _native.columns_of_table(machine._described, text, dict(names))
+    except ValueError as problem:
+        raise ValueError(f"{path}: {problem}") from None
+    columns = {name: np.array(values) for name, values in found}
+    if "time" not in columns or len(columns) < len(found):
+        first = ",".join(name for name, _ in found)
+        raise ValueError(f"{path}: its first line names {first[:200]!r}; expected 'time' and columns such as 'box.s', each once")
+    t = columns.pop("time")
+    return {name: (t, values) for name, values in columns.items()}
 
 
-def _record(record: RecordLike) -> tuple[Floats, list[tuple[str, Floats]]]:
-    """The times and the columns of a record."""
+def _record(record: RecordLike, machine: AssemblyDescription) -> tuple[Floats, list[tuple[str, Floats]]]:
+    """The times and the columns of a record of a machine."""
     if isinstance(record, (str, os.PathLike)):
-        record = _table(record)
+        record = _table(record, machine, {})
     if not isinstance(record, Mapping):
         allowed = "a dictionary such as {'box.s': (t, s)}, or the path of a table"
         raise TypeError(f"record is of type {type(record).__name__}: allowed is {allowed}")
@@ -179,9 +174,10 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
         bodies = ("box", "block", "secondary")
         start = {f"{body}.{what}": float(values[3 * k + i]) for k, what in enumerate("sv") for i, body in enumerate(bodies)}
     dotted = {f"{body}_{what}": f"{body}.{what}" for body in ("box", "block", "secondary") for what in "sv"}
-    record = _table(record) if isinstance(record, (str, os.PathLike)) else record
+    twin = _twin(machine)
+    record = _table(record, twin, dotted) if isinstance(record, (str, os.PathLike)) else record
     columns = {dotted.get(name, name): pair for name, pair in record.items()}
-    found = fit(_twin(machine), columns, free=names, start=start, **arguments)
+    found = fit(twin, columns, free=names, start=start, **arguments)
     fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
     parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
     return MachineFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
@@ -222,7 +218,7 @@ def fit(
         The machine with the values from which the fit begins.
     record
         By column, such as ``box.s``, times (s) and values (SI); all columns at the same times. Or the path of a table (CSV) whose first
-        line names ``time`` and columns, as the command line's ``--data``.
+        line names ``time`` and columns, as the command line's ``--data``; it may name units, as ``box.s [mm]``.
     free
         The numbers that are fitted: parameters, numbers of the start, ``record.shift``, ``record.offset.COLUMN``.
     within
@@ -256,7 +252,7 @@ def fit(
     if not isinstance(machine, AssemblyDescription):
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Assembly and Machine")
     names = [free] if isinstance(free, str) else list(free)
-    t, columns = _record(record)
+    t, columns = _record(record, machine)
     if events is not None and not isinstance(events, Mapping):
         raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
     contacts = [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]

@@ -11,7 +11,7 @@ from ._assembly_description import AssemblyDescription
 from ._assembly_results import AssemblyRun, run_of
 from ._assembly_start import StartLike, numbers_of, starts_of, time_of
 from ._instants import after, listed
-from ._measures import keeping, measure_names, measured
+from ._measures import Measures, keeping, measure_names, measured
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -58,14 +58,14 @@ def measures_of(
     settle: int,
     section: Section,
     progress: bool,
-) -> dict[str, float | str | None]:
+) -> Measures:
     """Measures of an assembly's settled motion."""
     names = measure_names(measures)
     periods, settle = whole("periods", periods, 1, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, 1, "motions") as bar:
         begin, at = [numbers_of(machine, start)], section_of(section)
-        ((numbers, kind, _),) = _native.measure_assemblies([machine._described], begin, names, settle, periods, at, False, bar.report)
-    return measured(names, numbers, kind)
+        (row,) = _native.measure_assemblies([machine._described], begin, names, settle, periods, at, False, bar.report)
+    return measured(names, row)
 
 
 def section_of(section: Section) -> Union[None, float, str]:

@@ -64,7 +64,7 @@ class AssemblyBasins(Result):
     "The attractors in the order in which the cells meet them; motions without a period count as one of their class."
     cells: NDArray[np.int32]
     """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start that violates a
-    rigid stop, -2 where the motion was not decided, -3 where it ends."""
+    rigid stop, -2 where the motion was not decided, -3 where it ends, -4 where it comes to rest."""
     ended: Optional[str]
     "Why the first motion that ended did."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)

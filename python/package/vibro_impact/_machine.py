@@ -24,7 +24,7 @@ from ._assembly import Assembly
 from ._assembly_fit import fit
 from ._base import Value, merged
 from ._instants import instants
-from ._measures import MEASURES, Spectrum, measure_names, measured, of_paper
+from ._measures import MEASURES, Measures, Spectrum, measure_names, measured, of_paper
 from ._motion import Load, Run, Section, load_list, run_of
 from ._orbits import Branch, Orbit, find_branches, find_orbit
 from ._parameters import SI_NAMES
@@ -159,11 +159,13 @@ class Machine(ParameterValues):
         settle: int = 400,
         start: StartOfMachine = None,
         progress: bool = False,
-    ) -> dict[str, float | str | None]:
+    ) -> Measures:
         """Measures of the settled motion by name: :attr:`measures` has all, with units.
 
-        A number is exact for the motion, not for samples of it; the measure ``class`` is a text, and one that is not defined for the
-        machine is None.
+        A number is exact for the motion over these periods, not for samples of it. `spread` of the result has by name how much it
+        would scatter from one window of the motion to the next: its standard error if it is a mean, rounding where the motion repeats. The
+        measure ``class`` is a text, and a measure that is not defined for the machine is None. `unsettled` of the result names a measure that
+        still went one way while it was measured, or is None.
 
         Parameters
         ----------
@@ -184,8 +186,8 @@ class Machine(ParameterValues):
         system, begin, _ = self._begun(start)
         settle, periods = whole("settle", settle, 0, MOST_PERIODS), whole("periods", periods, 1, MOST_PERIODS)
         with Bar(progress, 1, "motions") as bar:
-            numbers, kind = _native.measure(system, begin, of_paper(names), settle, periods, bar.report)
-        return measured(names, numbers, kind)
+            row = _native.measure(system, begin, of_paper(names), settle, periods, bar.report)
+        return measured(names, row)
 
     @property
     def measures(self) -> dict[str, str]:

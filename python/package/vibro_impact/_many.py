@@ -132,7 +132,7 @@ class _Measures(_Work):
     section: Union[None, float, str]
 
     def rows(self, report: Any) -> list[Any]:
-        """Measures, class and reason of each."""
+        """The row of each."""
         machines, starts = self.motions.given
         if not self.motions.is_assembly:
             return _native.measure_many(machines, starts, of_paper(self.names), self.settle, self.periods, self.in_rows, report)
@@ -345,6 +345,9 @@ def measure_many(
 ) -> Table:
     """Measures of many settled motions on all cores, with the bits of :meth:`Machine.measure` and :meth:`Assembly.measure`.
 
+    Each number has its spread in :attr:`Table.spreads`, and in columns such as ``amplitude.box.s.spread``: two numbers of irregular motions
+    differ where their difference exceeds twice their spreads. :attr:`Table.unsettled` names what had not settled.
+
     ``measure_many(damper, {"stop.steel.gap": gaps}, ["amplitude.box.s"])`` of one machine with arrays of values, which needs no object for
     each; ``measure_many(machines, ["amplitude.box.s"])`` of several.
 
@@ -412,9 +415,8 @@ def _measured(
     work = _Measures(motions, in_rows, names, periods, settle, section_of(section))
 
     def row(_: int, found: Any) -> dict[str, Any]:
-        numbers, kind, error = found
-        told = measured(names, numbers if error is None else [None] * len(names), kind)
-        return {**told, "error": error} if in_rows else told
+        told: dict[str, Any] = measured(names, found)
+        return {**told, "error": found[4]} if in_rows else told
 
     with keeping(row):
         rows = rows_of(work, executor, checkpoint, progress)

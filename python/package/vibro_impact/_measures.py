@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Callable, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ._result import Result
 from ._values import ParameterValues
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 # The paper's symbol of a column.
 _OWN = dict(zip(SI_COORDINATES, COORDINATES))
@@ -38,9 +38,41 @@ def of_paper(names: list[str]) -> list[str]:
     return [f"{word}.{_OWN[column]}" if column in _OWN else f"{word}{point}{column}" for word, point, column in parts]
 
 
-def measured(names: list[str], numbers: list[Optional[float]], kind: Optional[str]) -> dict[str, float | str | None]:
+#: Measures of one motion: numbers, their spreads, class, index of the measure that had not settled, reason for which there are none.
+Row = tuple[list[Optional[float]], list[float], Optional[str], Optional[int], Optional[str]]
+
+
+class Measures(dict[str, Union[float, str, None]]):
+    """Measures of a motion by name: a dictionary, with the spread of each number."""
+
+    def __init__(self, values: Mapping[str, Union[float, str, None]], spread: dict[str, Optional[float]], unsettled: Optional[str]) -> None:
+        super().__init__(values)
+        self.spread = spread
+        """By measure, how much its number would scatter from one window of the motion to the next: the standard error of a mean, rounding where
+        the motion repeats. None where there is no number."""
+        self.unsettled = unsettled
+        "The name of a measure that still went one way while it was measured, None where all had settled."
+
+
+def measured(names: list[str], row: Row) -> Measures:
     """Measures of a motion by name."""
-    return {name: kind if name == "class" else value for name, value in zip(names, numbers)}
+    numbers, spreads, kind, _, error = row
+    if error is not None:
+        numbers = [None] * len(names)
+    values: dict[str, Union[float, str, None]] = {name: kind if name == "class" else value for name, value in zip(names, numbers)}
+    spread = {name: None if numbers[k] is None else spreads[k] for k, name in enumerate(names) if name != "class"}
+    return Measures(values, spread, unsettled(names, row))
+
+
+def spread_of(name: str) -> str:
+    """Name of the spread of a measure, as in the tables of ``vibro sweep``."""
+    return f"{name}.spread"
+
+
+def unsettled(names: list[str], row: Row) -> Optional[str]:
+    """What of a motion had not settled when it was measured: a measure's name, or the motion."""
+    index = row[3]
+    return None if index is None else names[index] if index < len(names) else "the motion"
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union, overload
 
 import numpy as np
 
+from ._measures import Row, spread_of, unsettled
 from ._show import Line, lines, shades
 from ._result import Result
 from ._tables import needed
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-#: Measures, class and reason of one motion.
-Row = tuple[list[Optional[float]], Optional[str], Optional[str]]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -34,6 +33,11 @@ class Table(Result):
     "The parameters that vary, each of the table's shape, in SI."
     values: dict[str, NDArray[Any]]
     "The measures, each of the table's shape; ``class`` is an array of texts."
+    spreads: dict[str, NDArray[Any]]
+    """By measure, how much its numbers would scatter from one window of the motion to the next: the standard error of a mean, rounding where a
+    motion repeats. ``table["impacts.spread"]`` is ``table.spreads["impacts"]``."""
+    unsettled: NDArray[Any]
+    "The name of a measure that still went one way while it was measured, None where all had settled."
     error: Optional[NDArray[Any]]
     "With ``errors='row'`` the reason why a motion has no measures, None where it has them."
     axes: Optional[tuple[str, ...]]
@@ -46,7 +50,9 @@ class Table(Result):
     @property
     def columns(self) -> dict[str, NDArray[Any]]:
         """All arrays by name."""
-        return {**self.parameters, **self.values, **({} if self.error is None else {"error": self.error})}
+        spreads = {spread_of(name): column for name, column in self.spreads.items()}
+        error = {} if self.error is None else {"error": self.error}
+        return {**self.parameters, **self.values, **spreads, "unsettled": self.unsettled, **error}
 
     @overload
     def __getitem__(self, name: str) -> NDArray[Any]: ...
@@ -126,15 +132,23 @@ def table_of(
 ) -> Table:
     """A table of rows of measures in the order of its elements."""
     values: dict[str, NDArray[Any]] = {}
+    spreads: dict[str, NDArray[Any]] = {}
+
+    def text(found: list[Any]) -> NDArray[Any]:
+        return np.array(found, dtype=object).reshape(shape)
+
     for k, name in enumerate(names):
         if name == "class":
-            values[name] = np.array([kind for _, kind, _ in rows], dtype=object).reshape(shape)
+            values[name] = text([kind for _, _, kind, _, _ in rows])
             continue
-        found = [numbers[k] if error is None else None for numbers, _, error in rows]
+        found = [row[0][k] if row[4] is None else None for row in rows]
         missing = np.array([x is None for x in found], dtype=bool).reshape(shape)
-        numbers = np.array([0.0 if x is None else x for x in found], dtype=np.float64).reshape(shape)
-        values[name] = np.ma.MaskedArray(numbers, missing) if missing.any() else numbers
-    error = np.array([error for *_, error in rows], dtype=object).reshape(shape) if in_rows else None
+        errors = [row[1][k] if x is not None else None for row, x in zip(rows, found)]
+        for kept, numbers in ((values, found), (spreads, errors)):
+            array = np.array([0.0 if x is None else x for x in numbers], dtype=np.float64).reshape(shape)
+            kept[name] = np.ma.MaskedArray(array, missing) if missing.any() else array
+    error = text([row[4] for row in rows]) if in_rows else None
     given = {name: values.reshape(shape) for name, values in parameters.items()}
     known = {name: units.get(name, "1") for name in [*given, *names]}
-    return Table(given, values, error, axes, known, shape)
+    known.update({spread_of(name): known[name] for name in spreads})
+    return Table(given, values, spreads, text([unsettled(names, row) for row in rows]), error, axes, known, shape)

@@ -19,7 +19,7 @@ from ._progress import Bar
 #: Most parts of a study, and the least and most rows of one.
 _PARTS, _LEAST, _MOST = 200, 8, 4096
 #: The form of a part; parts of other forms are refused.
-_FORM = 2
+_FORM = 3
 
 
 class Work(Protocol):

@@ -1,29 +1,32 @@
 //! Records of a fit: tables of values over time, and of times of contacts.
 
-use crate::table::read;
+use crate::table::read_text;
 use crate::{Error, Result};
-use csv::StringRecord;
 use std::path::Path;
 use vibro_analysis::assembly::Machine;
 use vibro_analysis::assembly::fit::{Free, Measured};
 use vibro_assembly::Start;
+use vibro_assembly::description::Description;
+use vibro_assembly::table::Table;
 
-/// What a record may be.
-const RECORD: &str = "a table whose first line names its columns";
-
-/// Reads the record of a fit: a table whose first line names `time` and columns such as `box.s`,
-/// SI, and a table with the columns `element` and `time`.
+/// Reads the record of a fit of a machine: a [`Table`] whose first line names `time` and columns
+/// such as `box.s`, and a table with the columns `element` and `time`.
 ///
 /// # Errors
-/// [`Error::Config`] for a file that is no such table, with the row of a number that cannot be
+/// [`Error::Config`] for a file that is not such a table, with the line of a number that cannot be
 /// read.
-pub fn read_record(data: Option<&Path>, events: Option<&Path>) -> Result<Measured> {
+pub fn read_record(data: Option<&Path>, events: Option<&Path>, machine: &Description) -> Result<Measured> {
     let mut measured = Measured::default();
+    let of = |path: &Path, found: vibro_analysis::Result<()>| {
+        found.map_err(|error| Error::Config { path: path.into(), problem: error.to_string() })
+    };
     if let Some(path) = data {
-        add(path, &read(path, RECORD)?, |header, rows| measured.add_columns(header, rows))?;
+        let text = read_text(path)?;
+        of(path, measured.add_columns(&Table::read(&text), Some(machine)))?;
     }
     if let Some(path) = events {
-        add(path, &read(path, RECORD)?, |header, rows| measured.add_contacts(header, rows))?;
+        let text = read_text(path)?;
+        of(path, measured.add_contacts(&Table::read(&text)))?;
     }
     if measured.samples() == 0 {
         let paths: Vec<String> =
@@ -50,15 +53,4 @@ pub fn check_record(
     };
     of(data, measured.check_columns(&machine.description, start, free))?;
     of(events, measured.check_contacts(&machine.description, start, free))
-}
-
-/// Adds a table by `add`, whose problems are those of the file.
-fn add<'t>(
-    path: &Path,
-    (header, rows): &'t (StringRecord, Vec<StringRecord>),
-    add: impl FnOnce(&[&'t str], &mut dyn Iterator<Item = Vec<&'t str>>) -> vibro_analysis::Result<()>,
-) -> Result<()> {
-    let names: Vec<&str> = header.iter().collect();
-    add(&names, &mut rows.iter().map(|row| row.iter().collect()))
-        .map_err(|error| Error::Config { path: path.into(), problem: error.to_string() })
 }

@@ -1,28 +1,25 @@
 //! Summaries of a machine and of a motion, in words.
 
+mod drifts;
+
 use super::{MotionRecord, event_in_words};
 use crate::Result;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_analysis::assembly::{StopContact, common_period, eigenvalues};
-use vibro_assembly::description::{Body, BodyKind, Description, Dimension, Level, Stop};
+use vibro_analysis::assembly::{StopContact, eigenvalues};
+use vibro_assembly::description::{BodyKind, Description, Dimension, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::following::Following;
 use vibro_assembly::mode::{FrictionState, StopState};
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::system::{BodyRows, Part, StateRow};
+use vibro_assembly::system::Part;
 use vibro_assembly::{Assembly, Element, Motion, Quantity, What};
-use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Real part or frequency, relative to the largest, below which it counts as zero. A double
 /// eigenvalue has an error of the square root of the rounding error.
 const ZERO: f64 = 1e-7;
-/// Mean speed, relative to the largest speed beside it, below which a body stays in place.
-const STAYS: f64 = 1e-6;
-/// Times of a period at which speeds are looked at for their size.
-const SPEEDS: u32 = 16;
 
 /// A number with six digits, for sentences.
 fn short(value: f64) -> String {
@@ -89,7 +86,7 @@ pub fn summary(machine: Description) -> Result<String> {
             short(a)
         ));
     }
-    lines.extend(drifts(&assembly));
+    lines.extend(drifts::drifts(&assembly));
     lines.push("elements at the start".into());
     lines.extend(elements(d, &motion));
     lines.extend(following(d));
@@ -102,34 +99,6 @@ pub fn summary(machine: Description) -> Result<String> {
     lines.push(format!("natural frequencies in the start's mode{}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
-}
-
-/// Mean speeds of bodies whose acceleration is prescribed, where they do not stay in place.
-fn drifts(assembly: &Assembly) -> Vec<String> {
-    let (d, system) = (&assembly.description, assembly.system());
-    let Some(period) = common_period(d) else { return Vec::new() };
-    let is_given =
-        |body: &Body| matches!(&body.kind, BodyKind::Integrated(own) if own.level == Level::Acceleration);
-    let at = |time: f64, row: &StateRow| {
-        let mut z = StateRow::zeros(system.signals.size);
-        system.signals.fill(DoubleDouble::new(time), &system.signals.no_inputs(), z.as_mut_slice());
-        row.dot(&z)
-    };
-    let line = |(body, rows): (&Body, &BodyRows)| {
-        let mean = (at(period, &rows.s) - at(0.0, &rows.s)) / period;
-        let speeds = (0..SPEEDS).map(|k| at(period * f64::from(k) / f64::from(SPEEDS), &rows.v));
-        let most = speeds.map(|v| (v - mean).abs()).fold(0.0, f64::max);
-        let unit = units(body.dimension)[1];
-        (mean.abs() > STAYS * most).then(|| {
-            let (v, name) = (at(0.0, &rows.v) - mean, &body.name);
-            format!(
-                "  {name} drifts: over the first period of {} s its mean speed is {} {unit}; with v = {} {unit} it is 0",
-                short(period), short(mean), short(v)
-            )
-        })
-    };
-    let bodies = d.bodies.iter().zip(&system.bodies).filter(|(body, _)| is_given(body));
-    bodies.filter_map(line).collect()
 }
 
 /// What follows from named parameters, in SI.

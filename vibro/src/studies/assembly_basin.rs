@@ -11,6 +11,8 @@ use vibro_analysis::assembly::basin::{BasinAttractor, BasinCell, BasinRequest, B
 use vibro_analysis::assembly::{Machine, QuantityName};
 use vibro_analysis::attractor::MotionClass;
 use vibro_analysis::plane::check_cells;
+use vibro_analysis::significant;
+use vibro_assembly::description::{Body, Dimension};
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_orbits::assembly::Orbit;
@@ -49,7 +51,12 @@ pub fn assembly_basins(
     let count = basins.attractors.len();
     let (x, y) = (&request.x, &request.y);
     let attractors = if count == 1 { "attractor" } else { "attractors" };
-    let what = format!("basins of {count} {attractors} over {} and {}", x.name, y.name);
+    let of = match (count, basins.rest.is_empty()) {
+        (0, false) => "rest".to_owned(),
+        (_, false) => format!("{count} {attractors} and of rest"),
+        (_, true) => format!("{count} {attractors}"),
+    };
+    let what = format!("basins of {of} over {} and {}", x.name, y.name);
     let method = format!(
         "{} × {} starts; up to {} periods discarded, and more where nothing is decided then. Motions without a period count as one \
          attractor of their class.",
@@ -71,7 +78,7 @@ pub fn assembly_basins(
             (format!("{name}-attractors"), attractor_table(&listed).csv()?),
         ],
         figure: Some(figure),
-        ..Study::without_figure(name, what).with_remarks(remarks(basins, &listed))
+        ..Study::without_figure(name, what).with_remarks(remarks(machine, basins, &listed))
     })
 }
 
@@ -145,13 +152,47 @@ fn cell_table(request: &BasinRequest, basins: &Basins) -> Result<Vec<u8>> {
                 BasinCell::Outside => (String::new(), "outside"),
                 BasinCell::NotSettled => (String::new(), "not settled"),
                 BasinCell::Ended => (String::new(), "ended"),
+                BasinCell::Rest => (String::new(), "rest"),
             };
             rows.push([x, &value, &number, class])
         })
     })
 }
 
-fn remarks(basins: &Basins, listed: &[Listed]) -> Vec<String> {
+/// Difference of coordinates of one place of rest, relative to their size.
+const ONE_PLACE: f64 = 1e-6;
+
+/// The share of the motions that came to rest, and where; `None` where none did.
+fn rest_in_words(machine: &Machine, basins: &Basins) -> Option<String> {
+    let d = &machine.description;
+    let bodies = d.bodies.iter().zip(&basins.rest).filter(|(body, _)| !body.is_inner());
+    let places: Vec<_> = bodies.filter(|(body, _)| !body.kind.is_prescribed()).collect();
+    if places.is_empty() {
+        return None;
+    }
+    let unit = |body: &Body| if body.dimension == Dimension::Rotation { "rad" } else { "m" };
+    let is_one = |[least, largest]: &[f64; 2]| largest - least <= ONE_PLACE * least.abs().max(largest.abs());
+    let place = |(body, [least, largest]): &(&Body, &[f64; 2])| match is_one(&[*least, *largest]) {
+        true => format!("{}.s = {} {}", body.name, significant(*least), unit(body)),
+        false => {
+            let (from, to) = (significant(*least), significant(*largest));
+            format!("{}.s from {from} to {to} {}", body.name, unit(body))
+        }
+    };
+    let count = basins.cells.iter().filter(|cell| **cell == BasinCell::Rest).count();
+    let which = match basins.cells.len() {
+        all if all == count => format!("all {count} motions"),
+        all => format!("{count} of {all} motions"),
+    };
+    let how = match places.iter().all(|(_, range)| is_one(range)) {
+        true => "at one place",
+        false if d.frictions.is_empty() => "not at one place",
+        false => "not at one place: friction holds a range",
+    };
+    Some(format!("{which} came to rest ({how}): {}", places.iter().map(place).collect::<Vec<_>>().join(", ")))
+}
+
+fn remarks(machine: &Machine, basins: &Basins, listed: &[Listed]) -> Vec<String> {
     let told = |one: &Listed| {
         let events = if one.word.is_empty() { String::new() } else { format!(" [{}]", one.word) };
         format!("attractor {}: {}{events}, {:.1} % of the starts", one.number, one.class(), 100.0 * one.share)
@@ -160,6 +201,7 @@ fn remarks(basins: &Basins, listed: &[Listed]) -> Vec<String> {
     if basins.attractors.len() > SHOWN {
         lines.push(format!("and {} more", basins.attractors.len() - SHOWN));
     }
+    lines.extend(rest_in_words(machine, basins));
     let ended = basins.ended.as_deref().unwrap_or_default();
     for (cell, words) in [
         (BasinCell::Outside, "violate a rigid stop".to_owned()),
@@ -178,13 +220,18 @@ fn colour(number: usize) -> Colour {
     PAIRS[number % PAIRS.len()][number / PAIRS.len()]
 }
 
-/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], then one for each attractor.
+/// Colour of starts of motions that come to rest.
+const REST: Colour = Colour(190, 190, 190);
+
+/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], 4 for [`REST`], then one for each
+/// attractor.
 fn code(cell: BasinCell) -> u8 {
     match cell {
+        BasinCell::Rest => 4,
         BasinCell::Outside => 0,
         BasinCell::NotSettled => 1,
         BasinCell::Ended => 2,
-        BasinCell::Attractor(n) if usize::from(n) < COLOURED => 4 + n as u8,
+        BasinCell::Attractor(n) if usize::from(n) < COLOURED => 5 + n as u8,
         BasinCell::Attractor(_) => 3,
     }
 }
@@ -195,7 +242,7 @@ fn cells(request: &BasinRequest, basins: &Basins) -> Shape {
         y: (request.y.from, request.y.to),
         columns: request.x.count,
         cells: basins.cells.iter().map(|cell| code(*cell)).collect(),
-        colours: OTHERS.into_iter().chain((0..COLOURED).map(colour)).map(Some).collect(),
+        colours: OTHERS.into_iter().chain([REST]).chain((0..COLOURED).map(colour)).map(Some).collect(),
     }
 }
 
@@ -215,6 +262,7 @@ fn legend(basins: &Basins, listed: &[Listed]) -> Vec<Layer> {
     let others = [
         (basins.attractors.len() > COLOURED, "further attractors", FURTHER),
         (basins.cells.contains(&BasinCell::NotSettled), "not settled", NOT_SETTLED),
+        (basins.cells.contains(&BasinCell::Rest), "comes to rest", REST),
         (basins.cells.contains(&BasinCell::Ended), "motion ends", UNDECIDED),
         (basins.cells.contains(&BasinCell::Outside), "no start: a rigid stop is violated", OUTSIDE),
     ];

@@ -24,14 +24,18 @@ let changed = () => {};
 const say = (/** @type {string} */ words) => { element("fitWords").textContent = words; };
 const numberOf = (/** @type {string} */ name) => run.machine?.numbers.find((n) => n.name === name);
 
-/** Whether a table's first line is that of a record: `time` and names of quantities, or `element`. @param {string} text */
-export const isRecord = (text) => { const names = text.slice(0, 5000).split("\n")[0].replace(/["\uFEFF\r]/g, "").split(",").map((name) => name.trim()); return names.includes("time") && names.some((name) => name === "element" || /^\S+\.\w+$/.test(name)); };
+/** The first line of a table that is not empty or a comment. @param {string} text */
+const heading = (text) => text.slice(0, 5000).replace(/["\uFEFF\r]/g, "").split("\n").find((line) => line.trim() && !line.trim().startsWith("#")) ?? "";
+
+/** Whether a table's heading is the heading of a record: `time` and names of quantities, or `element`, with or without units. @param {string} text */
+export const isRecord = (text) => {
+  const names = heading(text).split(/[,;]/).map((cell) => cell.replace(/[[(/].*/, "").trim());
+  return names.includes("time") && names.some((name) => name === "element" || /^\S+\.\w+$/.test(name));
+};
 
 /** Says why a table is no record, which no line of the machine reads either. @param {string} name @param {string} table */
 export function refuse(name, table) {
-  const first = table.slice(0, 200).split("\n")[0].replace(/\r/g, "");
-  const cure = first.includes(";") ? " Columns are divided by commas, and numbers have points: 0.5, not 0,5." : "";
-  say(`${name} is no record to fit to: its first line is “${first}”; allowed is one that names time and quantities of the machine such as box.s, divided by commas.${cure}`);
+  say(`${name} is not a record to fit to: its first line is “${heading(table).slice(0, 200)}”; expected one that names time and quantities of the machine such as box.s, separated by commas or semicolons.`);
   element("fit").scrollIntoView({ block: "nearest" });
 }
 

@@ -3,12 +3,15 @@
 use super::Measured;
 use crate::assembly::QuantityName;
 use crate::error::{Error, Result};
+use vibro_assembly::description::Description;
+use vibro_assembly::table::{Heading, Table, in_unit};
 
 /// The place of a column.
-fn place(header: &[&str], name: &str) -> Result<usize> {
-    header.iter().position(|own| *own == name).ok_or_else(|| {
-        let known = header.join(", ");
-        wrong(format!("has no column `{name}`, but {known}; its first line names the columns"))
+fn place(names: &[Heading], name: &str) -> Result<usize> {
+    names.iter().position(|own| own.name == name).ok_or_else(|| {
+        let known: Vec<&str> = names.iter().map(|own| own.name).collect();
+        let known = known.join(", ");
+        wrong(format!("has no column `{name}`, but `{known}`; expected a first line that names the columns"))
     })
 }
 
@@ -16,58 +19,45 @@ fn wrong(problem: String) -> Error {
     Error::Described { problem }
 }
 
-/// The number of a cell; `row` counts from 1, the line of names left out.
-fn number(name: &str, row: usize, text: &str) -> Result<f64> {
-    let finite = text.parse::<f64>().ok().filter(|x| x.is_finite());
-    finite.ok_or_else(|| {
-        wrong(format!("row {row}: {name} = `{text}` is no finite number; allowed are numbers in SI"))
-    })
-}
-
 impl Measured {
-    /// Adds the columns of a table whose first line names `time` and quantities such as `box.s`,
-    /// SI.
+    /// Adds the columns of a table whose first line names `time` and quantities such as `box.s`.
+    /// A unit in the heading must be a unit of the machine's quantity. Without a machine the
+    /// columns other than `time` are as in the table.
     ///
     /// # Errors
-    /// [`Error::Described`] for a column without a meaning, and for a cell that is no number.
-    pub fn add_columns<'c>(
-        &mut self,
-        header: &[&str],
-        rows: impl Iterator<Item = Vec<&'c str>>,
-    ) -> Result<()> {
-        let time = place(header, "time")?;
-        for (i, name) in header.iter().enumerate().filter(|(i, _)| *i != time) {
-            let quantity: QuantityName =
-                name.parse().map_err(|error| wrong(format!("column {}: {error}", i + 1)))?;
-            self.columns.push((quantity, Vec::new()));
+    /// [`Error::Described`] for a column without a meaning, a unit that is not a unit of its
+    /// column, and a cell that is not a number.
+    pub fn add_columns(&mut self, table: &Table, d: Option<&Description>) -> Result<()> {
+        let time = place(&table.names(), "time")?;
+        let mut names: Vec<QuantityName> = Vec::new();
+        for (i, own) in table.names().iter().enumerate().filter(|(i, _)| *i != time) {
+            names.push(own.name.parse().map_err(|error| wrong(format!("column {}: {error}", i + 1)))?);
         }
-        for (row, cells) in rows.enumerate() {
-            let read = |i: usize| number(header[i], row + 1, cells.get(i).copied().unwrap_or_default());
-            self.times.push(read(time)?);
-            let others = (0..header.len()).filter(|i| *i != time);
-            for (i, (_, values)) in others.zip(&mut self.columns) {
-                values.push(read(i)?);
-            }
-        }
+        let unit = |name: &str| match name {
+            "time" => Some("s"),
+            name => d.and_then(|d| Some(name.parse::<QuantityName>().ok()?.find(d).ok()?.unit)),
+        };
+        let mut columns = table.columns(&unit).map_err(wrong)?;
+        self.times = columns.remove(time).1;
+        self.columns.extend(names.into_iter().zip(columns.into_iter().map(|(_, values)| values)));
         Ok(())
     }
 
     /// Adds the times of contacts of a table with the columns `element` and `time`.
     ///
     /// # Errors
-    /// [`Error::Described`] for a table without these columns, and for a time that is no number.
-    pub fn add_contacts<'c>(
-        &mut self,
-        header: &[&str],
-        rows: impl Iterator<Item = Vec<&'c str>>,
-    ) -> Result<()> {
-        let (element, time) = (place(header, "element")?, place(header, "time")?);
-        for (row, cells) in rows.enumerate() {
-            let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
-            let at = number("time", row + 1, cell(time))?;
-            match self.contacts.iter_mut().find(|(own, _)| own == cell(element)) {
+    /// [`Error::Described`] for a table without these columns, and for a time that is not a number.
+    pub fn add_contacts(&mut self, table: &Table) -> Result<()> {
+        let names = table.names();
+        let (element, time) = (place(&names, "element")?, place(&names, "time")?);
+        let refused = |text: String| wrong(table.rows[0].refused(&text));
+        let unit = names[time].unit("s").map_err(refused)?;
+        for row in &table.rows[1..] {
+            table.check(row, names.len()).map_err(wrong)?;
+            let at = in_unit(unit, table.number(row, row.cells[time]).map_err(wrong)?);
+            match self.contacts.iter_mut().find(|(own, _)| own == row.cells[element]) {
                 Some((_, times)) => times.push(at),
-                None => self.contacts.push((cell(element).to_owned(), vec![at])),
+                None => self.contacts.push((row.cells[element].to_owned(), vec![at])),
             }
         }
         Ok(())

@@ -144,7 +144,7 @@ fn segments_text(segments: Segments) -> String {
 pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
     let start = start_of(&machine, &a.start)?;
-    let measured = read_record(a.data.as_deref(), a.events.as_deref())?;
+    let measured = read_record(a.data.as_deref(), a.events.as_deref(), &machine.description)?;
     for (name, _) in &measured.columns {
         if name.what == What::A {
             let problem = "allowed are s and v of bodies, e, rate and f of elements".into();

@@ -7,7 +7,7 @@ use vibro_analysis::design_sweep::{Choice, DesignRow, SweepRequest, row};
 /// Maximum number of designs listed one by one.
 const MAX_LISTED: usize = 8;
 
-/// The best design, or the designs that error bars do not separate, and the method of the search.
+/// The best design, or the designs that may be the best, and the method of the search.
 pub(super) fn best_in_words<M: Labelled>(
     set: &M,
     request: &SweepRequest<M>,
@@ -23,23 +23,31 @@ pub(super) fn best_in_words<M: Labelled>(
         Some(format!("{}{place}", value_in_words(set, measure, found, row, &names)))
     };
     let mut lines = Vec::new();
-    match all {
+    let undecided = match all {
         [] => return lines,
-        [one] => {
-            let why = match one.1.reason {
-                None => "by its error bar",
-                Some(_) => "undecided, since not all of its motions have settled",
-            };
-            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; {why}")));
-            lines.extend(from_more_starts(set, request, choice, &one.1));
+        [_] if choice.left > 0 => {
+            Some("undecided: of one design the motions could be measured longer".into())
         }
-        several => {
-            lines.push(format!("not told apart by {measure}: {} designs", choice.possible.len()));
-            lines.extend(several.iter().filter_map(told).map(|words| format!("  {words}")));
-            if let more @ 1.. = choice.possible.len() - several.len() {
+        [one] if one.1.reason.is_some() => {
+            Some("undecided: of one design not all motions have settled".into())
+        }
+        [_] => None,
+        _ => Some(format!("undecided between {} designs", choice.possible.len())),
+    };
+    match (undecided, all) {
+        (None, [one, ..]) => {
+            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; by its error bar")));
+        }
+        (undecided, _) => {
+            lines.push(format!("best by {measure}: {}", undecided.unwrap_or_default()));
+            lines.extend(all.iter().filter_map(told).map(|words| format!("  {words}")));
+            if let more @ 1.. = choice.possible.len() - all.len() {
                 lines.push(format!("  and {more} more"));
             }
         }
+    }
+    if let [one] = all {
+        lines.extend(from_more_starts(set, request, choice, &one.1));
     }
     lines.extend(what_was_done::<M>(request, choice));
     lines
