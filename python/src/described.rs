@@ -17,7 +17,7 @@ use vibro_sketch::Sketch;
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
 pub struct Described {
-    description: Arc<Description>,
+    pub(crate) description: Arc<Description>,
 }
 
 /// Names and numbers of a start, SI; none of a machine's own.
@@ -60,7 +60,7 @@ impl Described {
     }
 
     /// Name, SI unit, value and meaning of each parameter.
-    fn parameters(&self) -> Vec<(String, &'static str, f64, &'static str)> {
+    fn parameters(&self) -> Vec<(String, &'static str, f64, String)> {
         self.description.parameters().into_iter().map(|p| (p.name, p.unit, p.value, p.meaning)).collect()
     }
 
