@@ -74,7 +74,7 @@ fn last_knot(signal: &Signal) -> Option<f64> {
 /// The natural periods of the machine on its springs alone, undamped, s.
 fn own_periods(assembly: &Assembly) -> Vec<f64> {
     let system = assembly.system();
-    let (n, factor) = (system.coordinates, system.inertia.l_dirty());
+    let (n, factor) = (system.coordinates, system.inertia.l());
     // L⁻¹ K L⁻ᵀ, where the forces of springs are -K q.
     let mut stiffness = -system.forces.columns(0, n).into_owned();
     // Of stiffness that steps its first level.
@@ -111,7 +111,7 @@ fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
         }
     }
     z[system.signals.one] = 1.0;
-    let a = system.inertia.solve(&(&system.forces * &z));
+    let a = system.inertia.solve(&system.forces.times(&z));
     let flight = |stop: &StopRows| {
         let (left, rate, bend) =
             (-stop.excess.at(z.as_slice()), stop.elongation.rate.at(z.as_slice()), stop.elongation.w.dot(&a));

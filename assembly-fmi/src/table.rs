@@ -9,7 +9,7 @@
 //! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
 //! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
 //! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
-//! | `SIGNAL`, `BLOCK.OUTPUT`; a block's states `BLOCK.x[0]` with `.rate`, of sampled blocks `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`, discrete | output |
+//! | `SIGNAL`, `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; of sampled blocks, discrete: `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]` | output |
 //! | `SPRING.line` of springs by points | output |
 //! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
 //! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |

@@ -2,6 +2,10 @@
 //! compile to vector instructions, and lists of nonzero entries. Only constructors, and functions
 //! that return vectors or matrices, allocate.
 
+mod sparse;
+
+pub use sparse::Sparse;
+
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -99,79 +103,6 @@ impl<const R: usize> SparseColumns<R> {
     /// Count of stored numbers.
     pub fn numbers(&self) -> usize {
         self.0.len() * (R + 1)
-    }
-}
-
-/// A row by its nonzero entries, with their places.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sparse(Vec<(usize, f64)>);
-
-impl Sparse {
-    /// The nonzero entries of a row.
-    pub fn of(row: &[f64]) -> Self {
-        Self(row.iter().copied().enumerate().filter(|&(_, x)| x != 0.0).collect())
-    }
-
-    /// Of entries with their places, of which zeros are left out.
-    pub fn from_terms(terms: impl Iterator<Item = (usize, f64)>) -> Self {
-        let mut own = Vec::with_capacity(terms.size_hint().1.unwrap_or(0));
-        own.extend(terms.filter(|&(_, x)| x != 0.0));
-        Self(own)
-    }
-
-    /// The row times a vector.
-    #[inline(always)]
-    pub fn dot(&self, z: &[f64]) -> f64 {
-        self.0.iter().map(|&(j, x)| x * z[j]).sum()
-    }
-
-    /// The sum of the terms' absolute values, for a vector of absolute values.
-    #[inline(always)]
-    pub fn size(&self, sizes: &[f64]) -> f64 {
-        self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
-    }
-
-    /// `factor` times the row.
-    pub fn times(&self, factor: f64) -> Self {
-        Self::from_terms(self.0.iter().map(|&(j, x)| (j, factor * x)))
-    }
-
-    /// The row less another.
-    pub fn less(&self, other: &Self) -> Self {
-        let mut left: Vec<(usize, f64)> = Vec::with_capacity(self.0.len() + other.0.len());
-        let (mut own, mut others) = (self.0.iter().peekable(), other.0.iter().peekable());
-        loop {
-            let places = [own.peek(), others.peek()].map(|term| term.map(|term| term.0));
-            let Some(place) = places.into_iter().flatten().min() else {
-                return Self::from_terms(left.into_iter());
-            };
-            let x = own.next_if(|term| term.0 == place).map_or(0.0, |term| term.1);
-            let less = others.next_if(|term| term.0 == place).map_or(0.0, |term| term.1);
-            left.push((place, x - less));
-        }
-    }
-
-    /// The entry at a place.
-    pub fn entry(&self, j: usize) -> f64 {
-        self.0.iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
-    }
-
-    /// The row as a dense vector.
-    pub fn dense(&self, size: usize) -> Vec<f64> {
-        let mut row = vec![0.0; size];
-        self.0.iter().for_each(|&(j, x)| row[j] = x);
-        row
-    }
-
-    /// The nonzero entries with their places.
-    pub fn terms(&self) -> &[(usize, f64)] {
-        &self.0
-    }
-}
-
-impl AsRef<Self> for Sparse {
-    fn as_ref(&self) -> &Self {
-        self
     }
 }
 

@@ -10,6 +10,7 @@
 
 pub mod assembly;
 mod check;
+pub mod components;
 pub mod derivative;
 pub mod description;
 pub mod elements;
@@ -33,6 +34,7 @@ pub mod refusal;
 pub mod rest;
 pub mod signals;
 mod slots;
+pub mod sparse_factor;
 pub mod start;
 mod stepped;
 pub mod system;

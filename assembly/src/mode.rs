@@ -12,7 +12,7 @@ pub use linear::{Elastic, Linear};
 pub use slider::SliderState;
 pub use states::{FrictionState, StopState};
 
-use crate::system::{Elongation, StateRow, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::hash::{Hash, Hasher};
@@ -167,13 +167,13 @@ impl System {
     }
 
     /// The force of a compliant stop in a state in which it is not zero.
-    pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
+    pub fn stop_force(&self, i: usize, state: StopState) -> Option<Functional> {
         state.force(&self.stops[i].force, &self.stops[i].spring)
     }
 
     /// The force of a friction in a state that determines it, slipping or held at its level, while
     /// the stops are in these states.
-    pub fn friction_force(&self, i: usize, state: FrictionState, stops: &[StopState]) -> Option<StateRow> {
+    pub fn friction_force(&self, i: usize, state: FrictionState, stops: &[StopState]) -> Option<Functional> {
         let own = self.frictions[i].at(stops)?;
         state.force(&own.level, &own.static_level)
     }

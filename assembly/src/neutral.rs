@@ -9,7 +9,8 @@
 //! depends on them.
 
 use crate::description::Description;
-use crate::system::System;
+use crate::kernel::Sparse;
+use crate::system::{Elongation, Functional, System};
 use nalgebra::DVector;
 
 /// Largest entry of a unit row that counts as zero: arms and links are given to more digits.
@@ -21,7 +22,7 @@ pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
     /// By state of first order the direction w of the elongation with which it moves.
-    inner: Vec<DVector<f64>>,
+    inner: Vec<Functional>,
     /// Directions of the coordinates, a sparse basis found by elimination.
     places: Vec<DVector<f64>>,
     /// Directions of the velocities.
@@ -29,36 +30,35 @@ pub struct Neutral {
 }
 
 /// The rows of G v, on which gyroscopic forces depend.
-fn gyroscopic(system: &System) -> Vec<DVector<f64>> {
+fn gyroscopic(system: &System) -> impl Iterator<Item = Terms> {
     let n = system.coordinates;
-    let rows = system.gyroscopic_forces().map(|(_, force)| force.rows(n, n).into_owned());
-    rows.filter(|row| row.amax() > 0.0).collect()
+    system.gyroscopic_forces().map(move |(_, force)| Sparse::of(force.rows(n, n).as_slice()).terms().to_vec())
 }
 
 /// The rows of coordinates, or of velocities from `first` on, that blocks read.
-fn read(system: &System, first: usize) -> Vec<DVector<f64>> {
+fn read(system: &System, first: usize) -> impl Iterator<Item = Terms> {
     let inputs = system.blocks.iter().flat_map(|block| &block.inputs);
-    let rows = inputs.map(|input| input.row.rows(first, system.coordinates).into_owned());
-    rows.filter(|row| row.amax() > 0.0).collect()
+    inputs.map(move |input| Sparse::of(input.row.rows(first, system.coordinates).as_slice()).terms().to_vec())
 }
 
 impl Neutral {
     /// The directions of a machine.
     pub fn of(system: &System) -> Self {
+        let along = |own: &Elongation| own.w.terms().to_vec();
         let springs = |acts: &dyn Fn(&crate::system::SpringRows) -> bool| {
             let all = system.springs.iter().filter(|s| acts(s));
-            all.map(|s| s.elongation.w.clone()).collect::<Vec<_>>()
+            all.map(|s| along(&s.elongation)).collect::<Vec<_>>()
         };
         let mut rows = springs(&|s| s.stiffness != 0.0);
-        rows.extend(system.stops[..system.first_freewheel].iter().map(|s| s.elongation.w.clone()));
+        rows.extend(system.stops[..system.first_freewheel].iter().map(|s| along(&s.elongation)));
         rows.extend(read(system, 0));
         let places = null_space(rows.clone(), system.coordinates);
         rows.extend(springs(&|s| s.damping != 0.0));
         rows.extend(gyroscopic(system));
         rows.extend(read(system, system.coordinates));
-        rows.extend(system.stops[system.freewheels()].iter().map(|s| s.elongation.w.clone()));
-        rows.extend(system.frictions.iter().map(|f| f.elongation.w.clone()));
-        rows.extend(system.branches.iter().map(|b| b.elongation.w.clone()));
+        rows.extend(system.stops[system.freewheels()].iter().map(|s| along(&s.elongation)));
+        rows.extend(system.frictions.iter().map(|f| along(&f.elongation)));
+        rows.extend(system.branches.iter().map(|b| along(&b.elongation)));
         let rates = null_space(rows, system.coordinates);
         let inner = system.branches.iter().map(|own| own.elongation.w.clone()).collect();
         Self { coordinates: system.coordinates, inner, places, rates }
@@ -92,7 +92,10 @@ impl Neutral {
     /// The directions in words by bodies, such as `no force depends on rotor.s`.
     pub fn in_words(&self, d: &Description, system: &System) -> Vec<String> {
         let along = |u: &DVector<f64>, letter: &str| {
-            let moved = |row: &DVector<f64>| row.iter().zip(u.iter()).map(|(r, u)| r * u).sum::<f64>();
+            let moved = |row: &Functional| {
+                let own = row.terms().iter().take_while(|term| term.0 < u.len());
+                own.map(|&(k, x)| x * u[k]).sum::<f64>()
+            };
             let shares = system.bodies.iter().map(|body| moved(&body.s));
             let shares: Vec<(usize, f64)> = shares.enumerate().filter(|s| s.1.abs() > ZERO).collect();
             let names: Vec<String> =
@@ -115,38 +118,59 @@ fn short(x: f64) -> String {
     format!("{}", if rounded == 0.0 { x } else { rounded })
 }
 
+/// A row of a system of equations.
+type Terms = Vec<(usize, f64)>;
+
 /// A basis of the directions u with w · u = 0 for all rows w, by elimination with the largest
 /// pivots, so that a body on which nothing acts is a basis vector of its own.
-fn null_space(rows: Vec<DVector<f64>>, count: usize) -> Vec<DVector<f64>> {
-    let mut pivots: Vec<(usize, DVector<f64>)> = Vec::new();
-    for mut row in rows {
-        let size = row.amax();
+fn null_space(rows: Vec<Terms>, count: usize) -> Vec<DVector<f64>> {
+    // No row of a pivot has an entry at another's place.
+    let mut pivots: Vec<(usize, Sparse)> = Vec::new();
+    let mut row_of = vec![None; count];
+    // By place the rows that may have an entry there.
+    let mut having: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for row in rows {
+        let size = row.iter().fold(0.0f64, |most, term| most.max(term.1.abs()));
         if size == 0.0 {
             continue;
         }
-        row /= size;
-        for (pivot, other) in &pivots {
-            let share = row[*pivot];
-            row.axpy(-share, other, 1.0);
+        let mut sum: Terms = row.iter().map(|&(place, x)| (place, x / size)).collect();
+        let mut shares: Vec<(usize, f64)> =
+            sum.iter().filter_map(|&(place, x)| Some((row_of[place]?, x))).collect();
+        shares.sort_unstable_by_key(|share| share.0);
+        for (other, share) in shares {
+            sum.extend(pivots[other].1.terms().iter().map(|&(place, x)| (place, -share * x)));
         }
-        let pivot = row.iamax();
-        if row[pivot].abs() <= ZERO {
+        let row = Sparse::summed(sum);
+        let larger = |most: (usize, f64), &(place, x): &(usize, f64)| {
+            if x.abs() > most.1.abs() { (place, x) } else { most }
+        };
+        let (pivot, largest) = row.terms().iter().fold((0, 0.0), larger);
+        if largest.abs() <= ZERO {
             continue;
         }
-        row /= row[pivot];
-        for (_, other) in &mut pivots {
-            let share = other[pivot];
-            other.axpy(-share, &row, 1.0);
+        let row = Sparse::from_terms(row.terms().iter().map(|&(place, x)| (place, x / largest)));
+        for other in std::mem::take(&mut having[pivot]) {
+            let share = pivots[other].1.entry(pivot);
+            if share != 0.0 {
+                pivots[other].1 = pivots[other].1.less(&row.times(share));
+                row.terms().iter().for_each(|&(place, _)| having[place].push(other));
+            }
         }
+        row_of[pivot] = Some(pivots.len());
+        let others = row.terms().iter().filter(|term| term.0 != pivot);
+        others.for_each(|&(place, _)| having[place].push(pivots.len()));
         pivots.push((pivot, row));
     }
-    let free = (0..count).filter(|place| pivots.iter().all(|(pivot, _)| pivot != place));
+    let free = (0..count).filter(|&place| row_of[place].is_none());
     free.map(|place| {
         let mut direction = DVector::zeros(count);
         direction[place] = 1.0;
-        for (pivot, row) in &pivots {
-            if row[place].abs() > ZERO {
-                direction[*pivot] = -row[place];
+        for &other in &having[place] {
+            let (pivot, row) = &pivots[other];
+            let share = row.entry(place);
+            if share.abs() > ZERO {
+                direction[*pivot] = -share;
             }
         }
         direction

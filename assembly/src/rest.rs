@@ -4,17 +4,18 @@
 mod factor;
 mod lines;
 mod path;
+mod weighted;
 
 use crate::description::{Description, Friction, SeriesLaw, StopLaw};
 use crate::error::Error;
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{BranchRows, FrictionRows, SpringRows, StateRow, System};
-use factor::Factor;
+use crate::system::{BranchRows, FrictionRows, Functional, RowMatrix, SpringRows, StateRow, System};
 use lines::Lined;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use path::LoadPath;
 use vibro_impact::numerics::double_double::DoubleDouble;
+use weighted::Weighted;
 
 /// Factor of the proximal weight from step to step, as it falls from the largest stiffness per
 /// inertia to [`SOFTER`] times the least stiffness per largest inertia.
@@ -86,13 +87,6 @@ impl FrictionLevel {
 struct RestState {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
-}
-
-/// The factored stiffness with a proximal weight, and the contacts' directions scaled by the
-/// inverse factor.
-struct Weighted {
-    factor: Factor,
-    columns: DMatrix<f64>,
 }
 
 /// The coordinates of static equilibrium at time 0. Friction carries force only where there is no
@@ -196,8 +190,8 @@ impl System {
     }
 }
 
-fn direction(w: &DVector<f64>) -> Direction {
-    w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0).collect()
+fn direction(w: &Functional) -> Direction {
+    w.terms().to_vec()
 }
 
 /// The elongation along a direction.
@@ -223,8 +217,8 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 impl Holding {
     /// The forces on a machine whose augmented state is `z` at q = 0.
     fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &[[f64; 2]]) -> Self {
-        let mut force = &system.forces * z;
-        let mut sizes = system.forces.abs() * z.abs();
+        let mut force = system.forces.times(z);
+        let mut sizes = system.forces.sizes(z);
         let mut contacts = Vec::new();
         let is_stop = |i: &usize| !system.is_corner(*i) && !system.stops[*i].is_off(z);
         for stop in (0..system.stops.len()).filter(is_stop).map(|i| &system.stops[i]) {
@@ -291,7 +285,8 @@ impl Holding {
     /// The equilibrium by proximal steps: each minimizes the energy plus a weight times the squared
     /// distance from the last point in the inertia's metric; the first point is `from`. `Err` is
     /// the residual force.
-    fn settle(&self, mass: &DMatrix<f64>, from: &DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
+    fn settle(&self, mass: &RowMatrix, from: &DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
+        let pattern = self.pattern(mass);
         let (mut weight, mut least) = self.weights(mass);
         let zero = DoubleDouble::default();
         let mut place = RestState {
@@ -302,7 +297,7 @@ impl Holding {
         let is_balanced = |left: &[DoubleDouble], rounding: &DVector<f64>| {
             left.iter().zip(rounding.iter()).all(|(left, rounding)| left.value().abs() <= *rounding)
         };
-        let mut weighted = self.weighted(weight, mass);
+        let mut weighted = self.weighted(weight, mass, &pattern);
         for _ in 0..STEPS {
             let Some(by_q) = weighted.as_ref().and_then(|w| self.step(w, &left, &mut place)) else { break };
             let size = amax(&place.q);
@@ -317,7 +312,7 @@ impl Holding {
             }
             if weight > least {
                 let next = (FALL * weight).max(least);
-                match self.weighted(next, mass) {
+                match self.weighted(next, mass, &pattern) {
                     Some(of_next) => (weight, weighted) = (next, Some(of_next)),
                     None => least = weight,
                 }
@@ -330,7 +325,7 @@ impl Holding {
     /// First and last proximal weight: the largest stiffness per inertia, and a weight far below
     /// the least stiffness per largest inertia, so that heavy coordinates converge as fast as light
     /// ones.
-    fn weights(&self, mass: &DMatrix<f64>) -> (f64, f64) {
+    fn weights(&self, mass: &RowMatrix) -> (f64, f64) {
         let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
         let all = springs.chain(yielding.map(|c| (&c.w, 1.0 / c.compliance)));
@@ -364,29 +359,6 @@ impl Holding {
             bear(&contact.w, force, stiffness);
         }
         (left, rounding)
-    }
-
-    /// The stiffness with a proximal weight, factored; `None` where it is not positive.
-    fn weighted(&self, weight: f64, mass: &DMatrix<f64>) -> Option<Weighted> {
-        let (n, m) = (self.force.len(), self.contacts.len());
-        let wide = DoubleDouble::new;
-        let mut stiffness = mass.map(|inertia| wide(inertia).times(wide(weight)));
-        for RestSpring { w, stiffness: k, .. } in &self.springs {
-            for &(i, a) in w {
-                let row = wide(a).times(wide(*k));
-                w.iter().for_each(|&(j, b)| stiffness[(i, j)] = stiffness[(i, j)] + row.times(wide(b)));
-            }
-        }
-        let factor = Factor::new(stiffness)?;
-        // A compliant contact has a coordinate of its own, whose entry squared is its compliance.
-        let mut columns = DMatrix::zeros(n + m, m);
-        for (k, contact) in self.contacts.iter().enumerate() {
-            let mut w = vec![DoubleDouble::default(); n];
-            contact.w.iter().for_each(|&(i, a)| w[i] = wide(a));
-            columns.view_mut((0, k), (n, 1)).copy_from_slice(&factor.half(w));
-            columns[(n + k, k)] = contact.compliance.sqrt();
-        }
-        Some(Weighted { factor, columns })
     }
 
     /// Moves `place` by the δ that minimizes ½ δᵀHδ - leftᵀδ plus the contacts' energies, with H

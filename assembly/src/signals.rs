@@ -221,6 +221,24 @@ impl Signals {
         rate
     }
 
+    /// [`rates`](Self::rates), by the derivative of each coordinate.
+    fn rates_of_units(&self) -> Vec<Sparse> {
+        let mut rates = vec![Vec::new(); self.size - self.one];
+        let mut put = |of: usize, place: usize, x: f64| rates[of - self.one].push((place, x));
+        for (f, frequency) in self.frequencies.iter().enumerate() {
+            let (omega, cosine) = (TAU * frequency, self.one + 1 + 2 * f);
+            put(cosine + 1, cosine, omega);
+            put(cosine, cosine + 1, -omega);
+        }
+        for piece in &self.pieces {
+            (1..piece.count).for_each(|k| put(piece.first + k - 1, piece.first + k, 1.0));
+        }
+        for sweep in &self.sweeps {
+            sweep.places().skip(1).for_each(|k| put(k - 1, k, sweep.scale));
+        }
+        rates.into_iter().map(Sparse::summed).collect()
+    }
+
     /// The rows of the signals' coordinates in z' = A z.
     pub(crate) fn rates(&self) -> &[Sparse] {
         &self.rates

@@ -3,14 +3,18 @@
 //! (docs/assembly-law.md (A1) to (A4)).
 
 mod blocks;
+mod bodies;
 mod first_order;
 mod freewheels;
+mod functional;
 mod further;
 mod gyroscopic;
+mod inertia;
 mod levels;
 mod losses;
 mod parts;
 mod reduction;
+mod row_matrix;
 mod rows;
 mod split;
 mod stiff;
@@ -22,11 +26,14 @@ pub use blocks::{
 };
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};
+pub use functional::Functional;
 pub use gyroscopic::Gyroscopic;
+pub use inertia::Inertia;
 pub use levels::StopLevel;
 pub use losses::{Account, Losses, Power};
 pub use parts::Part;
-pub use rows::{BodyRows, Elongation, FrictionRows, Functional, LevelRows, SpringRows, StateRow, StopRows};
+pub use row_matrix::RowMatrix;
+pub use rows::{BodyRows, Elongation, FrictionRows, LevelRows, SpringRows, StateRow, StopRows};
 pub use split::{Split, Term};
 
 use crate::description::{Arms, BodyKind, Description, Spring, StopLaw};
@@ -36,8 +43,10 @@ use crate::flow::DENSE;
 use crate::polyline::Polyline;
 use crate::signals::{Builder, Layout, Signals};
 use crate::stepped;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use reduction::{Reduction, reduce};
+use bodies::bodies;
+use nalgebra::DVector;
+use reduction::reduce;
+use row_matrix::RowSums;
 use std::sync::OnceLock;
 
 /// The matrices of a machine, constant during a motion.
@@ -50,17 +59,17 @@ pub struct System {
     /// Signals, which follow q, v and the states of first order in the augmented state.
     pub signals: Signals,
     /// Cholesky factor L of the inertia matrix.
-    pub inertia: Cholesky<f64, Dyn>,
+    pub inertia: Inertia,
     /// The inertia matrix M.
-    pub mass: DMatrix<f64>,
+    pub mass: RowMatrix,
     /// Whether the inertia matrix is diagonal: no link couples the coordinates.
     pub(crate) is_diagonal: bool,
     /// Forces on the coordinates that act in every mode, without sliders: M a = forces · z + …
-    pub forces: DMatrix<f64>,
+    pub forces: RowMatrix,
     /// Indices of the stiff springs, whose forces are evaluated separately.
     pub(crate) stiff_springs: Vec<usize>,
     /// `forces` without those of stiff springs; `None` without such springs.
-    soft: Option<DMatrix<f64>>,
+    soft: Option<RowMatrix>,
     /// Bodies.
     pub bodies: Vec<BodyRows>,
     /// The parts of each element, by its index in [`Description::elements`].
@@ -93,7 +102,7 @@ pub struct System {
     /// The outputs of sampled blocks, each after those that it depends on at the same instant.
     pub(crate) output_order: Vec<(usize, usize)>,
     /// By load: its force, of one that follows an output with limits where it is within them.
-    pub loads: Vec<StateRow>,
+    pub loads: Vec<Functional>,
     /// By load: the limits of the output that it follows, with factors.
     pub(crate) load_limits: Vec<Vec<(usize, f64)>>,
     /// By load: its body.
@@ -105,7 +114,7 @@ pub struct System {
     pub has_motions: bool,
     /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
     /// is zero.
-    carried: Option<DMatrix<f64>>,
+    carried: Option<RowMatrix>,
     /// By body: inertia; 0 for prescribed bodies.
     pub inertias: Vec<f64>,
     /// By body: inertia times the component of gravity along s.
@@ -154,26 +163,24 @@ impl System {
                 if let BodyKind::Free(free) = b.kind { free.inertia * free.gravity * d.gravity } else { 0.0 }
             })
             .collect();
-        let mut mass = DMatrix::zeros(n, n);
+        let mut mass = RowSums::zeros(n, n);
+        let mut carried = RowSums::zeros(n, signals.size);
         for (body, &inertia) in bodies.iter().zip(&inertias) {
-            mass.ger(inertia, &body.weights, &body.weights, 1.0);
+            mass.add_outer(inertia, &body.weights, &body.weights);
+            let prescribed = body.v.terms().iter().copied().filter(|term| term.0 >= signals.one);
+            carried.add_outer(inertia, &body.weights, &Functional::from_terms(signals.size, prescribed));
         }
-        let mut carried = DMatrix::zeros(n, signals.size);
-        for (body, &inertia) in bodies.iter().zip(&inertias) {
-            let mut prescribed = body.v.transpose();
-            prescribed.columns_mut(0, signals.one).fill(0.0);
-            carried += inertia * &body.weights * prescribed;
-        }
-        let Some(inertia) = Cholesky::new(mass.clone()) else { return Err(Error::Inertia) };
+        let (mass, carried) = (mass.finish(), carried.finish());
+        let Some(inertia) = Inertia::new(&mass) else { return Err(Error::Inertia) };
         let mut system = Self {
             coordinates: n,
             bodies_of: reduction.kept,
-            forces: DMatrix::zeros(n, signals.size),
+            forces: RowSums::zeros(n, signals.size).finish(),
             stiff_springs: Vec::new(),
             soft: None,
             signals,
             inertia,
-            is_diagonal: mass == DMatrix::from_diagonal(&mass.diagonal()),
+            is_diagonal: mass.is_diagonal(),
             mass,
             bodies,
             parts: Vec::new(),
@@ -187,7 +194,7 @@ impl System {
             branches: Vec::new(),
             gyroscopic: Gyroscopic::of(d),
             first_order: Vec::new(),
-            sources: sources.iter().map(|&i| rows[i].clone()).collect(),
+            sources: sources.iter().map(|&i| (*rows[i]).clone()).collect(),
             blocks: Vec::new(),
             output_order: Vec::new(),
             loads: loads.iter().map(|&i| rows[i].clone()).collect(),
@@ -196,7 +203,7 @@ impl System {
             split: OnceLock::new(),
             losses: OnceLock::new(),
             has_motions: motions.iter().any(Option::is_some),
-            carried: (carried.amax() > 0.0).then_some(carried),
+            carried: (!carried.is_zero()).then_some(carried),
             inertias,
             weights,
         };
@@ -228,32 +235,32 @@ impl System {
     /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
     /// (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
-        self.carried.as_ref().map(|carried| carried * z)
+        self.carried.as_ref().map(|carried| carried.times(z))
     }
 
     /// The row of a constant.
-    pub(crate) fn constant(&self, value: f64) -> StateRow {
-        let mut row = StateRow::zeros(self.signals.size);
-        row[self.signals.one] = value;
-        row
+    pub(crate) fn constant(&self, value: f64) -> Functional {
+        Functional::unit(self.signals.size, self.signals.one, value)
     }
 
     fn elongation(&self, arms: &Arms) -> Elongation {
-        let [mut e, mut rate, mut drift] = [(); 3].map(|()| StateRow::zeros(self.signals.size));
-        let mut w = DVector::zeros(self.coordinates);
-        for &(body, arm) in &arms.terms {
-            let rows = &self.bodies[body];
-            e.axpy(arm, &rows.s, 1.0);
-            rate.axpy(arm, &rows.v, 1.0);
-            w.axpy(arm, &rows.weights, 1.0);
-            drift.axpy(arm, &rows.drift, 1.0);
-        }
-        let mut column = w.clone();
-        self.inertia.l_dirty().solve_lower_triangular_mut(&mut column);
-        let mobility = self.inertia.solve(&w);
-        let acts = |k: &usize| [&w, &column, &mobility].iter().any(|own| own[*k] != 0.0);
-        let reach = (0..self.coordinates).filter(acts).collect();
-        let [e, rate] = [e, rate].map(Functional::of);
+        let sum = |length: usize, of: for<'b> fn(&'b BodyRows) -> &'b Functional| {
+            Functional::sum(length, arms.terms.iter().map(|&(body, arm)| (arm, of(&self.bodies[body]))))
+        };
+        let size = self.signals.size;
+        let (e, rate, drift) =
+            (sum(size, |own| &own.s), sum(size, |own| &own.v), sum(size, |own| &own.drift));
+        let w = sum(self.coordinates, |own| &own.weights);
+        self.reaching(e, rate, drift, w)
+    }
+
+    /// The elongation with these rows.
+    fn reaching(&self, e: Functional, rate: Functional, drift: Functional, w: Functional) -> Elongation {
+        let [column, mobility] = self.inertia.column_and_mobility(&w);
+        let acts = [&w, &column, &mobility].into_iter().flat_map(|own| own.terms());
+        let mut reach: Vec<usize> = acts.map(|term| term.0).collect();
+        reach.sort_unstable();
+        reach.dedup();
         Elongation { e, rate, w, drift, column, mobility, reach }
     }
 
@@ -263,7 +270,7 @@ impl System {
         &mut self,
         d: &Description,
         levels: &[(usize, Option<usize>)],
-        (rows, counters): (&[StateRow], &[StateRow]),
+        (rows, counters): (&[Functional], &[Functional]),
     ) {
         self.parts = vec![Vec::new(); d.elements().count()];
         for (i, element) in d.elements().enumerate() {
@@ -316,21 +323,22 @@ impl System {
 
     fn add_spring(&mut self, arms: &Arms, stiffness: f64, damping: f64, preload: f64) -> Vec<Part> {
         let elongation = self.elongation(arms);
-        let force = self.constant(preload) + stiffness * &*elongation.e + damping * &*elongation.rate;
+        let terms = [(1.0, &self.constant(preload)), (stiffness, &elongation.e), (damping, &elongation.rate)];
+        let force = Functional::sum(self.signals.size, terms);
         self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
         vec![Part::Spring(self.springs.len() - 1)]
     }
 
     fn add_stop(&mut self, arms: &Arms, gap: f64, law: StopLaw) -> Vec<Part> {
         let elongation = self.elongation(arms);
-        let excess = &*elongation.e - self.constant(gap);
+        let size = self.signals.size;
+        let excess = Functional::sum(size, [(1.0, &elongation.e), (-1.0, &self.constant(gap))]);
         let (stiffness, damping) = match law {
             StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
             StopLaw::Rigid { .. } => (0.0, 0.0),
         };
-        let spring = stiffness * &excess;
-        let force = &spring + damping * &*elongation.rate;
-        let [excess, force, spring] = [excess, force, spring].map(Functional::of);
+        let spring = Functional::sum(size, [(stiffness, &excess)]);
+        let force = Functional::sum(size, [(1.0, &spring), (damping, &elongation.rate)]);
         self.stops.push(StopRows {
             elongation,
             excess,
@@ -346,8 +354,13 @@ impl System {
         vec![Part::Stop(self.stops.len() - 1)]
     }
 
-    fn add_friction(&mut self, arms: &Arms, level: &StateRow, static_level: Option<&StateRow>) -> Vec<Part> {
-        let largest = Functional::of(static_level.unwrap_or(level).clone());
+    fn add_friction(
+        &mut self,
+        arms: &Arms,
+        level: &Functional,
+        static_level: Option<&Functional>,
+    ) -> Vec<Part> {
+        let largest = static_level.unwrap_or(level).clone();
         self.frictions.push(FrictionRows {
             elongation: self.elongation(arms),
             levels: vec![LevelRows { level: level.clone(), static_level: largest }],
@@ -359,7 +372,7 @@ impl System {
     }
 
     /// The forces that always act, without those of stiff springs.
-    pub(crate) fn soft_forces(&self) -> &DMatrix<f64> {
+    pub(crate) fn soft_forces(&self) -> &RowMatrix {
         self.soft.as_ref().unwrap_or(&self.forces)
     }
 
@@ -374,62 +387,27 @@ impl System {
 
     /// Weight, loads, springs except `left_out`, springs in series with dashpots, and inertia forces
     /// of prescribed bodies through links.
-    fn forces_without(&self, left_out: &[usize]) -> DMatrix<f64> {
-        let mut forces = DMatrix::zeros(self.coordinates, self.signals.size);
+    fn forces_without(&self, left_out: &[usize]) -> RowMatrix {
+        let mut forces = RowSums::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {
             if inertia > 0.0 {
-                forces.ger(1.0, &body.weights, &self.constant(weight), 1.0);
-                forces.ger(-inertia, &body.weights, &body.drift, 1.0);
+                forces.add_outer(1.0, &body.weights, &self.constant(weight));
+                forces.add_outer(-inertia, &body.weights, &body.drift);
             }
         }
         for (&body, row) in self.load_bodies.iter().zip(&self.loads) {
-            forces.ger(1.0, &self.bodies[body].weights, row, 1.0);
+            forces.add_outer(1.0, &self.bodies[body].weights, row);
         }
         for (_, spring) in self.springs.iter().enumerate().filter(|(i, _)| left_out.binary_search(i).is_err())
         {
-            forces.ger(-1.0, &spring.elongation.w, &spring.force, 1.0);
+            forces.add_outer(-1.0, &spring.elongation.w, &spring.force);
         }
         for (body, force) in self.gyroscopic_forces() {
-            forces.ger(-1.0, &self.bodies[body].weights, &force, 1.0);
+            forces.add_outer(-1.0, &self.bodies[body].weights, &Functional::of(force));
         }
         for branch in self.branches.iter().filter(|branch| !branch.is_slider()) {
-            forces.ger(-1.0, &branch.elongation.w, &branch.force, 1.0);
+            forces.add_outer(-1.0, &branch.elongation.w, &branch.force);
         }
-        forces
+        forces.finish()
     }
-}
-
-/// The rows of all bodies.
-fn bodies(
-    d: &Description,
-    reduction: &Reduction,
-    signals: &Signals,
-    motions: &[Option<usize>],
-    rows: &[StateRow],
-) -> Vec<BodyRows> {
-    let n = reduction.kept.len();
-    let prescribed = |i: usize, order: usize| {
-        let mut sum = StateRow::zeros(signals.size);
-        for (j, motion) in motions.iter().enumerate() {
-            let weight = reduction.prescribed[i][j];
-            if let Some(motion) = motion.filter(|_| weight != 0.0) {
-                let mut row = rows[motion].clone();
-                for _ in 0..order {
-                    row = signals.derivative(&row);
-                }
-                sum.axpy(weight, &row, 1.0);
-            }
-        }
-        sum
-    };
-    (0..d.bodies.len())
-        .map(|i| {
-            let (mut s, mut v) = (prescribed(i, 0), prescribed(i, 1));
-            for k in 0..n {
-                s[k] += reduction.q[i][k];
-                v[n + k] += reduction.q[i][k];
-            }
-            BodyRows { s, v, weights: reduction.q[i].clone(), drift: prescribed(i, 2) }
-        })
-        .collect()
 }

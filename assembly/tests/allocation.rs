@@ -7,7 +7,7 @@ mod common;
 #[path = "../../tests/common/allocations.rs"]
 mod allocations;
 
-use allocations::COUNT;
+use allocations::{BYTES, COUNT};
 use common::*;
 use vibro_assembly::description::*;
 use vibro_assembly::motion::EventKind;
@@ -80,4 +80,30 @@ fn a_motion_in_steady_operation_takes_no_memory() {
             |kind| matches!(kind, EventKind::Slip { .. }),
         ],
     );
+}
+
+/// Bytes that a machine and its motion take for each of many oscillators, which nothing couples or
+/// each of which hangs on the one before.
+fn bytes_of_each(count: usize, is_chain: bool) -> usize {
+    let mut d = Description::default();
+    for i in 0..count {
+        d.bodies.push(body(&format!("b{i}"), 1.0, 0.0, 1.0));
+        let hung = is_chain.then(|| i.checked_sub(1)).flatten().map(|before| (before, -1.0));
+        let terms: Vec<(usize, f64)> = hung.into_iter().chain([(i, 1.0)]).collect();
+        d.springs.push(spring(&terms, 100.0 + i as f64, 0.1));
+    }
+    let before = BYTES.get();
+    let mut motion = motion(d);
+    motion.advance_to(1e-2).unwrap();
+    (0..count).for_each(|i| assert!(motion.body(i)[1].is_finite()));
+    (BYTES.get() - before) / count
+}
+
+#[test]
+fn invariant_each_of_many_oscillators_takes_the_same_memory() {
+    for is_chain in [false, true] {
+        let [few, many] = [100, 800].map(|count| bytes_of_each(count, is_chain));
+        // Lists of all entries would take eight times as much, ordered lists the logarithm's ratio.
+        assert!(many < 2 * few, "{few} {many}");
+    }
 }

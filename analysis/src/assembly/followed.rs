@@ -103,6 +103,7 @@ impl Followed {
         let mut events: Vec<Event> = Vec::new();
         let rest = motion.advance_observed(end, &mut |event| {
             tell(event);
+            met(event.time);
             events.push(event.clone());
         });
         if is_left {

@@ -19,6 +19,7 @@ mod followed;
 mod growth;
 mod measures;
 mod monodromy;
+pub mod natural;
 mod oscillations;
 mod plane;
 mod poincare;

@@ -1,6 +1,6 @@
 //! Own oscillations of a machine without contacts.
 
-use nalgebra::DMatrix;
+use super::natural::natural_above;
 use std::f64::consts::TAU;
 use vibro_assembly::mode::{FrictionState, Mode};
 use vibro_assembly::system::{StopRows, System};
@@ -18,7 +18,8 @@ pub(super) fn oscillations(system: &System) -> Vec<f64> {
     if size == 0 {
         return Vec::new();
     }
-    let values = DMatrix::from_fn(size, size, |i, j| linear.a.entry(i, j)).complex_eigenvalues();
+    let places: Vec<usize> = (0..size).collect();
+    let values = natural_above(system, &linear, &places, usize::MAX).values;
     let fastest = values.iter().map(|c| c.norm()).fold(0.0, f64::max);
     let turning = values.iter().map(|c| c.im).filter(|im| *im > ROUNDING * fastest);
     turning.map(|im| im / TAU).collect()

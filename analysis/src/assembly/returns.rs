@@ -52,7 +52,7 @@ impl Functionals {
     pub fn of(d: &Description, system: &System, section: &Section) -> Self {
         let (mut all, mut kinds, mut stiff) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |row: &StateRow, kind: usize, stiffness: Option<(&Elongation, f64)>| {
-            let frequency = |(e, k): (&Elongation, f64)| (k * e.w.dot(&e.mobility)).max(0.0).sqrt();
+            let frequency = |(e, k): (&Elongation, f64)| (k * e.w.along(&e.mobility)).max(0.0).sqrt();
             stiff.push(stiffness.map(|own| (all.len() - 1, frequency(own))));
             all.push(row.clone());
             kinds.push(kind);

@@ -8,6 +8,7 @@ use vibro_assembly::What;
 use vibro_impact::{Parameters, Simulator, State};
 
 mod measured;
+mod natural;
 mod starts;
 pub(super) mod verdicts;
 

@@ -11,7 +11,7 @@ use crate::flow::RADIUS;
 use crate::kernel::{EIGHT, NODES, SHORT};
 use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::{Part, StateRow};
+use crate::system::{Functional, Part, StateRow};
 use nalgebra::DVector;
 use pulp::{Arch, Simd, WithSimd};
 use std::collections::HashMap;
@@ -252,11 +252,14 @@ impl<'a> Adjoint<'a> {
             }
             Part::Stop(i) => match mode.mode.stops[i] {
                 StopState::Closed => (Contact::Stop(i), held(Contact::Stop(i))),
-                state => (Contact::Stop(i), system.stop_force(i, state)),
+                state => (Contact::Stop(i), system.stop_force(i, state).map(Functional::into_row)),
             },
             Part::Friction(i) => match mode.mode.frictions[i] {
                 FrictionState::Stuck => (Contact::Friction(i), held(Contact::Friction(i))),
-                state => (Contact::Friction(i), system.friction_force(i, state, &mode.mode.stops)),
+                state => {
+                    let force = system.friction_force(i, state, &mode.mode.stops);
+                    (Contact::Friction(i), force.map(Functional::into_row))
+                }
             },
         };
         let Some(row) = row else { return };

@@ -16,7 +16,7 @@ impl Tangent {
         for (rows, ((spring, series), (by, change))) in system.branches.iter().zip(springs) {
             let own = self.elongation(system, &spring.arms, &by.arms);
             let e = &rows.elongation;
-            let force = by.stiffness * rows.stretch() + rows.stiffness * &own.e;
+            let force = by.stiffness * &*rows.stretch() + rows.stiffness * &own.e;
             let mut level = StateRow::zeros(system.signals.size);
             let rate = match (series.law, change.law) {
                 (SeriesLaw::Dashpot { damping }, SeriesLaw::Dashpot { damping: dc }) => {
@@ -99,7 +99,7 @@ impl Weights {
     pub(super) fn add_sliders(&mut self, system: &System, mode: &Mode, by_forces: &DMatrix<f64>) {
         for i in system.sliders() {
             let state = mode.sliders[i];
-            self.branches[i].elongation.w -= by_forces * system.branch_force(i, state);
+            self.branches[i].elongation.w -= by_forces * &*system.branch_force(i, state);
             let row = by_forces.tr_mul(&system.branches[i].elongation.w);
             self.add_branch_force(i, state, -1.0, &row);
         }

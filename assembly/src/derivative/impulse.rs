@@ -162,7 +162,7 @@ impl Impulse {
     pub(super) fn kick_size(&self, system: &System, tangent: &Tangent) -> f64 {
         let one = |(k, p): (usize, &f64)| {
             let mobility = &system.stops[self.stops[k]].elongation.mobility;
-            let kick = &tangent.stops[self.stops[k]].elongation.w - &tangent.mass * mobility;
+            let kick = &tangent.stops[self.stops[k]].elongation.w - &tangent.mass * &**mobility;
             p.abs() * system.inertia.solve(&kick).amax()
         };
         self.impulses.iter().enumerate().map(one).sum()

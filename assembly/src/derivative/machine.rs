@@ -166,7 +166,7 @@ impl Machine {
     /// contacts that are held.
     fn response(&self, mode: &VariedMode, e: &Elongation) -> DVector<f64> {
         let basis = &mode.mode.basis;
-        let mut response = e.mobility.clone();
+        let mut response = (*e.mobility).clone();
         if !basis.is_empty() {
             let off = basis.iter().map(|&contact| self.system.elongation_of(contact).w.dot(&response));
             let mut off: Vec<f64> = off.collect();

@@ -28,7 +28,7 @@ pub(super) fn equilibrium(
 ) -> Result<(), Lost> {
     let (system, tangent, mode) = (&machine.system, &machine.tangents[p], &at.mode.mode);
     let n = system.coordinates;
-    let mut forces = system.forces.clone();
+    let mut forces = (*system.forces).clone();
     for (i, &state) in mode.stops.iter().enumerate() {
         if let Some(force) = system.stop_force(i, state) {
             forces.ger(-1.0, &system.stops[i].elongation.w, &force, 1.0);
@@ -63,7 +63,7 @@ pub(super) fn equilibrium(
     known.rows_mut(0, n).copy_from(&root.solve_lower_triangular(&right).unwrap_or_else(|| DVector::zeros(n)));
     for (place, &(_, contact)) in held.iter().enumerate() {
         let (own, by) = machine.contact(contact, p);
-        let column = &own.column;
+        let column = &*own.column;
         let norm = column.norm().max(f64::MIN_POSITIVE);
         matrix.view_mut((0, n + place), (n, 1)).copy_from(&(column * (scale / norm)));
         matrix.view_mut((n + place, 0), (1, n)).copy_from(&(column.transpose() * (scale / norm)));

@@ -10,7 +10,7 @@ use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, StateRow, System};
+use crate::system::{Elongation, Functional, StateRow, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The derivative of a [`System`] by one parameter.
@@ -136,9 +136,9 @@ impl Tangent {
             self.mass.ger(dm, &rows.weights, &rows.weights, 1.0);
             self.mass.ger(m, &by.weights, &rows.weights, 1.0);
             self.mass.ger(m, &rows.weights, &by.weights, 1.0);
-            let mut force = -m * &rows.drift;
+            let mut force = -m * &*rows.drift;
             force[one] += system.weights[i];
-            let mut dforce = -m * &by.drift - dm * &rows.drift;
+            let mut dforce = -m * &by.drift - dm * &*rows.drift;
             dforce[one] += dm * free.gravity * d.gravity
                 + m * (change.gravity * d.gravity + free.gravity * along.gravity);
             self.forces.ger(1.0, &by.weights, &force, 1.0);
@@ -306,7 +306,7 @@ impl Tangent {
         let largest = own.static_coefficient.unwrap_or(own.coefficient);
         let by_largest = by.static_coefficient.unwrap_or(by.coefficient);
         let of_state = |&(stop, state): &(usize, StopState)| {
-            let (force, varied) = (system.stop_force(stop, state)?, self.stop_force(stop, state)?);
+            let (force, varied) = (system.stop_force(stop, state)?.into_row(), self.stop_force(stop, state)?);
             Some(LevelTangent {
                 level: by.coefficient * &force + own.coefficient * &varied,
                 static_level: by_largest * &force + largest * &varied,
@@ -322,10 +322,10 @@ impl Tangent {
         let mut w = DVector::zeros(system.coordinates);
         for (&(body, arm), &(_, by)) in arms.terms.iter().zip(&along.terms) {
             let (rows, own) = (&system.bodies[body], &self.bodies[body]);
-            e += arm * &own.s + by * &rows.s;
-            rate += arm * &own.v + by * &rows.v;
-            drift += arm * &own.drift + by * &rows.drift;
-            w += arm * &own.weights + by * &rows.weights;
+            e += arm * &own.s + by * &*rows.s;
+            rate += arm * &own.v + by * &*rows.v;
+            drift += arm * &own.drift + by * &*rows.drift;
+            w += arm * &own.weights + by * &*rows.weights;
         }
         ElongationTangent { e, rate, w, drift }
     }
@@ -359,7 +359,7 @@ impl Tangent {
     /// The derivative of the forces on the coordinates in a mode, without those of held contacts.
     pub fn forces_in(&self, system: &System, mode: &Mode) -> DMatrix<f64> {
         let mut forces = self.forces.clone();
-        let mut put = |e: &Elongation, by: &ElongationTangent, force: StateRow, dforce: StateRow| {
+        let mut put = |e: &Elongation, by: &ElongationTangent, force: Functional, dforce: StateRow| {
             forces.ger(-1.0, &by.w, &force, 1.0);
             forces.ger(-1.0, &e.w, &dforce, 1.0);
         };
@@ -378,7 +378,7 @@ impl Tangent {
         }
         for i in system.sliders() {
             let (state, e) = (mode.sliders[i], &system.branches[i].elongation);
-            let [force, by] = [system.branch_force(i, state), self.branch_force(i, state)];
+            let (force, by) = (system.branch_force(i, state), self.branch_force(i, state));
             put(e, &self.branches[i].elongation, force, by);
         }
         forces

@@ -5,7 +5,7 @@ use super::rows::ElongationTangent;
 use super::tangent::Tangent;
 use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::{Part, StateRow, System};
+use crate::system::{Functional, Part, StateRow, System};
 use nalgebra::DVector;
 
 /// A state in a mode with its derivative by parameter `p`.
@@ -111,12 +111,14 @@ impl Point<'_> {
             }
             Part::Stop(i) => match mode.stops[i] {
                 StopState::Closed => self.held(Contact::Stop(i)),
-                state => both(system.stop_force(i, state), tangent.stop_force(i, state)),
+                state => {
+                    both(system.stop_force(i, state).map(Functional::into_row), tangent.stop_force(i, state))
+                }
             },
             Part::Friction(i) => match mode.frictions[i] {
                 FrictionState::Stuck => self.held(Contact::Friction(i)),
                 state => both(
-                    system.friction_force(i, state, &mode.stops),
+                    system.friction_force(i, state, &mode.stops).map(Functional::into_row),
                     tangent.friction_force(system, i, state, &mode.stops),
                 ),
             },

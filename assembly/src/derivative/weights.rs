@@ -262,7 +262,7 @@ impl Weights {
         self.mass -= &by_forces * acceleration.transpose();
         for (i, &state) in mode.mode.stops.iter().enumerate() {
             if let Some(force) = system.stop_force(i, state) {
-                self.stops[i].elongation.w -= &by_forces * force;
+                self.stops[i].elongation.w -= &by_forces * &*force;
                 let row = by_forces.tr_mul(&system.stops[i].elongation.w);
                 self.add_stop_force(i, state, -1.0, &row);
             }
@@ -270,7 +270,7 @@ impl Weights {
         for (i, &state) in mode.mode.frictions.iter().enumerate() {
             let levels = system.frictions[i].place(&mode.mode.stops);
             if let Some(force) = system.friction_force(i, state, &mode.mode.stops) {
-                self.frictions[i].elongation.w -= &by_forces * force;
+                self.frictions[i].elongation.w -= &by_forces * &*force;
                 let row = by_forces.tr_mul(&system.frictions[i].elongation.w);
                 self.add_friction_force((i, levels), state, -1.0, &row);
             }

@@ -6,7 +6,7 @@ use super::nodes::NodeStates;
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
 use crate::kernel::{AtNodes, EIGHT, NODES, SHORT, Sparse, SparseColumns};
 use crate::mode::Mode;
-use crate::system::{Account, Losses, Power, StateRow, System};
+use crate::system::{Account, Functional, Losses, Power, System};
 use std::sync::Arc;
 
 /// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3
@@ -197,11 +197,10 @@ impl Powers {
     /// Adds the powers of prescribed bodies (docs/assembly-law.md (A21)).
     fn add_motions(&mut self, system: &System, mode: &Mode, table: &FlowTable) {
         let n = system.coordinates;
-        let mut add = |factor: f64, force: &StateRow, rate: &StateRow| {
-            let mut prescribed = rate.clone();
-            prescribed.rows_mut(n, n).fill(0.0);
-            let rows = [force, &prescribed].map(|row| Sparse::of(row.as_slice()));
-            self.add(Account::Motions, factor, rows);
+        let mut add = |factor: f64, force: &Functional, rate: &Functional| {
+            let prescribed = rate.terms().iter().copied().filter(|term| !(n..2 * n).contains(&term.0));
+            let force = AsRef::<Sparse>::as_ref(force).clone();
+            self.add(Account::Motions, factor, [force, Sparse::from_terms(prescribed)]);
         };
         for (row, &body) in system.loads.iter().zip(&system.load_bodies) {
             add(-1.0, row, &system.bodies[body].v);
@@ -210,7 +209,7 @@ impl Powers {
             add(1.0, &spring.force, &spring.elongation.rate);
         }
         for (body, force) in system.gyroscopic_forces() {
-            add(1.0, &force, &system.bodies[body].v);
+            add(1.0, &Functional::of(force), &system.bodies[body].v);
         }
         for (i, branch) in system.branches.iter().enumerate() {
             add(1.0, &system.branch_force(i, mode.sliders[i]), &branch.elongation.rate);
@@ -226,16 +225,20 @@ impl Powers {
             }
         }
         for (&contact, force) in mode.basis.iter().zip(&table.lambda) {
-            let force = StateRow::from_vec(force.dense(system.signals.size));
+            let force = Functional::from_terms(system.signals.size, force.terms().iter().copied());
             add(1.0, &force, &system.elongation_of(contact).rate);
         }
         // Links transmit the inertia and weight of free bodies to prescribed ones.
         for (i, body) in system.bodies.iter().enumerate().filter(|(i, _)| system.inertias[*i] > 0.0) {
-            let mut force = system.inertias[i] * &body.drift;
-            for (k, weight) in body.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                force.axpy(system.inertias[i] * weight, &table.a.row_of(n + k), 1.0);
-            }
-            force[system.signals.one] -= system.weights[i];
+            let size = system.signals.size;
+            let row = |&(k, weight): &(usize, f64)| {
+                let row = Functional::from_terms(size, table.a.row(n + k).iter().copied());
+                (system.inertias[i] * weight, row)
+            };
+            let rows: Vec<(f64, Functional)> = body.weights.terms().iter().map(row).collect();
+            let drift = std::iter::once((system.inertias[i], &body.drift));
+            let (rows, weight) = (rows.iter().map(|own| (own.0, &own.1)), system.constant(system.weights[i]));
+            let force = Functional::sum(size, drift.chain(rows).chain([(-1.0, &weight)]));
             add(1.0, &force, &body.v);
         }
     }

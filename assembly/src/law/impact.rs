@@ -128,7 +128,7 @@ impl Instant<'_> {
     /// The speed of a stop that counts as zero beside the largest closing speed of the instant.
     fn zero(&self, stop: usize, largest: f64, impacts: &Impacts) -> f64 {
         let e = &self.system.stops[stop].elongation;
-        let shares: f64 = e.w.iter().zip(&impacts.shares).map(|(w, share)| w.abs() * share).sum();
+        let shares: f64 = e.w.size(&impacts.shares);
         (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
     }
 

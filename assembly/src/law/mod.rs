@@ -74,7 +74,7 @@ impl Sizes {
     /// zero.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
-        let compliance = e.w.dot(&e.mobility);
+        let compliance = e.w.along(&e.mobility);
         for &k in &e.reach {
             // A coordinate's own term is no larger than itself.
             let others = all - e.w[k].abs() * self.0[first + k];

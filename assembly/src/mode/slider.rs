@@ -2,7 +2,7 @@
 
 use super::Watch;
 use crate::description::SeriesLaw;
-use crate::system::{StateRow, System};
+use crate::system::{Functional, System};
 use serde::{Deserialize, Serialize};
 
 /// The state of a branch: a spring in series with its partner.
@@ -39,7 +39,7 @@ impl System {
     }
 
     /// The level of a branch with a slider, as a row.
-    pub(crate) fn slip_level(&self, i: usize) -> Option<StateRow> {
+    pub(crate) fn slip_level(&self, i: usize) -> Option<Functional> {
         match self.branches[i].law {
             SeriesLaw::Slider { slip } => Some(self.constant(slip)),
             SeriesLaw::Dashpot { .. } => None,
@@ -47,14 +47,14 @@ impl System {
     }
 
     /// Functionals that are watched for a branch in a state.
-    pub(crate) fn watched_of_slider(&self, i: usize, state: SliderState) -> Vec<(Watch, StateRow)> {
+    pub(crate) fn watched_of_slider(&self, i: usize, state: SliderState) -> Vec<(Watch, Functional)> {
         let (branch, Some(level)) = (&self.branches[i], self.slip_level(i)) else { return Vec::new() };
         match state {
             SliderState::Held => vec![
-                (Watch::Yields(i, true), &*branch.force - &level),
-                (Watch::Yields(i, false), -&*branch.force - level),
+                (Watch::Yields(i, true), &branch.force - &level),
+                (Watch::Yields(i, false), -&(&branch.force + &level)),
             ],
-            state => vec![(Watch::Reverses(i), -state.direction() * &*branch.elongation.rate)],
+            state => vec![(Watch::Reverses(i), -state.direction() * &branch.elongation.rate)],
         }
     }
 }

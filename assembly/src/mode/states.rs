@@ -1,7 +1,7 @@
 //! The states of stops and frictions in a mode.
 
-use crate::system::StateRow;
 use serde::{Deserialize, Serialize};
+use std::ops::{Mul, Neg};
 
 /// The state of a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -28,7 +28,10 @@ pub enum StopState {
 impl StopState {
     /// The force of a compliant stop in this state, from the linear force of spring and dashpot and
     /// the spring's share of it; `None` if it is zero.
-    pub fn force(self, linear: &StateRow, spring: &StateRow) -> Option<StateRow> {
+    pub fn force<R: Clone>(self, linear: &R, spring: &R) -> Option<R>
+    where
+        f64: for<'r> Mul<&'r R, Output = R>,
+    {
         match self {
             Self::Pressed => Some(linear.clone()),
             Self::Capped => Some(2.0 * spring),
@@ -68,7 +71,10 @@ pub enum FrictionState {
 impl FrictionState {
     /// The force of a friction in this state, from its sliding and static levels; `None` if the
     /// state does not determine it.
-    pub fn force(self, level: &StateRow, static_level: &StateRow) -> Option<StateRow> {
+    pub fn force<R: Clone>(self, level: &R, static_level: &R) -> Option<R>
+    where
+        for<'r> &'r R: Neg<Output = R>,
+    {
         match self {
             Self::Up => Some(level.clone()),
             Self::Down => Some(-level),

@@ -200,7 +200,7 @@ impl Motion {
         let couples =
             |other: &Elongation| other.reach.iter().map(|&k| other.w[k] * e.mobility[k]).sum::<f64>() != 0.0;
         let held = hybrid.mode.basis.iter().any(|&contact| couples(system.elongation_of(contact)));
-        let compliance = e.w.dot(&e.mobility);
+        let compliance = e.w.along(&e.mobility);
         let speed = e.rate.at(hybrid.z.as_slice());
         if held || compliance <= 0.0 || speed <= hybrid.sizes.zero_of(&e.rate) {
             return false;
@@ -211,12 +211,12 @@ impl Motion {
         let off = stop.excess.at(before) / compliance;
         let impulse = (1.0 + restitution) * speed / compliance;
         let z = hybrid.z.as_mut_slice();
-        for (k, m) in e.mobility.as_slice().iter().enumerate() {
+        for &(k, m) in e.mobility.terms() {
             z[k] -= off * m;
             z[n + k] -= impulse * m;
         }
         hybrid.sizes.include(z);
-        let prescribed = speed - e.w.as_slice().iter().zip(&before[n..]).map(|(w, v)| w * v).sum::<f64>();
+        let prescribed = speed - e.w.at(&before[n..]);
         if self.is_low_bounce(i, least) || !self.departs_alone(ElementState::Stop(i, StopState::Open), None) {
             self.hybrid.z.copy_from(&self.scratch.start);
             return false;

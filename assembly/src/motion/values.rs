@@ -10,8 +10,9 @@ impl Motion {
     pub fn body(&self, i: usize) -> [f64; 3] {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
-        let weights = rows.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        let acceleration: f64 = weights.map(|(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
+        let weights = rows.weights.terms().iter();
+        let acceleration: f64 =
+            weights.map(|&(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
         [rows.s.dot(z), rows.v.dot(z), acceleration + rows.drift.dot(z)]
     }
 

@@ -1,65 +1,45 @@
 //! Factorization of symmetric matrices in double-doubles, accurate for stiffness ratios beyond the
 //! precision of doubles.
 
-use nalgebra::DMatrix;
+use crate::sparse_factor::{Number, SymmetricSparse};
 use vibro_impact::numerics::double_double::DoubleDouble;
 
-/// Factors L D Lᵀ with a unit lower triangular L, stored below the diagonal D.
-pub(super) struct Factor(DMatrix<DoubleDouble>);
+/// Factors L D Lᵀ of a positive definite matrix.
+pub(super) struct Factor<'p>(SymmetricSparse<'p, DoubleDouble>);
 
-impl Factor {
-    /// The factors of a symmetric matrix, given by its lower triangle; `None` where it is not
-    /// positive definite.
-    pub(super) fn new(mut a: DMatrix<DoubleDouble>) -> Option<Self> {
-        let n = a.nrows();
-        let zero = DoubleDouble::default();
-        for j in 0..n {
-            let pivot = a[(j, j)];
-            if !(pivot.value() > 0.0 && pivot.value().is_finite()) {
-                return None;
-            }
-            let below: Vec<_> = (j + 1..n).map(|i| (i, a[(i, j)])).filter(|(_, x)| *x != zero).collect();
-            let shares: Vec<_> = below.iter().map(|&(i, x)| (i, quotient(x, pivot))).collect();
-            for (from, &(k, x)) in below.iter().enumerate() {
-                shares[from..].iter().for_each(|&(i, share)| a[(i, k)] = a[(i, k)].minus(share.times(x)));
-            }
-            shares.into_iter().for_each(|(i, share)| a[(i, j)] = share);
-        }
-        Some(Self(a))
-    }
-
-    /// Replaces `x` by L⁻¹ x.
-    fn forward(&self, x: &mut [DoubleDouble]) {
-        for j in 0..x.len() {
-            let known = x[j];
-            if known == DoubleDouble::default() {
-                continue;
-            }
-            (j + 1..x.len()).for_each(|i| x[i] = x[i].minus(self.0[(i, j)].times(known)));
-        }
+impl<'p> Factor<'p> {
+    /// The factors of a symmetric matrix; `None` where it is not positive definite.
+    pub(super) fn new(a: SymmetricSparse<'p, DoubleDouble>) -> Option<Self> {
+        let is_positive = |pivot: f64| pivot > 0.0 && pivot.is_finite();
+        a.factor(|pivot, _| is_positive(pivot.value()).then_some(pivot)).map(Self)
     }
 
     /// Replaces `x` by the matrix's inverse times `x`.
     pub(super) fn solve(&self, x: &mut [DoubleDouble]) {
-        self.forward(x);
-        for j in (0..x.len()).rev() {
-            let own = quotient(x[j], self.0[(j, j)]);
-            x[j] = (j + 1..x.len()).fold(own, |sum, i| sum.minus(self.0[(i, j)].times(x[i])));
-        }
+        self.0.solve(x);
     }
 
-    /// D^-½ L⁻¹ x, rounded; the scalar product of two such vectors is xᵀ A⁻¹ y.
-    pub(super) fn half(&self, mut x: Vec<DoubleDouble>) -> Vec<f64> {
-        self.forward(&mut x);
-        x.iter().enumerate().map(|(j, x)| x.value() / self.0[(j, j)].value().sqrt()).collect()
+    /// D^-½ L⁻¹ x, rounded, by steps of the elimination; the scalar product of two such vectors is
+    /// xᵀ A⁻¹ y.
+    pub(super) fn half(&self, x: Vec<DoubleDouble>) -> Vec<f64> {
+        let half = self.0.half(&x);
+        half.iter().zip(&self.0.diagonal).map(|(x, pivot)| x.value() / pivot.value().sqrt()).collect()
     }
 }
 
-/// a/b to 32 digits.
-fn quotient(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
-    let first = a.value() / b.value();
-    let left = a.minus(b.times(DoubleDouble::new(first)));
-    let second = left.value() / b.value();
-    let left = left.minus(b.times(DoubleDouble::new(second)));
-    DoubleDouble::sum(first, second).plus(left.value() / b.value())
+impl Number for DoubleDouble {
+    const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
+
+    fn less_product(self, a: Self, b: Self) -> Self {
+        self.minus(a.times(b))
+    }
+
+    /// a/b to 32 digits.
+    fn over(self, b: Self) -> Self {
+        let first = self.value() / b.value();
+        let left = self.minus(b.times(Self::new(first)));
+        let second = left.value() / b.value();
+        let left = left.minus(b.times(Self::new(second)));
+        Self::sum(first, second).plus(left.value() / b.value())
+    }
 }

@@ -72,9 +72,9 @@ impl<'a> LoadPath<'a> {
         let is_lined = |i: usize| lined.iter().any(|own| own.spring == i);
         let springs =
             system.springs.iter().enumerate().filter(|(i, own)| !is_lined(*i) && own.stiffness != 0.0);
-        let springs = springs.map(|(_, own)| (own.elongation.column.clone(), own.stiffness)).collect();
+        let springs = springs.map(|(_, own)| ((*own.elongation.column).clone(), own.stiffness)).collect();
         let stop = |own: &crate::system::StopRows| RestStop {
-            column: own.elongation.column.clone(),
+            column: (*own.elongation.column).clone(),
             excess: own.excess.dot(z),
             stiffness: match own.law {
                 StopLaw::Rigid { .. } => None,

@@ -6,7 +6,7 @@ use super::sweep::SweepPiece;
 use super::{Course, Parts, SignalIntegral, SignalPiece, Signals, harmonic};
 use crate::description::{Interpolation, Signal};
 use crate::kernel::Sparse;
-use nalgebra::DVector;
+use crate::system::Functional;
 
 /// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by
 /// the rate of a prescribed body need coordinates of their own.
@@ -127,7 +127,7 @@ impl Builder {
     }
 
     /// The coordinates, and the row of each signal in the order of [`add`](Self::add).
-    pub fn finish(mut self) -> (Signals, Vec<DVector<f64>>) {
+    pub fn finish(mut self) -> (Signals, Vec<Functional>) {
         let signals = &mut self.signals;
         let mut place = signals.one + 1 + 2 * signals.frequencies.len();
         for piece in &mut signals.pieces {
@@ -143,23 +143,16 @@ impl Builder {
             integral.carried += signals.inputs;
         }
         signals.knots.times.sort_by(f64::total_cmp);
-        let unit = |j: usize| DVector::from_fn(signals.size, |i, _| if i == j { 1.0 } else { 0.0 });
-        let rates = (signals.one..signals.size).map(|j| Sparse::of(signals.derivative(&unit(j)).as_slice()));
-        signals.rates = rates.collect();
+        signals.rates = signals.rates_of_units();
         let rows = signals.parts.iter().map(|parts| {
-            let mut row = DVector::zeros(signals.size);
-            row[signals.one] = parts.constant;
+            let mut row = vec![(signals.one, parts.constant)];
             for &(f, cosine, sine) in &parts.harmonics {
-                row[signals.one + 1 + 2 * f] += cosine;
-                row[signals.one + 2 + 2 * f] += sine;
+                row.push((signals.one + 1 + 2 * f, cosine));
+                row.push((signals.one + 2 + 2 * f, sine));
             }
-            if let Some(p) = parts.piece {
-                row[signals.pieces[p].first] += 1.0;
-            }
-            for &i in &parts.sweeps {
-                row[signals.sweeps[i].first] += 1.0;
-            }
-            row
+            row.extend(parts.piece.map(|p| (signals.pieces[p].first, 1.0)));
+            row.extend(parts.sweeps.iter().map(|&i| (signals.sweeps[i].first, 1.0)));
+            Functional::from_terms(signals.size, Sparse::summed(row).terms().iter().copied())
         });
         let rows = rows.collect();
         (self.signals, rows)

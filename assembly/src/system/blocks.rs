@@ -193,8 +193,8 @@ impl System {
         let elongation =
             |i: usize| d.elements().nth(i).and_then(|own| own.arms()).map(|arms| self.elongation(arms));
         match *input {
-            BlockInput::Place(body) => Combination::of(self.bodies[body].s.clone()),
-            BlockInput::Rate(body) => Combination::of(self.bodies[body].v.clone()),
+            BlockInput::Place(body) => Combination::of((*self.bodies[body].s).clone()),
+            BlockInput::Rate(body) => Combination::of((*self.bodies[body].v).clone()),
             BlockInput::Elongation(i) => {
                 Combination::of(elongation(i).map_or_else(zeros, |own| (*own.e).clone()))
             }
@@ -246,8 +246,8 @@ impl System {
         let Some(limits) = d.blocks[block].limits[output] else { return own };
         let (row, mut limited) = (own.row.clone(), own);
         for (limit, sign) in limits.into_iter().zip([-1.0, 1.0]).filter(|own| own.0.is_finite()) {
-            let excess = Functional::of(sign * (&row - self.constant(limit)));
-            let elongation = self.acting(&DVector::zeros(self.coordinates));
+            let excess = Functional::of(sign * (&row - &*self.constant(limit)));
+            let elongation = self.acting(&Functional::zeros(self.coordinates));
             let law = StopLaw::Compliant { stiffness: 0.0, damping: 0.0, limit: DampingLimit::Pull };
             limited.beyond.push((self.stops.len(), -sign));
             self.stops.push(StopRows {
@@ -269,22 +269,9 @@ impl System {
     }
 
     /// An elongation without rows whose force acts along w.
-    fn acting(&self, w: &DVector<f64>) -> Elongation {
-        let mut column = w.clone();
-        self.inertia.l_dirty().solve_lower_triangular_mut(&mut column);
-        let mobility = self.inertia.solve(w);
-        let acts = |k: &usize| [w, &column, &mobility].iter().any(|own| own[*k] != 0.0);
-        let reach = (0..self.coordinates).filter(acts).collect();
-        let zeros = || StateRow::zeros(self.signals.size);
-        Elongation {
-            e: Functional::of(zeros()),
-            rate: Functional::of(zeros()),
-            w: w.clone(),
-            drift: zeros(),
-            column,
-            mobility,
-            reach,
-        }
+    fn acting(&self, w: &Functional) -> Elongation {
+        let [e, rate, drift] = [(); 3].map(|()| Functional::zeros(self.signals.size));
+        self.reaching(e, rate, drift, w.clone())
     }
 
     /// The states of a block as states of first order.
@@ -314,17 +301,18 @@ impl System {
             let mut sum = Combination::of(StateRow::zeros(self.signals.size));
             sum.add(from.factor, &self.blocks[from.block].outputs[from.output]);
             for &(stop, factor) in &sum.beyond {
-                let weights = self.bodies[self.load_bodies[load]].weights.clone();
-                self.stops[stop].elongation.w.axpy(-factor, &weights, 1.0);
+                let weights = -factor * &self.bodies[self.load_bodies[load]].weights;
+                let w = &mut self.stops[stop].elongation.w;
+                *w = &*w + &weights;
             }
-            self.loads[load] = sum.row;
+            self.loads[load] = Functional::of(sum.row);
             self.load_limits[load] = sum.beyond;
         }
     }
 
     /// The force of a load where limits are in these states.
     pub fn load_row(&self, load: usize, states: &[StopState]) -> StateRow {
-        let own = Combination { row: self.loads[load].clone(), beyond: self.load_limits[load].clone() };
+        let own = Combination { row: (*self.loads[load]).clone(), beyond: self.load_limits[load].clone() };
         own.row_in(&self.stops, states)
     }
 

@@ -2,7 +2,7 @@
 //! each has a row that gives its rate, x' = row · z. Inner places of springs in series are such
 //! states (docs/assembly-law.md, section 15).
 
-use super::{Elongation, Functional, Part, StateRow, StopRows, System};
+use super::{Elongation, Functional, Part, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
 use crate::kernel::SparseMatrix;
 use crate::mode::{SliderState, StopState};
@@ -40,10 +40,12 @@ impl BranchRows {
     }
 
     /// e - x.
-    pub(crate) fn stretch(&self) -> StateRow {
-        let mut row = (*self.elongation.e).clone();
-        row[self.place] -= 1.0;
-        row
+    pub(crate) fn stretch(&self) -> Functional {
+        let length = self.elongation.e.len();
+        Functional::sum(
+            length,
+            [(1.0, &self.elongation.e), (-1.0, &Functional::unit(length, self.place, 1.0))],
+        )
     }
 }
 
@@ -80,14 +82,13 @@ impl System {
     /// Adds a spring with its partner.
     pub(super) fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: SeriesLaw) -> Part {
         let (elongation, place) = (self.elongation(arms), 2 * self.coordinates + self.first_order.len());
-        let mut branch =
-            BranchRows { elongation, stiffness, law, place, force: Functional::of(StateRow::zeros(0)) };
-        branch.force = Functional::of(stiffness * branch.stretch());
+        let mut branch = BranchRows { elongation, stiffness, law, place, force: Functional::zeros(0) };
+        branch.force = stiffness * &branch.stretch();
         let (rate, slider) = match law {
-            SeriesLaw::Dashpot { damping } => ((1.0 / damping) * &*branch.force, None),
-            SeriesLaw::Slider { .. } => ((*branch.elongation.rate).clone(), Some(self.branches.len())),
+            SeriesLaw::Dashpot { damping } => ((1.0 / damping) * &branch.force, None),
+            SeriesLaw::Slider { .. } => (branch.elongation.rate.clone(), Some(self.branches.len())),
         };
-        self.first_order.push(FirstOrder { rate: Functional::of(rate), slider });
+        self.first_order.push(FirstOrder { rate, slider });
         self.branches.push(branch);
         Part::Branch(self.branches.len() - 1)
     }
@@ -126,10 +127,10 @@ impl System {
 
     /// The force of a branch in a state of its slider: the level while the slider slips, whatever
     /// the inner place.
-    pub fn branch_force(&self, i: usize, state: SliderState) -> StateRow {
+    pub fn branch_force(&self, i: usize, state: SliderState) -> Functional {
         match self.slip_level(i) {
-            Some(level) if state != SliderState::Held => state.direction() * level,
-            _ => (*self.branches[i].force).clone(),
+            Some(level) if state != SliderState::Held => state.direction() * &level,
+            _ => self.branches[i].force.clone(),
         }
     }
 

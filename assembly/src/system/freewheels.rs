@@ -5,7 +5,7 @@
 //! [`System::keeps_place`] and [`System::freewheels`]: it holds no place, and its impacts are those
 //! of (A53).
 
-use super::{Functional, Part, StopRows, System};
+use super::{Part, StopRows, System};
 use crate::description::{Description, StopLaw};
 use crate::elements::Element;
 use crate::mode::Contact;
@@ -18,7 +18,7 @@ impl System {
         for (i, element) in d.elements().enumerate() {
             let Element::Freewheel(wheel) = element else { continue };
             let elongation = self.elongation(&wheel.arms);
-            let none = Functional::of(self.constant(0.0));
+            let none = self.constant(0.0);
             self.stops.push(StopRows {
                 excess: elongation.rate.clone(),
                 elongation,

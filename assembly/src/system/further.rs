@@ -1,7 +1,7 @@
 //! Parts whose force depends on that of others: corners of springs by points, friction that follows
 //! a stop.
 
-use super::{FrictionRows, Functional, LevelRows, Part, System};
+use super::{FrictionRows, LevelRows, Part, System};
 use crate::description::{Arms, DampingLimit, Description, Follows, StopLaw};
 use crate::polyline::Polyline;
 
@@ -34,7 +34,7 @@ impl System {
         let levels = states.iter().filter_map(|&(i, state)| {
             let force = self.stop_force(i, state)?;
             let (level, largest) = (follows.coefficient * &force, largest * &force);
-            Some(LevelRows { level, static_level: Functional::of(largest) })
+            Some(LevelRows { level, static_level: largest })
         });
         let rows = FrictionRows {
             elongation: self.elongation(arms),

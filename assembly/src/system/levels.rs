@@ -1,7 +1,7 @@
 //! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md
 //! (A16)).
 
-use super::{Functional, Part, StateRow, StopRows, System};
+use super::{Functional, Part, StopRows, System};
 use crate::description::{DampingLimit, Description, StopLaw};
 use crate::mode::StopState;
 use crate::stepped;
@@ -58,8 +58,8 @@ impl StopRows {
 impl System {
     /// Adds a part for each further level of stops, and for each level of springs, behind the stops
     /// of the sections.
-    pub(super) fn add_levels(&mut self, d: &Description, counters: &[StateRow]) {
-        let mut counters = counters.iter().map(DVector::imax);
+    pub(super) fn add_levels(&mut self, d: &Description, counters: &[Functional]) {
+        let mut counters = counters.iter().map(|row| row.imax());
         for (i, stop) in d.stops.iter().enumerate() {
             let Some(signal) = &stop.stepped else { continue };
             let counter = counters.next().unwrap_or_default();
@@ -94,10 +94,10 @@ impl System {
     fn put_level(&mut self, i: usize, level: StopLevel, law: StopLaw) {
         let StopLaw::Compliant { stiffness, damping, .. } = law else { return };
         let stop = &mut self.stops[i];
-        let spring = stiffness * &*stop.excess;
-        let force = &spring + damping * &*stop.elongation.rate;
+        let spring = stiffness * &stop.excess;
+        let force = &spring + &(damping * &stop.elongation.rate);
         (stop.law, stop.level) = (law, Some(level));
-        [stop.force, stop.spring] = [force, spring].map(Functional::of);
+        [stop.force, stop.spring] = [force, spring];
     }
 
     /// Whether any stiffness steps.

@@ -1,7 +1,7 @@
 //! The powers that a machine's loads put in and its losses take out, as products of two functionals
 //! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A20)).
 
-use super::{StateRow, System};
+use super::{Functional, System};
 use crate::description::{SeriesLaw, StopLaw};
 use crate::kernel::Sparse;
 use crate::mode::{FrictionState, Mode, SliderState, StopState};
@@ -60,8 +60,8 @@ impl Losses {
     pub fn new(system: &System) -> Self {
         let mut rows: Vec<Sparse> = Vec::new();
         let mut all = Vec::new();
-        let mut put = |when: When, account: Account, factor: f64, left: &StateRow, right: &StateRow| {
-            let own = [left, right].map(|row| Sparse::of(row.as_slice()));
+        let mut put = |when: When, account: Account, factor: f64, left: &Functional, right: &Functional| {
+            let own = [left, right].map(|row| AsRef::<Sparse>::as_ref(row).clone());
             if factor == 0.0 || own.iter().any(|row| row.terms().is_empty()) {
                 return;
             }

@@ -2,7 +2,7 @@
 //!
 //! The user sees an element, with one name, one force and one energy; the law sees its parts.
 
-use super::{Elongation, StateRow, System};
+use super::{Elongation, Functional, System};
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
 
@@ -40,10 +40,10 @@ impl System {
 
     /// The force of a part in a mode as a row. `lambda` are the rows of the contact forces of the
     /// mode's [basis](Mode::basis).
-    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Sparse]) -> StateRow {
+    pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Sparse]) -> Functional {
         let held = |contact: Contact| {
             let place = mode.basis.iter().position(|&c| c == contact);
-            place.map(|k| StateRow::from_vec(lambda[k].dense(self.signals.size)))
+            place.map(|k| Functional::from_terms(self.signals.size, lambda[k].terms().iter().copied()))
         };
         let row = match part {
             Part::Spring(i) => Some(self.springs[i].force.clone()),
@@ -55,8 +55,8 @@ impl System {
                 self.friction_force(i, mode.frictions[i], &mode.stops).or_else(|| held(Contact::Friction(i)))
             }
             Part::Branch(i) => Some(self.branch_force(i, mode.sliders[i])),
-            Part::Load(i) => Some(self.load_row(i, &mode.stops)),
+            Part::Load(i) => Some(Functional::of(self.load_row(i, &mode.stops))),
         };
-        row.unwrap_or_else(|| StateRow::zeros(self.signals.size))
+        row.unwrap_or_else(|| Functional::zeros(self.signals.size))
     }
 }

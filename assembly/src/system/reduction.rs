@@ -3,6 +3,7 @@
 
 use crate::description::{BodyKind, Description};
 use crate::error::Error;
+use crate::kernel::Sparse;
 use nalgebra::DVector;
 
 /// Pivot of a redundant link: after elimination its largest arm on a free coordinate is below this
@@ -14,9 +15,9 @@ pub struct Reduction {
     /// The bodies whose coordinates are q.
     pub kept: Vec<usize>,
     /// Weights of q, by body.
-    pub q: Vec<DVector<f64>>,
+    pub q: Vec<Sparse>,
     /// Weights of the prescribed bodies' coordinates, by body.
-    pub prescribed: Vec<DVector<f64>>,
+    pub prescribed: Vec<Sparse>,
 }
 
 /// Eliminates one coordinate for each link, the one with the largest remaining arm, so that no arm
@@ -49,24 +50,28 @@ pub fn reduce(d: &Description) -> Result<Reduction, Error> {
         }
         equations.push((pivot, row));
     }
-    let dependent = |i: usize| equations.iter().find(|(pivot, _)| *pivot == i).map(|(_, row)| row);
-    let kept: Vec<usize> = (0..count).filter(|&i| free[i] && dependent(i).is_none()).collect();
-    let n = kept.len();
-    let mut q = vec![DVector::zeros(n); count];
-    let mut prescribed = vec![DVector::zeros(count); count];
+    let mut dependent: Vec<Option<&DVector<f64>>> = vec![None; count];
+    equations.iter().for_each(|(pivot, row)| dependent[*pivot] = Some(row));
+    let kept: Vec<usize> = (0..count).filter(|&i| free[i] && dependent[i].is_none()).collect();
+    let mut place = vec![None; count];
+    kept.iter().enumerate().for_each(|(k, &i)| place[i] = Some(k));
+    let (mut q, mut prescribed) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for i in 0..count {
+        let (mut own, mut others) = (Vec::new(), Vec::new());
         if !follows[i] {
-            prescribed[i][i] = 1.0;
-        } else if let Some(row) = dependent(i) {
+            others.push((i, 1.0));
+        } else if let Some(row) = dependent[i] {
             for j in (0..count).filter(|&j| j != i && row[j] != 0.0) {
-                match kept.iter().position(|&k| k == j) {
-                    Some(place) => q[i][place] -= row[j],
-                    None => prescribed[i][j] -= row[j],
+                match place[j] {
+                    Some(k) => own.push((k, -row[j])),
+                    None => others.push((j, -row[j])),
                 }
             }
-        } else if let Some(place) = kept.iter().position(|&k| k == i) {
-            q[i][place] = 1.0;
+        } else if let Some(k) = place[i] {
+            own.push((k, 1.0));
         }
+        q.push(Sparse::from_terms(own.into_iter()));
+        prescribed.push(Sparse::from_terms(others.into_iter()));
     }
     Ok(Reduction { kept, q, prescribed })
 }

@@ -1,61 +1,12 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
-use super::{OutputLimit, StopLevel};
+use super::{Functional, OutputLimit, StopLevel};
 use crate::description::{DampingLimit, StopLaw};
-use crate::kernel::Sparse;
 use crate::mode::states::StopState;
 use nalgebra::DVector;
-use std::ops::Deref;
 
 /// A row that acts on the augmented state.
 pub type StateRow = DVector<f64>;
-
-/// A row with the list of its nonzero terms, for fast evaluation.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Functional {
-    row: StateRow,
-    terms: Sparse,
-}
-
-impl Functional {
-    /// The functional of a row.
-    pub fn of(row: StateRow) -> Self {
-        let terms = Sparse::of(row.as_slice());
-        Self { row, terms }
-    }
-
-    /// Its value at `z`.
-    #[inline(always)]
-    pub fn at(&self, z: &[f64]) -> f64 {
-        self.terms.dot(z)
-    }
-
-    /// Its nonzero terms, with their indices.
-    #[inline(always)]
-    pub fn terms(&self) -> &[(usize, f64)] {
-        self.terms.terms()
-    }
-
-    /// The sum of the terms' absolute values, for a vector of absolute values.
-    #[inline(always)]
-    pub fn size(&self, sizes: &[f64]) -> f64 {
-        self.terms.size(sizes)
-    }
-}
-
-impl AsRef<Sparse> for Functional {
-    fn as_ref(&self) -> &Sparse {
-        &self.terms
-    }
-}
-
-impl Deref for Functional {
-    type Target = StateRow;
-
-    fn deref(&self) -> &StateRow {
-        &self.row
-    }
-}
 
 /// The elongation e = Σ arm · s of an element, with its rate.
 #[derive(Clone, Debug)]
@@ -65,13 +16,13 @@ pub struct Elongation {
     /// e'.
     pub rate: Functional,
     /// The direction of its force on the coordinates, w = ∂e'/∂v; e'' = w·a + drift·z.
-    pub w: DVector<f64>,
+    pub w: Functional,
     /// Part of e'' due to prescribed bodies.
-    pub drift: StateRow,
+    pub drift: Functional,
     /// L⁻¹ w.
-    pub column: DVector<f64>,
+    pub column: Functional,
     /// The change of the velocities by a unit impulse, M⁻¹ w.
-    pub mobility: DVector<f64>,
+    pub mobility: Functional,
     /// The coordinates at which any of w, L⁻¹ w and M⁻¹ w is not zero, ascending.
     pub reach: Vec<usize>,
 }
@@ -80,13 +31,13 @@ pub struct Elongation {
 #[derive(Clone, Debug)]
 pub struct BodyRows {
     /// s.
-    pub s: StateRow,
+    pub s: Functional,
     /// Its rate.
-    pub v: StateRow,
+    pub v: Functional,
     /// s'' = weights·a + drift·z.
-    pub weights: DVector<f64>,
+    pub weights: Functional,
     /// Part of s'' due to prescribed bodies.
-    pub drift: StateRow,
+    pub drift: Functional,
 }
 
 /// Rows of a spring with a dashpot.
@@ -101,7 +52,7 @@ pub struct SpringRows {
     /// N or N m.
     pub preload: f64,
     /// Its force.
-    pub force: StateRow,
+    pub force: Functional,
 }
 
 /// Rows of a stop.
@@ -220,7 +171,7 @@ pub struct FrictionRows {
 #[derive(Clone, Debug)]
 pub struct LevelRows {
     /// Sliding level.
-    pub level: StateRow,
+    pub level: Functional,
     /// Static level.
     pub static_level: Functional,
 }

@@ -1,7 +1,7 @@
 //! The system of a mode without held contacts as what always acts and a term for each force that
 //! acts in the mode: A = base - Σ by ⊗ force. Nothing dense is made when such a mode is met.
 
-use super::{Functional, StateRow, System};
+use super::{Functional, System};
 use crate::flow::WatchTable;
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch};
@@ -95,22 +95,16 @@ impl Split {
     pub(super) fn new(system: &System) -> Self {
         let n = system.coordinates;
         let base = Arc::new(system.base().with_slices(n));
-        let scales: Vec<f64> = (0..n)
-            .map(|k| {
-                let mut unit = nalgebra::DVector::zeros(n);
-                unit[k] = 1.0;
-                system.inertia.solve(&unit)[k].sqrt()
-            })
-            .collect();
-        let term = |force: StateRow, e: &super::Elongation| {
-            let places = e.mobility.iter().enumerate().map(|(k, x)| (n + k, *x));
-            Term { force: Arc::new(Functional::of(force)), by: Arc::new(Sparse::from_terms(places)) }
+        let scales: Vec<f64> = (0..n).map(|k| system.inertia.compliance(k).sqrt()).collect();
+        let term = |force: Functional, e: &super::Elongation| {
+            let places = e.mobility.terms().iter().map(|&(k, x)| (n + k, x));
+            Term { force: Arc::new(force), by: Arc::new(Sparse::from_terms(places)) }
         };
         let stiff = system.stiff_springs.iter().map(|&i| &system.springs[i]);
         let stiff: Vec<Term> = stiff.map(|s| term(s.force.clone(), &s.elongation)).collect();
         let of_limit = |i: usize| {
             let (force, e) = (&system.stops[i].force, &system.stops[i].elongation);
-            let places = e.mobility.iter().enumerate().map(|(k, x)| (n + k, *x));
+            let places = e.mobility.terms().iter().map(|&(k, x)| (n + k, x));
             let places = places.chain(system.stops[i].further.iter().copied());
             Term { force: Arc::new(force.clone()), by: Arc::new(Sparse::from_terms(places)) }
         };
@@ -120,7 +114,7 @@ impl Split {
             let other = if system.stops[i].turns() { StopState::Rebounding } else { StopState::Capped };
             [StopState::Pressed, other].map(|state| {
                 let force =
-                    system.stop_force(i, state).unwrap_or_else(|| StateRow::zeros(system.signals.size));
+                    system.stop_force(i, state).unwrap_or_else(|| Functional::zeros(system.signals.size));
                 term(force, &system.stops[i].elongation)
             })
         };
@@ -131,15 +125,15 @@ impl Split {
             let of_level = |own: &super::LevelRows| {
                 LEVELS.map(|state: FrictionState| {
                     let force = state.force(&own.level, &own.static_level);
-                    let force = force.unwrap_or_else(|| StateRow::zeros(system.signals.size));
+                    let force = force.unwrap_or_else(|| Functional::zeros(system.signals.size));
                     term(force, &friction.elongation)
                 })
             };
             levels.map(of_level).collect()
         };
         let frictions: Vec<Vec<[Term; 4]>> = (0..system.frictions.len()).map(of_friction).collect();
-        let known = |rows: Vec<(Watch, StateRow)>| -> Vec<Known> {
-            let rows = rows.into_iter().map(|(watch, row)| (watch, Sparse::of(row.as_slice())));
+        let known = |rows: Vec<(Watch, Functional)>| -> Vec<Known> {
+            let rows = rows.into_iter().map(|(watch, row)| (watch, AsRef::<Sparse>::as_ref(&row).clone()));
             let rows = rows.filter(|(_, row)| !system.is_constant_and_negative(row));
             rows.map(|(watch, row)| {
                 let depends = row.terms().iter().any(|(j, _)| (n..system.states()).contains(j));

@@ -21,12 +21,12 @@ struct Tie<'a> {
 impl Tie<'_> {
     /// The coordinates on which it acts, with their arms.
     fn arms(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.elongation.w.iter().copied().enumerate().filter(|(_, w)| *w != 0.0)
+        self.elongation.w.terms().iter().copied()
     }
 
     /// The rate of a motion under this tie alone, rad/s.
     fn rate(&self) -> f64 {
-        let compliance = self.elongation.w.dot(&self.elongation.mobility);
+        let compliance = self.elongation.w.along(&self.elongation.mobility);
         (self.stiffness.abs() * compliance).sqrt().max(self.damping * compliance)
     }
 
@@ -86,8 +86,7 @@ impl System {
                 inside[to].extend(tied);
             }
             inside[to].push(i);
-            let slow = members[to].iter().map(|&k| self.rate_of(k, outside[k])).fold(0.0, f64::max);
-            if rate > STIFF * slow {
+            if members[to].iter().all(|&k| rate > STIFF * self.rate_of(k, outside[k])) {
                 stiff.append(&mut inside[to]);
             }
         }

@@ -1,14 +1,15 @@
 //! Summaries of a machine and of a motion, in words.
 
 mod drifts;
+mod spans;
 
 use super::{MotionRecord, event_in_words};
 use crate::Result;
-use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_analysis::assembly::{StopContact, eigenvalues};
+use vibro_analysis::assembly::StopContact;
+use vibro_analysis::assembly::natural::{Natural, natural};
 use vibro_assembly::description::{BodyKind, Description, Dimension, Stop};
 use vibro_assembly::elements::Action;
 use vibro_assembly::following::Following;
@@ -230,9 +231,11 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let places: Vec<usize> =
         (0..system.states()).filter(|k| !kept.iter().any(|own| own.contains(k))).collect();
     let size = places.len();
-    let a = DMatrix::from_fn(size, size, |i, j| linear.a.entry(places[i], places[j]));
-    let values: Vec<(f64, f64)> = eigenvalues(a).iter().map(|c| (c.re, c.im)).collect();
-    let largest = values.iter().map(|(re, im)| re.hypot(*im)).fold(f64::MIN_POSITIVE, f64::max);
+    let Natural { values, spans } = natural(system, &linear, &places);
+    let values: Vec<(f64, f64)> = values.iter().map(|c| (c.re, c.im)).collect();
+    let highest = spans.iter().flat_map(|span| &span.shown[1]).map(|own| own.undamped);
+    let sizes = values.iter().map(|(re, im)| re.hypot(*im)).chain(highest);
+    let largest = sizes.fold(f64::MIN_POSITIVE, f64::max);
     let mut oscillations: Vec<(f64, f64)> =
         values.iter().copied().filter(|v| v.1 > ZERO * largest).map(|(re, im)| (re.hypot(im), -re)).collect();
     oscillations.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -253,6 +256,7 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     if still > 0 {
         lines.push(format!("  0 Hz: {still} of {size} coordinates and rates go on evenly or are held"));
     }
+    lines.extend(spans.iter().flat_map(spans::in_words));
     lines
 }
 

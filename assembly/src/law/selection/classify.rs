@@ -92,7 +92,7 @@ impl Selection<'_> {
     pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag) -> Slider {
         let branch = &self.system.branches[i];
         let Some(level) = self.system.slip_level(i) else { return Slider::Is(SliderState::Held) };
-        let is_at = |direction: f64| self.sign(&(direction * &*branch.force - &level), 0) >= 0.0;
+        let is_at = |direction: f64| self.sign(&(&(direction * &branch.force) - &level), 0) >= 0.0;
         let by_value = [1.0, -1.0].into_iter().find(|direction| is_at(*direction));
         let direction = if flag.level == 0.0 { by_value.unwrap_or(0.0) } else { flag.level };
         if direction == 0.0 {
@@ -111,7 +111,7 @@ impl Selection<'_> {
             // Its level is found with the stop's state.
             return if rests { Friction::Resting(usize::MAX) } else { Friction::Is(slipping(rate)) };
         }
-        let mut level = friction.levels[0].level.clone();
+        let mut level = (*friction.levels[0].level).clone();
         let mut order = 0;
         // The level is a signal: all its derivatives are known.
         let sign = loop {

@@ -24,9 +24,9 @@ impl Selection<'_> {
         let sizes = self.sizes[order].of_rows(free);
         for (k, &contact) in contacts.iter().enumerate() {
             let e = self.system.elongation_of(contact);
-            let row = along(free, &e.w) + &e.drift;
+            let row = along(free, &e.w) + &*e.drift;
             b[k] = row.dot(z);
-            let terms: f64 = e.w.iter().zip(&sizes).map(|(w, size)| w.abs() * size).sum();
+            let terms: f64 = e.w.terms().iter().map(|&(k, w)| w.abs() * sizes[k]).sum();
             zero[k] = ZERO * (terms + self.sizes[order].of(&e.drift));
             match contact {
                 Contact::Stop(i) => {

@@ -112,7 +112,7 @@ fn follow(
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(0, TIME).ticking();
+    let progress = Progress::new(0, TIME);
     let what = (&times[..], &columns.further[..]);
     let record = assembly::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
         progress.part(part)

@@ -5,7 +5,6 @@ use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::fit_arguments::FitArguments;
 use crate::output;
-use crate::progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -175,7 +174,6 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(0, "fit").ticking();
     let request = FitRequest {
         machine: machine.clone(),
         start,
@@ -187,7 +185,6 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         starts: a.starts,
     };
     let fitted = fit(&request, &|| !stop.load(Ordering::Relaxed))?;
-    drop(progress);
     let study = studies::assembly_fit(&request, &fitted)?;
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;

@@ -148,7 +148,7 @@ fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
-    let progress = Progress::new(0, "branches").ticking();
+    let progress = Progress::new(0, "branches");
     let kept = FolderOfPaths(paths);
     let found = tree_on(family, options, &kept, &mut |found, all| {
         progress.at(found.len(), all);

@@ -45,7 +45,10 @@ fn main() -> ExitCode {
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
     let file = arguments::file(&matches);
-    match arguments::check_options(&matches).and_then(|()| run(&mut arguments, file)) {
+    let clock = progress::Clock::start();
+    let done = arguments::check_options(&matches).and_then(|()| run(&mut arguments, file));
+    drop(clock);
+    match done {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(interruption::INTERRUPTED as u8),
         Err(error) => {
@@ -84,6 +87,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     let mut set = configured(ParameterSet::basic(), common)?;
     print_notes(&unit_notes(common)?);
     if !set.not_given().is_empty() {
+        progress::clear();
         eprintln!(
             "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
              writes a file with every parameter",
@@ -186,5 +190,6 @@ fn print_notes(words: &[String]) {
 
 /// Prints a note.
 fn note(words: &str) {
+    progress::clear();
     eprintln!("note: {words}");
 }

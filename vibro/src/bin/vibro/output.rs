@@ -47,6 +47,7 @@ pub fn apart(folder: &Path, common: &Common) -> String {
 
 /// Prints a line to standard output.
 pub fn say(words: &str) -> Result<()> {
+    crate::progress::clear();
     match std::io::stdout().write_all(format!("{words}\n").as_bytes()) {
         // The reader closed the pipe, as `head` does.
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),

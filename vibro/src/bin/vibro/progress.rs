@@ -1,9 +1,10 @@
-//! Progress bar on the terminal for work of more than a second.
+//! Progress on the terminal for work of more than a second: a bar where steps are counted, and the
+//! time gone where none is.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -13,8 +14,70 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub const TIME: &str = "s";
 /// Steps of a bar over a length of time.
 const PARTS: f64 = 1e6;
-/// Interval at which the clock is drawn.
+/// Interval at which a clock is drawn, and shortest one between two fractions of a length of time.
 const TICK: Duration = Duration::from_millis(250);
+
+/// The clock of the command, while it is on the terminal, and the number of bars there.
+static TERMINAL: Mutex<Terminal> = Mutex::new(Terminal { clock: None, bars: 0 });
+
+struct Terminal {
+    clock: Option<ProgressBar>,
+    bars: usize,
+}
+
+/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It gives way
+/// to bars, so that no command is silent, whatever it does before, between and after them.
+pub struct Clock {
+    over: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Clock {
+    /// The clock of a command that begins now.
+    pub fn start() -> Self {
+        // It is hidden if standard error is not a terminal.
+        Self::onto(ProgressDrawTarget::stderr, PATIENCE)
+    }
+
+    fn onto(target: impl Fn() -> ProgressDrawTarget + Send + 'static, patience: Duration) -> Self {
+        let (begin, (over, ended)) = (Instant::now(), std::sync::mpsc::channel::<()>());
+        let thread = std::thread::spawn(move || {
+            let mut wait = patience;
+            while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+                wait = TICK;
+                let Ok(mut terminal) = TERMINAL.lock() else { return };
+                if terminal.bars == 0 {
+                    let clock =
+                        || ProgressBar::with_draw_target(None, target()).with_style(style("{msg} gone"));
+                    let gone = Duration::from_secs(begin.elapsed().as_secs());
+                    terminal.clock.get_or_insert_with(clock).set_message(HumanDuration(gone).to_string());
+                }
+            }
+        });
+        Self { over: Some(over), thread: Some(thread) }
+    }
+}
+
+impl Drop for Clock {
+    fn drop(&mut self) {
+        drop(self.over.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+        clear();
+    }
+}
+
+/// Takes the clock off the terminal, before something is printed. It comes back at its next tick.
+pub fn clear() {
+    if let Ok(mut terminal) = TERMINAL.lock() {
+        terminal.clock.take().into_iter().for_each(|clock| clock.finish_and_clear());
+    }
+}
+
+fn style(form: &str) -> ProgressStyle {
+    ProgressStyle::with_template(form).unwrap_or_else(|_| ProgressStyle::default_spinner())
+}
 
 /// Counts steps, and shows a bar after [`PATIENCE`].
 pub struct Progress {
@@ -23,6 +86,8 @@ pub struct Progress {
     total: u64,
     unit: &'static str,
     done: AtomicU64,
+    /// When a fraction was last shown, ms after the begin.
+    told: AtomicU64,
     bar: OnceLock<ProgressBar>,
     target: Mutex<Option<ProgressDrawTarget>>,
 }
@@ -41,6 +106,7 @@ impl Progress {
             total: total as u64,
             unit,
             done: AtomicU64::new(0),
+            told: AtomicU64::new(0),
             bar: OnceLock::new(),
             target: Mutex::new(Some(target)),
         }
@@ -63,42 +129,36 @@ impl Progress {
         }
     }
 
-    /// Sets the completed fraction, from 0 to 1, of work that is a length of time.
+    /// Sets the completed fraction, from 0 to 1, of work that is a length of time. It may be called
+    /// at every event of a motion.
     pub fn part(&self, part: f64) {
-        if self.begin.elapsed() > self.patience {
+        let gone = self.begin.elapsed();
+        let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
+        if gone > self.patience && (self.bar.get().is_none() || since >= TICK.as_millis() as u64) {
+            self.told.store(gone.as_millis() as u64, Ordering::Relaxed);
             let bar = self.bar.get_or_init(|| self.bar());
             bar.set_length(PARTS as u64);
             bar.set_position((part * PARTS) as u64);
-            let left = self.begin.elapsed().as_secs_f64() * (1.0 - part) / part;
+            let left = gone.as_secs_f64() * (1.0 - part) / part;
             let left = Duration::try_from_secs_f64(left).map_or(Duration::MAX, |time| time);
             bar.set_message(format!("{:.3e} of all, {} left", part, HumanDuration(left)));
         }
     }
 
-    /// Keeps the clock running while no step ends.
-    pub fn ticking(self) -> Ticking {
-        let progress = Arc::new(self);
-        let (over, ended) = std::sync::mpsc::channel::<()>();
-        let shown = progress.clone();
-        let thread = std::thread::spawn(move || {
-            if ended.recv_timeout(shown.patience) == Err(RecvTimeoutError::Timeout) {
-                shown.bar.get_or_init(|| shown.bar()).enable_steady_tick(TICK);
-            }
-        });
-        Ticking { progress, over: Some(over), thread: Some(thread) }
-    }
-
     fn bar(&self) -> ProgressBar {
         let target = self.target.lock().ok().and_then(|mut t| t.take());
+        clear();
+        if let Ok(mut terminal) = TERMINAL.lock() {
+            terminal.bars += 1;
+        }
         let bar =
             ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
-        let form = match self.unit {
+        bar.set_style(style(&match self.unit {
             TIME => "{bar:40} {elapsed} gone {msg}".into(),
             unit => format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left"),
-        };
-        if let Ok(style) = ProgressStyle::with_template(&form) {
-            bar.set_style(style);
-        }
+        }));
+        // The clock runs while no step ends.
+        bar.enable_steady_tick(TICK);
         bar
     }
 }
@@ -107,31 +167,9 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
-        }
-    }
-}
-
-/// A [`Progress`] whose clock runs on the terminal.
-pub struct Ticking {
-    progress: Arc<Progress>,
-    over: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl std::ops::Deref for Ticking {
-    type Target = Progress;
-
-    fn deref(&self) -> &Progress {
-        &self.progress
-    }
-}
-
-impl Drop for Ticking {
-    fn drop(&mut self) {
-        drop(self.over.take());
-        // The bar is removed with the last of the two.
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
+            if let Ok(mut terminal) = TERMINAL.lock() {
+                terminal.bars -= 1;
+            }
         }
     }
 }
@@ -161,17 +199,38 @@ mod tests {
     }
 
     #[test]
-    fn a_step_that_does_not_end_shows_its_clock() {
+    fn a_command_without_steps_shows_the_time_gone_and_gives_way_to_a_bar() {
         let terminal = InMemoryTerm::new(10, 100);
-        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
-        let progress = Progress::onto(target, Duration::ZERO, 0, TIME).ticking();
-        let begin = Instant::now();
-        while progress.bar.get().is_none() || !terminal.contents().contains("0s gone") {
-            assert!(begin.elapsed() < Duration::from_secs(60), "{}", terminal.contents());
-            std::thread::sleep(Duration::from_millis(10));
-        }
+        let own = terminal.clone();
+        let onto = move || ProgressDrawTarget::term_like(Box::new(own.clone()));
+        let clock = Clock::onto(onto, Duration::ZERO);
+        let wait = |is_met: &dyn Fn(&str) -> bool| {
+            let begin = Instant::now();
+            while !is_met(&terminal.contents()) {
+                assert!(begin.elapsed() < Duration::from_secs(60), "{}", terminal.contents());
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        };
+        wait(&|shown| shown.contains("seconds gone"));
+        let (other, progress) = after(3, Duration::ZERO);
+        wait(&str::is_empty);
+        progress.bar.get().expect("a bar").tick();
+        assert!(other.contents().contains("3/8 parts"), "{}", other.contents());
         drop(progress);
+        wait(&|shown| shown.contains("gone"));
+        drop(clock);
         assert_eq!(terminal.contents(), "");
+    }
+
+    #[test]
+    fn a_length_of_time_shows_how_much_is_left() {
+        let terminal = InMemoryTerm::new(10, 120);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        let progress = Progress::onto(target, Duration::ZERO, 0, TIME);
+        // As at each of many samples: most calls only read the time.
+        (0..1_000_000).for_each(|k| progress.part(f64::from(k) * 1e-6));
+        progress.bar.get().expect("a bar").tick();
+        assert!(terminal.contents().contains("of all") && terminal.contents().contains("left"));
     }
 
     #[test]
