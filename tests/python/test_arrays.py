@@ -28,7 +28,8 @@ def test_second_method_rows_have_the_bits_of_machines_one_by_one():
     gaps = np.linspace(4e-3, 9e-3, 5)
     table = vi.measure_many(damper(), {STEEL: gaps, BUFFER: gaps[::-1]}, NAMES, **OF)
     machines = [damper().replace({STEEL: a, BUFFER: b}) for a, b in zip(gaps, gaps[::-1])]
-    assert [{name: row[name] for name in NAMES} for row in table] == list(vi.measure_many(machines, NAMES, **OF))
+    alone = vi.measure_many(machines, NAMES, **OF)
+    assert [{name: row[name] for name in alone.columns} for row in table] == list(alone)
     assert table[2][STEEL] == gaps[2] and (table[STEEL] == gaps).all() and table.shape == (5,) and len(table) == 5
     ends = vi.simulate_many(damper(), {STEEL: gaps}, until=0.3)
     assert (ends.values == vi.simulate_many([damper().replace({STEEL: a}) for a in gaps], until=0.3).values).all()
@@ -104,7 +105,19 @@ def test_arrays_are_broadcast_and_results_have_their_shape():
     ends = vi.simulate_many(vi.Machine(), f10=np.array([[1.0, 2.0]]), kappa=np.array([[0.5], [0.6]]), periods=3)
     assert ends["box.s"].shape == (2, 2) and ends.s.shape == (2, 2, 3)
     frame = sweep.to_pandas()
-    assert list(frame.columns) == [STEEL, "body.box.mass", "amplitude.box.s"] and len(frame) == 6
+    assert list(frame.columns) == [STEEL, "body.box.mass", "amplitude.box.s", "amplitude.box.s.spread", "unsettled"] and len(frame) == 6
+
+
+def test_second_method_the_spread_of_a_number_is_its_scatter_over_windows():
+    # Windows of one chaotic motion, one after the other; a factor of three is far beyond what a deviation found from 24 windows may be off by.
+    chaotic, window, count, factor = vi.Machine.from_groups(f10=3.6), 60, 24, 3.0
+    found = [chaotic.measure(["impacts"], start={"v2": 1.0}, settle=400 + window * k, periods=window) for k in range(count)]
+    scatter = np.std([one["impacts"] for one in found], ddof=1)
+    spread = np.median([one.spread["impacts"] for one in found])
+    assert 0.0 < scatter / factor < spread < scatter * factor, (scatter, spread)
+    # A motion that repeats scatters by rounding, and the table has the same spread.
+    table = vi.measure_many([vi.Machine.from_groups(f10=1.5), chaotic], ["impacts"], periods=window, starts=[{"v2": 1.0}] * 2)
+    assert table.spreads["impacts"][0] < 1e-9 and table["impacts.spread"][1] == found[0].spread["impacts"]
 
 
 def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
