@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn golden_places_of_the_numbers_of_a_matrix() {
         let text = "name = \"M\"\n[body.b]\nmass = 1.0\n[block.c]\ninputs = [\"b.s\", \"b.v\"]\nd = [[-1.0, 2.5], [3.5, 4.5]]\n\
-                    outputs = [\"y\", \"z\"]\n";
+                    outputs = [\"y\", \"z\"]\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 9.5\n";
         let machine = Machine::parse(text, "m.toml", &no_records).unwrap();
         let places = places(text, &machine.description);
         let at = |name: &str| &text[places[name].clone()];

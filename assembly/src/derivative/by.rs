@@ -78,6 +78,14 @@ impl By {
         }
     }
 
+    /// The same column with the usual name of its parameter, by which slots are found.
+    pub(super) fn by_usual_name(self, d: &Description) -> Result<Self, Error> {
+        match self {
+            Self::Parameter(name) => Ok(Self::Parameter(d.parameter(&name)?.name)),
+            other => Ok(other),
+        }
+    }
+
     /// The parameter's name; empty for others, which change nothing in the machine.
     pub(super) fn parameter(&self) -> &str {
         if let Self::Parameter(name) = self { name } else { "" }
