@@ -75,7 +75,7 @@ impl<'t> Table<'t> {
     pub fn heading(&self) -> Option<Vec<Heading<'t>>> {
         let first = self.rows.first()?;
         let is_number = |cell: &&str| cell.parse::<f64>().is_ok() || has_decimal_comma(cell);
-        (!first.cells.iter().any(|cell| is_number(cell))).then(|| self.names())
+        (!first.cells.iter().any(is_number)).then(|| self.names())
     }
 
     /// The cells of the first row as names with units; empty without a row.
