@@ -55,7 +55,7 @@ def test_a_table_and_ranges_with_units_are_the_arrays_and_numbers_in_si(tmp_path
     assert found.values == same.values
     with pytest.raises(ValueError, match="a.s = .1 N.: allowed is a finite number, in m"):
         vi.fit(slide(), path, free=free, within={"start.a.s": ("1 N", "2 N")})
-    for text, words in [("a.s\n1\n", "names 'time'"), ("time,a.s\n0,x\n", "line 2, column a.s: 'x'"), ("time,a.s\n0\n", "line 2: 1 values")]:
+    for text, words in [("a.s\n1\n", "names 'a.s'; expected 'time'"), ("time,a.s\n0,x\n", "line 2: `x` is not a number"), ("time,a.s\n0\n", "line 2: `0` has 1 cell; expected 2")]:
         path.write_text(text)
         with pytest.raises(ValueError, match=words):
             vi.fit(slide(), str(path), free=free)

@@ -100,6 +100,7 @@ def rows(machines):
     return vi.measure_many(machines, names, **own)
 call = {"ends": ends, "rows": rows}[sys.argv[2]]
 wanted = call([machine])[0]
+wanted = {name: wanted[name] for name in names} if sys.argv[2] == "rows" else wanted
 vi._progress.Bar.report = property(lambda self: done)
 try:
     call([machine] * 100_000)
