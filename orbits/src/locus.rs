@@ -2,6 +2,7 @@
 
 mod equations;
 mod following;
+mod marks;
 pub(super) mod start;
 
 pub use self::start::LocusStart;
@@ -29,16 +30,22 @@ pub struct LocusPoint {
     pub end: Option<LocusEnd>,
 }
 
-/// End of a curve in two parameters.
+/// End of a curve in two parameters, or a special point of two conditions on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocusEnd {
     /// EP: the end of the range of a parameter.
     Range,
     /// GR: beyond it the block would pass a stop, or an impact would have no speed.
     Touch,
-    /// CP: a cusp, at which both parameters reverse their direction.
+    /// CP: a cusp of a fold curve, at which both parameters reverse their direction. The curve
+    /// continues.
     Cusp,
-    /// R1 or R2: the multipliers of a Neimark-Sacker point meet at 1 or -1.
+    /// LPBP: a fold curve meets the pitchfork curve of a symmetric orbit.
+    FoldPitchfork,
+    /// LPPD: an orbit has a multiplier 1 and a multiplier -1. The curve continues.
+    FoldFlip,
+    /// R1 or R2: two multipliers meet at 1 or -1. A curve of Neimark-Sacker points ends there; a
+    /// curve of folds or of period doublings continues.
     Resonance(i8),
     /// MX: continuation failed.
     NoConvergence,
@@ -69,6 +76,8 @@ impl LocusEnd {
             Self::Range => "EP",
             Self::Touch => "GR",
             Self::Cusp => "CP",
+            Self::FoldPitchfork => "LPBP",
+            Self::FoldFlip => "LPPD",
             Self::Resonance(1) => "R1",
             Self::Resonance(_) => "R2",
             Self::NoConvergence => "MX",
@@ -126,3 +135,6 @@ fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
     let phases = u.as_slice()[..locus.n()].to_vec();
     LocusPoint { values: [values[0], values[1]], phases, angle: locus.angle(u), end }
 }
+
+#[cfg(test)]
+mod tests;

@@ -47,6 +47,15 @@ impl<T: ComplexField<RealField = f64>> Border<T> {
     }
 }
 
+impl Border<f64> {
+    /// The same vectors, with the signs of a neighbouring point's. Each has a sign of its own where
+    /// the singular value is rounding.
+    pub fn aligned(self, other: &Self) -> Self {
+        let align = |own: DVector<f64>, other: &DVector<f64>| if own.dot(other) < 0.0 { -own } else { own };
+        Self { left: align(self.left, &other.left), right: align(self.right, &other.right) }
+    }
+}
+
 /// Condition that holds along a curve.
 #[derive(Clone, Debug)]
 pub(crate) enum Condition {
@@ -100,9 +109,9 @@ impl Locus<'_> {
         let system = self.family.system_at(u)?;
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;
         let adapted = match &self.condition {
-            Condition::Real(factor, _) => {
+            Condition::Real(factor, own) => {
                 let matrix = cycle.derivative(Functional::Gap, *factor);
-                matrix.and_then(Border::of).map(|border| Condition::Real(*factor, border))
+                matrix.and_then(Border::of).map(|border| Condition::Real(*factor, border.aligned(own)))
             }
             Condition::Complex(_) => {
                 let matrix = cycle.complex_derivative(Complex::cis(u[self.n()]));
@@ -179,5 +188,15 @@ impl TwoParameters for Locus<'_> {
 
     fn near_end(&self, u: &DVector<f64>) -> Option<LocusEnd> {
         LocusEnd::resonance(self.angle(u)?)
+    }
+
+    fn products(&self, u: &DVector<f64>) -> Option<[f64; 2]> {
+        let Condition::Real(factor, own) = &self.condition else { return None };
+        let system = self.family.system_at(u).ok().filter(|_| *factor > 0.0)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()]).ok()?;
+        let left = cycle.derivative(Functional::Gap, 1.0).and_then(Border::of)?.aligned(own).left;
+        let columns = self.family.by_parameters(u, &cycle, |c| c.residual.clone()).ok()?;
+        let [first, second] = &columns[..] else { return None };
+        Some([left.dot(first), left.dot(second)])
     }
 }

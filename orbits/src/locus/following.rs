@@ -1,6 +1,7 @@
 //! A curve in two parameters followed in both directions to its ends.
 
 use super::LocusEnd;
+use super::marks::{Marked, ahead};
 use crate::curve::{CurvePoint, Equations, axis, correct, meet, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
@@ -41,6 +42,22 @@ pub(crate) trait TwoParameters: Equations + Clone {
 
     /// The end near a point beyond which the curve cannot be followed.
     fn near_end(&self, u: &DVector<f64>) -> Option<LocusEnd>;
+
+    /// Products of the left null vector of a fold with the columns of both parameters, as a
+    /// continuous function along the curve; `None` on other curves.
+    fn products(&self, _: &DVector<f64>) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Functions of a point that are zero at special points of two conditions.
+    fn tests_on_curve(&self, _: &DVector<f64>) -> Vec<(LocusEnd, f64)> {
+        Vec::new()
+    }
+
+    /// Whether the curve ends at a special point of two conditions.
+    fn ends_at(&self, mark: LocusEnd) -> bool {
+        mark == LocusEnd::FoldPitchfork
+    }
 }
 
 /// The points of a curve in both directions from one of them, each with its end where it is one.
@@ -64,30 +81,59 @@ pub(crate) fn both_ways(locus: &impl TwoParameters, u: &DVector<f64>) -> Result<
 fn follow(locus: &impl TwoParameters, start: &DVector<f64>, along: DVector<f64>) -> (Vec<Located>, LocusEnd) {
     let [mut step, least, longest] = STEPS;
     let mut points = Vec::new();
-    let mut last = CurvePoint { u: start.clone(), tangent: along.clone(), steps: 0 };
     let mut locus = locus.clone();
+    let first = CurvePoint { u: start.clone(), tangent: along.clone(), steps: 0 };
+    let mut marked = vec![Marked::new(&locus, first)];
+    let mut is_renewed = false;
     while points.len() < MOST_POINTS {
-        match advance(&locus, &last, step) {
+        let from = &marked[marked.len() - 1];
+        let last = &from.point;
+        match advance(&locus, last, step) {
             Ok((next, end)) => {
-                let way = &next.u - &last.u;
+                let next = Marked::new(&locus, next);
+                for (u, mark) in from.between(&locus, &next, step) {
+                    points.push((u, Some(mark)));
+                    if locus.ends_at(mark) {
+                        return (points, mark);
+                    }
+                }
+                let way = &next.point.u - &last.u;
                 let from = start - &last.u;
                 let part = from.dot(&way) / way.norm_squared();
                 let closes = points.len() > SHORTEST_LOOP
                     && (0.0..=1.0).contains(&part)
                     && (from - &way * part).norm() < CLOSED * way.norm()
-                    && next.tangent.dot(&along) > COSINE;
+                    && next.point.tangent.dot(&along) > COSINE;
                 let end = if closes { Some(LocusEnd::Closed) } else { end };
-                points.push((next.u.clone(), end));
-                if let Some(end) = end.filter(|e| *e != LocusEnd::Cusp) {
+                points.push((next.point.u.clone(), end));
+                if let Some(end) = end {
                     return (points, end);
                 }
-                step = if next.steps <= 4 { (1.4 * step).min(longest) } else { step };
-                locus.adapt(&next.u);
-                last = next;
+                step = if next.point.steps <= 4 { (1.4 * step).min(longest) } else { step };
+                locus.adapt(&next.point.u);
+                marked.push(next);
+                marked.drain(..marked.len().saturating_sub(3));
+                is_renewed = false;
             }
             Err(_) if step > least => step *= 0.5,
+            // The corrector's tangent has derivatives of the predicted point. Where they change much
+            // over a step, as next to a crossing of curves, it leads away from the curve.
+            Err(_) if !is_renewed => {
+                is_renewed = true;
+                step = STEPS[0];
+                let renewed = tangent(&locus, &last.u, &last.tangent);
+                if let (Ok(renewed), Some(at)) = (renewed, marked.last_mut()) {
+                    at.point.tangent = renewed;
+                }
+            }
             Err(Obstacle::Order) => return (points, LocusEnd::Touch),
-            Err(_) => return (points, locus.near_end(&last.u).unwrap_or(LocusEnd::NoConvergence)),
+            Err(_) => {
+                if let Some(u) = ahead(&marked) {
+                    points.push((u, Some(LocusEnd::FoldPitchfork)));
+                    return (points, LocusEnd::FoldPitchfork);
+                }
+                return (points, locus.near_end(&last.u).unwrap_or(LocusEnd::NoConvergence));
+            }
         }
     }
     (points, LocusEnd::NoConvergence)
@@ -101,27 +147,17 @@ fn advance(
     step: f64,
 ) -> Result<(CurvePoint, Option<LocusEnd>), Obstacle> {
     let predicted = &last.u + &last.tangent * step;
-    let columns = predicted.len();
-    for k in 0..2 {
-        let (index, (from, to)) = (columns - 2 + k, locus.range(k));
-        let value = predicted[index];
-        if (from..=to).contains(&value) {
-            continue;
-        }
-        let bound = if value < from { from } else { to };
-        let part = ((bound - last.u[index]) / (predicted[index] - last.u[index])).clamp(0.0, 1.0);
-        let guess = &last.u + &last.tangent * (step * part);
-        let hold = |u: &DVector<f64>| Ok((u[index] - bound, axis(columns, index)));
-        let u = meet(locus, &guess, hold)?;
-        if (&u - &guess).norm() > CORRECTION * step || !locus.is_orbit(&u)? {
-            return Err(Obstacle::NoConvergence);
-        }
-        return Ok((CurvePoint { u, tangent: last.tangent.clone(), steps: 3 }, Some(LocusEnd::Range)));
+    if let Some(bound) = first_bound(locus, &last.u, &predicted) {
+        return at_bound(locus, last, &predicted, bound);
     }
     let next = correct(locus, &predicted, &last.tangent)?;
     let turned = next.tangent.dot(&last.tangent) < COSINE;
     if turned || (&next.u - &predicted).norm() > CORRECTION * step {
         return Err(Obstacle::NoConvergence);
+    }
+    // The correction may lead out of a range.
+    if let Some(bound) = first_bound(locus, &last.u, &next.u) {
+        return at_bound(locus, last, &next.u, bound);
     }
     if !locus.is_orbit(&next.u)? {
         return Err(Obstacle::Order);
@@ -129,7 +165,45 @@ fn advance(
     if let Some(end) = locus.passed(&next.u) {
         return Ok((next, Some(end)));
     }
-    let turns = |k: usize| next.tangent[columns - k] * last.tangent[columns - k] < 0.0;
-    let end = (turns(1) && turns(2)).then_some(LocusEnd::Cusp);
-    Ok((next, end))
+    Ok((next, None))
+}
+
+/// The bound of a range that is met first on the way from a point to another.
+#[derive(Clone, Copy)]
+struct Bound {
+    /// Place of the parameter among the unknowns.
+    index: usize,
+    value: f64,
+    /// Part of the way to it.
+    part: f64,
+}
+
+fn first_bound(locus: &impl TwoParameters, from: &DVector<f64>, to: &DVector<f64>) -> Option<Bound> {
+    let bound = |k: usize| {
+        let (index, (least, most)) = (to.len() - 2 + k, locus.range(k));
+        let value = to[index].clamp(least, most);
+        let part = ((value - from[index]) / (to[index] - from[index])).clamp(0.0, 1.0);
+        (value != to[index]).then_some(Bound { index, value, part })
+    };
+    let bounds = (0..2).filter_map(bound);
+    bounds.min_by(|a, b| a.part.total_cmp(&b.part))
+}
+
+/// The end of a curve at a bound on the way from a point to another.
+fn at_bound(
+    locus: &impl TwoParameters,
+    last: &CurvePoint,
+    to: &DVector<f64>,
+    Bound { index, value, part }: Bound,
+) -> Result<(CurvePoint, Option<LocusEnd>), Obstacle> {
+    let way = to - &last.u;
+    let guess = &last.u + &way * part;
+    let hold = |u: &DVector<f64>| Ok((u[index] - value, axis(u.len(), index)));
+    let mut u = meet(locus, &guess, hold)?;
+    u[index] = value;
+    let is_far = (&u - &guess).norm() > CORRECTION * way.norm();
+    if is_far || first_bound(locus, &last.u, &u).is_some() || !locus.is_orbit(&u)? {
+        return Err(Obstacle::NoConvergence);
+    }
+    Ok((CurvePoint { u, tangent: last.tangent.clone(), steps: 3 }, Some(LocusEnd::Range)))
 }

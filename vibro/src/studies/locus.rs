@@ -77,6 +77,8 @@ fn in_words(end: LocusEnd) -> Option<&'static str> {
         LocusEnd::Range | LocusEnd::Closed => return None,
         LocusEnd::Touch => "GR ends where a contact comes in",
         LocusEnd::Cusp => "CP cusp",
+        LocusEnd::FoldPitchfork => "LPBP fold-pitchfork",
+        LocusEnd::FoldFlip => "LPPD fold-flip",
         LocusEnd::Resonance(1) => "R1 multipliers meet at 1",
         LocusEnd::Resonance(_) => "R2 multipliers meet at −1",
         LocusEnd::NoConvergence => "MX not followed on",
@@ -84,9 +86,11 @@ fn in_words(end: LocusEnd) -> Option<&'static str> {
 }
 
 /// Marks of special points of curves.
-const MARKS: [(LocusEnd, Mark); 5] = [
+const MARKS: [(LocusEnd, Mark); 7] = [
     (LocusEnd::Touch, Mark::Ring),
     (LocusEnd::Cusp, Mark::Disc),
+    (LocusEnd::FoldPitchfork, Mark::Diamond),
+    (LocusEnd::FoldFlip, Mark::Cross),
     (LocusEnd::Resonance(1), Mark::Square),
     (LocusEnd::Resonance(-1), Mark::Triangle),
     (LocusEnd::NoConvergence, Mark::Plus),

@@ -165,7 +165,12 @@ impl Locus {
     pub fn seen(&self, w: &DVector<f64>, end: Option<LocusEnd>) -> Result<LocusPoint, Obstacle> {
         let orbit = self.orbit(w)?;
         let angle = matches!(self.condition, Condition::Pair).then(|| angle(orbit.multipliers())).flatten();
-        Ok(LocusPoint { values: self.values(w), period: orbit.period(), angle, end })
+        // Values in curve units are at a bound but for rounding.
+        let values = [0, 1].map(|k| {
+            let (from, to) = self.families[k].range;
+            self.values(w)[k].clamp(from, to)
+        });
+        Ok(LocusPoint { values, period: orbit.period(), angle, end })
     }
 
     /// Values of the condition at a point.
@@ -201,6 +206,28 @@ impl Locus {
         let column = |k: usize| at.problems[k].by_parameter((&at.place, &at.points[k]), cycle, matrix);
         Ok([column(0)?, column(1)?])
     }
+}
+
+/// Product of a factor for each multiplier that is zero at the multiplier 1 alone.
+fn unit(multipliers: &[Complex<f64>]) -> f64 {
+    doubling(&multipliers.iter().map(|m| -m).collect::<Vec<_>>())
+}
+
+/// The multipliers but for the nearest to a number.
+fn without_nearest(multipliers: &[Complex<f64>], to: f64) -> Vec<Complex<f64>> {
+    let off = |k: &usize| (multipliers[*k] - to).norm();
+    let nearest = (0..multipliers.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let others = (0..multipliers.len()).filter(|k| Some(*k) != nearest);
+    others.map(|k| multipliers[k]).collect()
+}
+
+/// The sum of the pair of multipliers whose product is nearest to 1.
+fn sum_of_pair(multipliers: &[Complex<f64>]) -> Option<f64> {
+    let pairs = multipliers.iter().enumerate().flat_map(|(i, a)| {
+        let later = multipliers.iter().skip(i + 1);
+        later.map(move |b| ((a * b - 1.0).norm(), (a + b).re))
+    });
+    pairs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
 /// The angle, rad, of the complex pair that is nearest to the unit circle.
@@ -276,8 +303,8 @@ impl TwoParameters for Locus {
         let Ok(At { place, problems: [problem, _], points: [u, _] }) = self.at(w) else { return };
         let border = || problem.residual(&place, &u, true).ok()?.matrix.and_then(Border::of);
         let adapted = match &self.condition {
-            Condition::Fold(_) => border().map(Condition::Fold),
-            Condition::Crossing(_) => border().map(Condition::Crossing),
+            Condition::Fold(own) => border().map(|border| Condition::Fold(border.aligned(own))),
+            Condition::Crossing(own) => border().map(|border| Condition::Crossing(border.aligned(own))),
             Condition::Doubling | Condition::Pair | Condition::Touch(_) => None,
         };
         if let Some(adapted) = adapted {
@@ -315,5 +342,41 @@ impl TwoParameters for Locus {
             .then(|| angle(orbit.multipliers()))
             .flatten()
             .and_then(LocusEnd::resonance)
+    }
+
+    fn products(&self, w: &DVector<f64>) -> Option<[f64; 2]> {
+        let Condition::Fold(own) = &self.condition else { return None };
+        let at = self.at(w).ok()?;
+        let Residual { matrix, cycle, .. } = at.problems[0].residual(&at.place, &at.points[0], true).ok()?;
+        let matrix = matrix?;
+        let columns = self.columns(&at, &cycle, &matrix).ok()?;
+        let left = Border::of(matrix)?.aligned(own).left;
+        Some(columns.map(|column| left.dot(&column)))
+    }
+
+    fn tests_on_curve(&self, w: &DVector<f64>) -> Vec<(LocusEnd, f64)> {
+        let [one, minus] = [1, -1].map(LocusEnd::Resonance);
+        let Ok(orbit) = self.orbit(w) else { return Vec::new() };
+        let multipliers = orbit.multipliers();
+        match self.condition {
+            Condition::Fold(_) => {
+                let others = without_nearest(multipliers, 1.0);
+                vec![(LocusEnd::FoldFlip, doubling(multipliers)), (one, unit(&others))]
+            }
+            Condition::Doubling => {
+                let others = without_nearest(multipliers, -1.0);
+                vec![(LocusEnd::FoldFlip, unit(multipliers)), (minus, doubling(&others))]
+            }
+            Condition::Pair => {
+                let sum = sum_of_pair(multipliers);
+                sum.map_or(Vec::new(), |sum| vec![(one, sum - 2.0), (minus, sum + 2.0)])
+            }
+            Condition::Crossing(_) | Condition::Touch(_) => Vec::new(),
+        }
+    }
+
+    fn ends_at(&self, mark: LocusEnd) -> bool {
+        let is_resonance = matches!(mark, LocusEnd::Resonance(_));
+        mark == LocusEnd::FoldPitchfork || (is_resonance && matches!(self.condition, Condition::Pair))
     }
 }
