@@ -118,7 +118,7 @@ async function adoptLink() {
   }
 }
 
-const isOwn = () => !select("example").value && text() !== "" && !misled;
+const isOwn = () => !select("example").value && text() !== "";
 /** Name under which one's own text outlives a reload. */
 const KEPT = "vibro-workbench";
 
@@ -505,7 +505,7 @@ function listen() {
   addEventListener("dragleave", (e) => { if (!e.relatedTarget) document.body.classList.remove("dropping"); });
   addEventListener("drop", (e) => { e.preventDefault(); document.body.classList.remove("dropping"); void receive([...(e.dataTransfer?.files ?? [])]); });
   addEventListener("hashchange", () => void adoptLink());
-  addEventListener("beforeunload", keep);
+  for (const leaving of ["beforeunload", "pagehide"]) addEventListener(leaving, keep);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { theme(); dirty = true; });
   calm.addEventListener("change", () => { if (calm.matches) { playing = false; showPlaying(); } });
 }
