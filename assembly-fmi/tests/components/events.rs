@@ -73,7 +73,12 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
                 let is_told = is_told || with_stop && told.0.iter().any(|text| text.starts_with("stop.pad "));
                 // A contact whose force has ended (5) and that leaves its gap (3) was told when it ended.
                 let leaves = (was, is) == (5.0, 3.0);
-                assert!(was == is || is_told || turns || leaves, "{}: {name}{was} to {is}: {:?}", plan.name(), told.0);
+                assert!(
+                    was == is || is_told || turns || leaves,
+                    "{}: {name}{was} to {is}: {:?}",
+                    plan.name(),
+                    told.0
+                );
                 changes.extend((was != is).then_some((name.starts_with("stop"), was as u8, is as u8)));
             }
             machine.leave_event(&mut Silent).unwrap();
