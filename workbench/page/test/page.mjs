@@ -132,8 +132,8 @@ const tests = {
     await tab.click("#copy");
     await tab.waitForFunction("/holds no records \\(cam_lift.csv\\)/.test(document.querySelector('#status').textContent)");
     // A link of an earlier version has no checksum and still opens.
-    const old = await browser.tab({}, "#m=y0vMTVWwVVBKVOICAA");
-    assert.equal(await text(old.tab), "name = \"a\"\n");
+    const old = await browser.tab({}, "#m=y0vMTVWwVVDyz0lR4opOyk-p1EuK5cpNLC4GihrqGXBFFxcUZeal62XHciWllpSnpuYBJaKV0ovyS_NSlHQUlJKUYrmKSzLT0vJS4ZoA");
+    assert.equal(await text(old.tab), "name = \"Old\"\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n");
     await old.close();
     assert.deepEqual(wrong, []);
     await close();
