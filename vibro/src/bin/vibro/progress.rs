@@ -187,13 +187,22 @@ mod tests {
         (terminal, progress)
     }
 
+    /// Waits until the terminal shows what is expected: a bar is drawn by a thread of its own.
+    fn wait(terminal: &InMemoryTerm, is_met: impl Fn(&str) -> bool) {
+        /// Longest wait, some hundred ticks: other tests hold the processor.
+        const LONGEST: Duration = Duration::from_secs(60);
+        let begin = Instant::now();
+        while !is_met(&terminal.contents()) {
+            assert!(begin.elapsed() < LONGEST, "{}", terminal.contents());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
     #[test]
     fn a_terminal_shows_count_and_time_left_and_is_left_clean() {
         let (terminal, progress) = after(3, Duration::ZERO);
-        // The first step is drawn at once; later ones a few times a second at most.
-        progress.bar.get().expect("a bar").tick();
-        let shown = terminal.contents();
-        assert!(shown.contains("3/8 parts") && shown.ends_with("left"), "{shown}");
+        // Steps are drawn a few times a second at most.
+        wait(&terminal, |shown| shown.contains("3/8 parts") && shown.ends_with("left"));
         drop(progress);
         assert_eq!(terminal.contents(), "");
     }
@@ -204,20 +213,12 @@ mod tests {
         let own = terminal.clone();
         let onto = move || ProgressDrawTarget::term_like(Box::new(own.clone()));
         let clock = Clock::onto(onto, Duration::ZERO);
-        let wait = |is_met: &dyn Fn(&str) -> bool| {
-            let begin = Instant::now();
-            while !is_met(&terminal.contents()) {
-                assert!(begin.elapsed() < Duration::from_secs(60), "{}", terminal.contents());
-                std::thread::sleep(Duration::from_millis(10));
-            }
-        };
-        wait(&|shown| shown.contains("seconds gone"));
+        wait(&terminal, |shown| shown.contains("seconds gone"));
         let (other, progress) = after(3, Duration::ZERO);
-        wait(&str::is_empty);
-        progress.bar.get().expect("a bar").tick();
-        assert!(other.contents().contains("3/8 parts"), "{}", other.contents());
+        wait(&terminal, str::is_empty);
+        wait(&other, |shown| shown.contains("3/8 parts"));
         drop(progress);
-        wait(&|shown| shown.contains("gone"));
+        wait(&terminal, |shown| shown.contains("gone"));
         drop(clock);
         assert_eq!(terminal.contents(), "");
     }
@@ -229,8 +230,7 @@ mod tests {
         let progress = Progress::onto(target, Duration::ZERO, 0, TIME);
         // As at each of many samples: most calls only read the time.
         (0..1_000_000).for_each(|k| progress.part(f64::from(k) * 1e-6));
-        progress.bar.get().expect("a bar").tick();
-        assert!(terminal.contents().contains("of all") && terminal.contents().contains("left"));
+        wait(&terminal, |shown| shown.contains("of all") && shown.contains("left"));
     }
 
     #[test]
@@ -238,8 +238,7 @@ mod tests {
         let (terminal, progress) = after(0, Duration::ZERO);
         progress.at(2, 5);
         progress.at(3, 40);
-        progress.bar.get().expect("a bar").tick();
-        assert!(terminal.contents().contains("3/40 parts"), "{}", terminal.contents());
+        wait(&terminal, |shown| shown.contains("3/40 parts"));
     }
 
     #[test]
