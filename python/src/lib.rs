@@ -17,6 +17,7 @@
 //! | `assembly_motion.rs` | their motions |
 //! | `assembly_fit.rs` | their fits to records |
 //! | `assembly_orbits.rs` | their periodic orbits and branches of them |
+//! | `assembly_locus.rs` | curves of their special points over two parameters |
 //! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
 //! | `designs.rs` | machines of many motions, given one by one or as rows of numbers |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
@@ -26,6 +27,7 @@
 mod arrays;
 mod assembly;
 mod assembly_fit;
+mod assembly_locus;
 mod assembly_motion;
 mod assembly_orbits;
 mod assembly_settled;
@@ -48,6 +50,8 @@ mod _native {
     use super::assembly::{assembly_diagram, measure_assemblies};
     #[pymodule_export]
     use super::assembly_fit::{columns_of_table, fit_assembly};
+    #[pymodule_export]
+    use super::assembly_locus::assembly_locus;
     #[pymodule_export]
     use super::assembly_motion::{
         assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,

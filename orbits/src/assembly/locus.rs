@@ -18,6 +18,7 @@ use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
 use nalgebra::DVector;
 use vibro_analysis::{Error, Result};
+use vibro_assembly::Start;
 
 /// Points along a branch to either side among which an orbit beside a special point is sought.
 const BESIDE: usize = 6;
@@ -57,16 +58,21 @@ pub struct LocusPoint {
     pub end: Option<LocusEnd>,
 }
 
+impl Kind {
+    /// Kinds of special points at which curves over two parameters begin.
+    pub fn starts() -> impl Iterator<Item = Self> {
+        let further = [Self::Stick, Self::Crossing, Self::Saturation];
+        Label::STARTS.into_iter().map(Self::As).chain(further)
+    }
+}
+
 impl Branch {
     /// The start of a curve from one of its points; `None` for a point that is not special, an end
     /// of the range and an end of the following.
     pub fn locus_start(&self, point: usize) -> Option<LocusStart> {
         let at = self.points.get(point)?;
         let special = at.special.clone()?;
-        let is_start = match special.kind {
-            Kind::As(label) => Label::STARTS.contains(&label),
-            Kind::Stick | Kind::Crossing | Kind::Saturation => true,
-        };
+        let is_start = Kind::starts().any(|kind| kind == special.kind);
         is_start.then(|| LocusStart { special, problem: self.problem.clone(), u: at.u.clone() })
     }
 
@@ -84,6 +90,23 @@ impl Branch {
 }
 
 impl LocusStart {
+    /// The special point of a branch over a family's parameter, found from an orbit next to it that
+    /// is given by the parameter's value, its period (s) and a start. The point has a kind and a
+    /// value of the parameter.
+    ///
+    /// # Errors
+    /// As [`Orbit::near`] and [`find`](Self::find).
+    pub fn from_beside(
+        over: &Family,
+        (special, value): (&Special, f64),
+        (at, period, start): (f64, f64, &Start),
+    ) -> Result<Self> {
+        let machine = over.at(at)?;
+        let orbit = Orbit::near(&machine, start, period)?;
+        let family = Family::new(&machine, &over.parameter, over.range)?;
+        Self::find(&family, &orbit, special, value)
+    }
+
     /// The special point of a branch over the first parameter that an orbit beside it leads to: of
     /// a kind, and nearest to a value of the parameter. Where several conditions cease to hold at
     /// the value, it may have the name of another one. The family's machine has the orbit's value.

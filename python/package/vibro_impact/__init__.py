@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._assembly import Assembly
 from ._assembly_fit import AssemblyFit, MachineFit, Segment, fit
+from ._assembly_locus import LOCUS_LABELS, AssemblyLocus
 from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition
 from ._assembly_studies import AssemblyAttractor, AssemblyBasins, AssemblySection, AssemblySpectrum
@@ -46,6 +47,7 @@ __all__ = [
     "ASSEMBLY_LABELS",
     "GROUP_NAMES",
     "LABELS",
+    "LOCUS_LABELS",
     "MEASURES",
     "PARAMETERS",
     "SI_NAMES",
@@ -58,6 +60,7 @@ __all__ = [
     "AssemblyDirection",
     "AssemblyEnds",
     "AssemblyFit",
+    "AssemblyLocus",
     "AssemblyOrbit",
     "AssemblyRun",
     "AssemblySection",

@@ -405,7 +405,7 @@ class Assembly(AssemblyDescription):
         of
             The output that is kept of each orbit, such as ``amplitude.box.s``; the amplitude of the first free body without one.
         seeds
-            Values of the parameter at which motions are followed until they settle, rising and falling.
+            Values of the parameter at which motions are followed until they settle, rising and falling; with a depth from the start, too.
         depth
             Most changes from one branch to another in a row, at bifurcations and touches of rigid stops; at other touches branches go on.
         start, settle, section

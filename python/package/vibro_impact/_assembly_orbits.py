@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._arguments import Floats, number, seconds, whole
+from ._assembly_locus import AssemblyLocus, locus_of, ranges_of
 from ._assembly_many import Section, positive, section_of
 from ._assembly_start import StartLike, numbers_of
+from ._base import merged
 from ._progress import Bar
 from ._start import Start
 from ._show import lines, pieces
@@ -35,6 +38,11 @@ ASSEMBLY_LABELS = {
     "EP": "end of the parameter's range",
     "MX": "the branch could not be followed on",
 }
+
+#: Labels of points at which curves over two parameters begin.
+_BEGINS = tuple(label for label in ASSEMBLY_LABELS if label not in ("EP", "MX"))
+#: Number of points on either side of a special point among which the next orbit is searched.
+_BESIDE = 6
 
 _MOST_RETURNS = 10_000_000
 
@@ -172,6 +180,40 @@ class AssemblyBranch(Result):
     def special(self) -> list[tuple[str, float, str]]:
         """Special points as (label, value of the parameter, element), in the branch's order."""
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
+
+    def locus(
+        self, point: int, ranges: Optional[Mapping[str, tuple[Any, Any]]] = None, *, progress: bool = False, **more: tuple[Any, Any]
+    ) -> AssemblyLocus:
+        """The curve over two parameters on which the orbit keeps a special point of this branch: ``vibro locus FILE``.
+
+        ``branch.locus(k, {branch.name: (0.01, 0.05), "stop.floor.restitution": (0.4, 0.8)})`` for each k of ``np.flatnonzero(branch.labels == "LP")``
+
+        Parameters
+        ----------
+        point
+            Index of the special point among the points of this branch.
+        ranges, **more
+            The branch's parameter and a second one, each with (from, to), in SI or as texts with units. The curve begins at the second parameter's
+            value in the machine and stays in both ranges.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range, a point at which no curve begins, and where no curve passes the point.
+        """
+        point = whole("point", point, 0, len(self.value) - 1)
+        label, value, name = str(self.labels[point]), float(self.value[point]), self.name
+        if label not in _BEGINS:
+            expected = [k for k in range(len(self.value)) if self.labels[k] in _BEGINS]
+            raise ValueError(f"point = {point}: no curve begins at this point ({label or 'not special'}); expected one of {expected}")
+        own, second = ranges_of(self.machine, name, merged(ranges, more, "ranges"))
+        low, high = own[1]
+        if not low <= value <= high:
+            raise ValueError(f"{name} = {value} at point {point}: the curve begins here, so it must lie in the range {low} to {high}")
+        near = (k for step in range(1, _BESIDE + 1) for k in (point - step, point + step) if 0 <= k < len(self.value) and not self.labels[k])
+        orbits = ((k, self.starts[k]) for k in near if low <= self.value[k] <= high)
+        beside = [(float(self.value[k]), float(self.period[k]), list(start.items())) for k, start in orbits if start is not None]
+        return locus_of(self.machine, (own, second), (label, str(self.elements[point]), value), beside, progress)
 
     def _picture(self) -> str:
         return lines(pieces(self.value, self.measure, self.stable), self.name, f"{self.of}, SI")

@@ -30,6 +30,7 @@ __all__ = [
     "assembly_basins",
     "assembly_branches",
     "assembly_diagram",
+    "assembly_locus",
     "assembly_orbit",
     "assembly_section",
     "assembly_spectrum",
@@ -200,6 +201,14 @@ def assembly_branches(
     section: float | str | None,
     progress: _Progress = None,
 ) -> list[_Parts]: ...
+def assembly_locus(
+    machine: Described,
+    first: tuple[str, tuple[float, float]],
+    second: tuple[str, tuple[float, float]],
+    point: tuple[str, str, float],
+    beside: list[tuple[float, float, _Numbers]],
+    progress: _Progress = None,
+) -> _Parts: ...
 def assembly_basins(
     machine: Described,
     x: tuple[str, float, float, int],

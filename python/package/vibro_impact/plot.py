@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Optional, Union
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
@@ -25,29 +24,22 @@ from numpy.typing import NDArray
 
 from ._arguments import Floats, choice, displacement
 from ._assembly_description import AssemblyDescription
-from ._assembly_orbits import AssemblyBranch
 from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
 from ._assembly_studies import AssemblyBasins, AssemblySection
 from ._motion import Run, Section
-from ._orbits import Branch
 from ._parameters import PARAMETERS
+from ._plot_axes import COLOURS, SYMBOLS, axes_of, length, require
+from ._plot_orbits import branch, locus, response
 from ._studies import Basins, Diagram, Direction
-from ._values import ParameterValues
 
-#: Colours of x1, x2, x3 and w = x2 - x1.
-COLOURS = {"x1": "#004696", "x2": "#c84b00", "x3": "#14a073", "w": "#a52882"}
-#: Names of the displacements in legends and on axes.
-_SYMBOLS = {"x1": "$x_1$", "x2": "$x_2$", "x3": "$x_3$", "w": "$w$"}
 _BODIES = {"x1": "box", "x2": "block", "x3": "secondary oscillator", "w": "block in the box"}
 #: Colours of areas (Okabe and Ito).
 _AREAS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
-#: Below this gap (m) lengths are drawn in mm.
-_SMALL_GAP = 0.1
 #: Drive periods up to which a history is drawn as a line; more would run into a bar.
 _DRAWN = 40
 
-__all__ = ["COLOURS", "basins", "bifurcation", "branch", "forces", "history", "portrait", "response", "section"]
+__all__ = ["COLOURS", "basins", "bifurcation", "branch", "forces", "history", "locus", "portrait", "response", "section"]
 
 
 def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
@@ -56,11 +48,6 @@ def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
         return result.s[:, 1] - result.s[:, 0], result.v[:, 1] - result.v[:, 0]
     index = int(choice("of", of, tuple(COLOURS))[1]) - 1
     return result.s[:, index], result.v[:, index]
-
-
-def _length(machine: ParameterValues) -> tuple[float, str]:
-    """The unit of lengths: how many of it are in a metre, and its symbol."""
-    return (1e3, "mm") if machine.stop_gap < _SMALL_GAP else (1.0, "m")
 
 
 def _windows(run: Run) -> NDArray[np.intp]:
@@ -79,21 +66,6 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
     for stop in (-gap, gap):
         line = axes.axhline if horizontal else axes.axvline
         line(stop, color="black", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
-
-
-def _require(what: str, result: object, *kinds: type) -> None:
-    """Refuses results of types that the picture does not draw."""
-    if not isinstance(result, kinds):
-        allowed = " or ".join(kind.__name__ for kind in kinds)
-        raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
-
-
-def _axes(axes: Optional[Axes]) -> Axes:
-    """The axes to draw into: the current ones unless given."""
-    if axes is None:
-        return plt.gca()
-    _require("axes", axes, Axes)
-    return axes
 
 
 def _unit(machine: AssemblyDescription, column: str) -> str:
@@ -115,16 +87,16 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    _require("run", run, Run, AssemblyRun)
-    axes = _axes(axes)
+    require("run", run, Run, AssemblyRun)
+    axes = axes_of(axes)
     given = [of] if isinstance(of, str) else of
     if isinstance(run, AssemblyRun):
         return _history_of_assembly(run, axes, _displacements(run) if given is None else list(given))
-    scale, unit = _length(run.machine)
+    scale, unit = length(run.machine)
     names = ["x1", "x2", "x3"] if given is None else list(map(displacement, given))
     windows = _windows(run)
     for name in names:
-        place, label = scale * _columns(run, name)[0], f"{_SYMBOLS[name]} {_BODIES[name]}"
+        place, label = scale * _columns(run, name)[0], f"{SYMBOLS[name]} {_BODIES[name]}"
         if len(windows):
             low, high = (extreme.reduceat(place, windows) for extreme in (np.minimum, np.maximum))
             t, low, high = (np.append(values, values[-1]) for values in (run.t[windows], low, high))
@@ -135,7 +107,7 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     if "w" in names:
         _stops(axes, scale * run.machine.stop_gap, horizontal=True)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel(f"displacement ({unit})" if len(names) > 1 else f"{_SYMBOLS[names[0]]} ({unit})")
+    axes.set_ylabel(f"displacement ({unit})" if len(names) > 1 else f"{SYMBOLS[names[0]]} ({unit})")
     axes.margins(x=0)
     if len(names) > 1:
         # Above the axes, where no line is.
@@ -184,8 +156,8 @@ def forces(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Uni
     TypeError, ValueError
         For another kind of result, names that it has not, and an assembly without such elements.
     """
-    _require("run", run, Run, AssemblyRun)
-    axes = _axes(axes)
+    require("run", run, Run, AssemblyRun)
+    axes = axes_of(axes)
     given = [of] if isinstance(of, str) else of
     if isinstance(run, AssemblyRun):
         all_forces = [name for name in run.columns if name.endswith(".f")]
@@ -220,12 +192,12 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    _require("run", run, Run, AssemblyRun)
-    axes = _axes(axes)
+    require("run", run, Run, AssemblyRun)
+    axes = axes_of(axes)
     if isinstance(run, AssemblyRun):
         return _portrait_of_assembly(run, axes, _displacements(run)[0] if of is None else of)
     of = displacement(of)
-    scale, unit = _length(run.machine)
+    scale, unit = length(run.machine)
     place, rate = _columns(run, of)
     jumps = np.unique(np.searchsorted(run.t, run.impacts["t"]))
     if of == "x3":
@@ -234,8 +206,8 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     axes.plot(np.insert(scale * place, jumps, np.nan), np.insert(rate, jumps, np.nan), color=COLOURS[of], linewidth=0.9)
     if of == "w":
         _stops(axes, scale * run.machine.stop_gap, horizontal=False)
-    axes.set_xlabel(f"{_SYMBOLS[of]} ({unit})")
-    axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
+    axes.set_xlabel(f"{SYMBOLS[of]} ({unit})")
+    axes.set_ylabel(f"rate of {SYMBOLS[of]} (m/s)")
     return axes
 
 
@@ -253,18 +225,18 @@ def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = Non
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    _require("section", section, Section, AssemblySection)
-    axes = _axes(axes)
+    require("section", section, Section, AssemblySection)
+    axes = axes_of(axes)
     if isinstance(section, AssemblySection):
         place, rate = _section_of_assembly(section, axes, of)
         return _points(axes, place, rate, "C0")
     of = displacement(of)
     if section.at == "phase":
-        scale, unit = _length(section.machine)
+        scale, unit = length(section.machine)
         place, rate = _columns(section, of)
         place = scale * place
-        axes.set_xlabel(f"{_SYMBOLS[of]} ({unit})")
-        axes.set_ylabel(f"rate of {_SYMBOLS[of]} (m/s)")
+        axes.set_xlabel(f"{SYMBOLS[of]} ({unit})")
+        axes.set_ylabel(f"rate of {SYMBOLS[of]} (m/s)")
     else:
         place, rate = section.phase, section.speed
         _phases(axes)
@@ -316,8 +288,8 @@ def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] =
     TypeError, ValueError
         For another kind of result, and another direction.
     """
-    _require("diagram", diagram, Diagram, AssemblyDiagram)
-    axes = _axes(axes)
+    require("diagram", diagram, Diagram, AssemblyDiagram)
+    axes = axes_of(axes)
     choice("direction", direction, ("up", "down", "both"))
     if isinstance(diagram, AssemblyDiagram):
         colour, unit = "C0", diagram.machine.units[diagram.name]
@@ -326,7 +298,7 @@ def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] =
         up = f"{diagram.of}, {what} ({_unit(diagram.machine, diagram.of)})"
     else:
         colour, across = COLOURS[diagram.of], PARAMETERS[diagram.name][0]
-        up = f"maxima of {_SYMBOLS[diagram.of]} (units of L)"
+        up = f"maxima of {SYMBOLS[diagram.of]} (units of L)"
     if direction == "both":
         _dots(axes, diagram.down, "#8c8c8c", "falling")
     shown = diagram.down if direction == "down" else diagram.up
@@ -358,8 +330,8 @@ def basins(basins: Union[Basins, AssemblyBasins], axes: Optional[Axes] = None) -
 
     Of a machine of your own cells whose motion was not decided are grey, and those whose motion ends are black.
     """
-    _require("basins", basins, Basins, AssemblyBasins)
-    axes = _axes(axes)
+    require("basins", basins, Basins, AssemblyBasins)
+    axes = axes_of(axes)
     if isinstance(basins, AssemblyBasins):
         return _basins_of_assembly(basins, axes)
     colours, handles = ["white"], []
@@ -427,73 +399,3 @@ def _lighter(colour: str) -> str:
     """A colour mixed half and half with white."""
     parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(f"{(part + 255) // 2:02x}" for part in parts)
-
-
-def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -> Axes:
-    """What is kept along a branch of periodic orbits: solid where stable, dashed where not, special points with labels.
-
-    It is the largest maximum; of a machine of your own the branch's measure, in SI.
-    """
-    if isinstance(branch, Sequence):
-        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or AssemblyBranch; plot.response draws several")
-    _require("branch", branch, Branch, AssemblyBranch)
-    axes = _axes(axes)
-    if isinstance(branch, AssemblyBranch):
-        machine, colour, top = branch.machine, "C0", branch.measure
-        unit, parameter = machine.measures[branch.of].split(":")[0] if branch.of in machine.measures else "", machine.units[branch.name]
-        across = branch.name if parameter == "1" else f"{branch.name} ({parameter})"
-        up = branch.of if unit in ("", "1") else f"{branch.of} ({unit})"
-    else:
-        scale, symbol = _length(branch.machine)
-        top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
-        colour, across = COLOURS[branch.of], PARAMETERS[branch.name][0]
-        up = f"largest maximum of {_SYMBOLS[branch.of]} ({symbol})"
-    # A piece goes from a point to the next, whose stability is that of its first point.
-    for stable, style in ((True, "-"), (False, (0, (3, 2)))):
-        begins = np.flatnonzero(branch.stable[:-1] == stable)
-        label = "stable" if stable else "unstable"
-        for run in np.split(begins, np.flatnonzero(np.diff(begins) > 1) + 1):
-            points = np.append(run, run[-1:] + 1)
-            axes.plot(branch.value[points], top[points], color=colour, linewidth=1.4, linestyle=style, label=label)
-            label = "_"  # one entry of the legend for all runs
-    if len(top) == 1:  # an orbit of a family, which no branch leaves
-        axes.plot(branch.value, top, "o", color=colour, markersize=3.5, label="stable" if branch.stable[0] else "unstable")
-    for index in np.flatnonzero(branch.labels != ""):
-        if branch.labels[index] == "EP":
-            continue
-        axes.plot(branch.value[index], top[index], "o", color="black", markersize=3.5)
-        axes.annotate(
-            str(branch.labels[index]),
-            (branch.value[index], top[index]),
-            (7, -11),
-            textcoords="offset points",
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.3},
-        )
-    axes.margins(y=0.1)
-    axes.set_xlabel(across)
-    axes.set_ylabel(up)
-    handles, labels = axes.get_legend_handles_labels()
-    own = dict(zip(reversed(labels), reversed(handles)))  # several branches in one picture have one entry each
-    axes.legend([own[key] for key in sorted(own)], sorted(own), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
-    return axes
-
-
-def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[Axes] = None) -> Axes:
-    """A response curve, or all branches over a parameter: what `response` and `branches` return, each as by :func:`branch`.
-
-    Raises
-    ------
-    TypeError, ValueError
-        For another kind of result, and for none.
-    """
-    if isinstance(branches, (Branch, AssemblyBranch)):
-        branches = [branches]
-    if not isinstance(branches, Sequence) or isinstance(branches, str):
-        raise TypeError(f"branches is of type {type(branches).__name__}: allowed is a list of Branch or AssemblyBranch")
-    if not branches:
-        raise ValueError("branches is empty: allowed is one branch or more")
-    axes = _axes(axes)
-    for index, one in enumerate(branches):
-        _require(f"branches[{index}]", one, Branch, AssemblyBranch)
-        branch(one, axes)
-    return axes

@@ -1,9 +1,8 @@
 //! Rows of the special points of a described machine, as `vibro orbits FILE` writes them.
 
-use super::{FURTHER, PointRow, Seen, Selection, Table};
+use super::{PointRow, Seen, Selection, Table};
 use crate::Result;
 use vibro_assembly::Start;
-use vibro_orbits::Label;
 use vibro_orbits::assembly::{Kind, Special};
 
 /// A special point of a described machine with its row, counted from 1.
@@ -45,10 +44,7 @@ impl PointRow<'_> {
     /// The point; `None` for a row from which no curve starts.
     fn point_of_file(&self) -> Result<Option<PointOfFile>> {
         let label = self.cell("label")?;
-        let known = Label::STARTS.into_iter().find(|known| known.name() == label).map(Kind::As);
-        let further = FURTHER.into_iter().zip([Kind::Stick, Kind::Crossing, Kind::Saturation]);
-        let further = || further.clone().find(|(name, _)| *name == label).map(|(_, kind)| kind);
-        let Some(kind) = known.or_else(further) else { return Ok(None) };
+        let Some(kind) = Kind::starts().find(|kind| kind.name() == label) else { return Ok(None) };
         let special = Special { kind, element: self.cell("element")?.to_owned() };
         let start = self.cell("beside_start")?;
         if start.is_empty() {

@@ -313,10 +313,7 @@ fn start(
     over: &Family,
     PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
 ) -> Result<(LocusStart, LocusStart)> {
-    let machine = over.at(*at)?;
-    let orbit = Orbit::near(&machine, start, *period)?;
-    let family = Family::new(&machine, &over.parameter, over.range)?;
-    let start = LocusStart::find(&family, &orbit, special, *value)?;
+    let start = LocusStart::from_beside(over, (special, *value), (*at, *period, start))?;
     let shortest = start.shortest();
     Ok((start, shortest))
 }

@@ -1,0 +1,127 @@
+"""Pictures of branches of periodic orbits and of curves of their special points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Optional, Union
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from ._arguments import Floats
+from ._assembly_description import AssemblyDescription
+from ._assembly_locus import AssemblyLocus
+from ._assembly_orbits import AssemblyBranch
+from ._orbits import Branch
+from ._parameters import PARAMETERS
+from ._plot_axes import COLOURS, SYMBOLS, axes_of, length, require
+
+
+def _parameter(machine: AssemblyDescription, name: str) -> str:
+    """A parameter of a machine of your own with its unit."""
+    unit = machine.units[name]
+    return name if unit == "1" else f"{name} ({unit})"
+
+
+def _mark(axes: Axes, labels: NDArray[np.str_], x: Floats, y: Floats) -> None:
+    """Special points with their labels; ends of a range have none."""
+    for index in np.flatnonzero((labels != "") & (labels != "EP")):
+        place = (x[index], y[index])
+        axes.plot(*place, "o", color="black", markersize=3.5)
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
+        axes.annotate(str(labels[index]), place, (7, -11), textcoords="offset points", bbox=box)
+
+
+def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -> Axes:
+    """What is kept along a branch of periodic orbits: solid where stable, dashed where not, special points with labels.
+
+    It is the largest maximum; of a machine of your own the branch's measure, in SI.
+    """
+    if isinstance(branch, Sequence):
+        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or AssemblyBranch; plot.response draws several")
+    require("branch", branch, Branch, AssemblyBranch)
+    axes = axes_of(axes)
+    if isinstance(branch, AssemblyBranch):
+        machine, colour, top = branch.machine, "C0", branch.measure
+        unit = machine.measures[branch.of].split(":")[0] if branch.of in machine.measures else ""
+        across = _parameter(machine, branch.name)
+        up = branch.of if unit in ("", "1") else f"{branch.of} ({unit})"
+    else:
+        scale, symbol = length(branch.machine)
+        top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
+        colour, across = COLOURS[branch.of], PARAMETERS[branch.name][0]
+        up = f"largest maximum of {SYMBOLS[branch.of]} ({symbol})"
+    # A piece goes from a point to the next, whose stability is that of its first point.
+    for stable, style in ((True, "-"), (False, (0, (3, 2)))):
+        begins = np.flatnonzero(branch.stable[:-1] == stable)
+        label = "stable" if stable else "unstable"
+        for run in np.split(begins, np.flatnonzero(np.diff(begins) > 1) + 1):
+            points = np.append(run, run[-1:] + 1)
+            axes.plot(branch.value[points], top[points], color=colour, linewidth=1.4, linestyle=style, label=label)
+            label = "_"  # one entry of the legend for all runs
+    if len(top) == 1:  # an orbit of a family, which no branch leaves
+        axes.plot(branch.value, top, "o", color=colour, markersize=3.5, label="stable" if branch.stable[0] else "unstable")
+    _mark(axes, branch.labels, branch.value, top)
+    axes.margins(y=0.1)
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
+    handles, labels = axes.get_legend_handles_labels()
+    own = dict(zip(reversed(labels), reversed(handles)))  # several branches in one picture have one entry each
+    axes.legend([own[key] for key in sorted(own)], sorted(own), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
+    return axes
+
+
+def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[Axes] = None) -> Axes:
+    """A response curve, or all branches over a parameter: what `response` and `branches` return, each as by :func:`branch`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, and for none.
+    """
+    branches = _several("branches", branches, Branch, AssemblyBranch)
+    axes = axes_of(axes)
+    for one in branches:
+        branch(one, axes)
+    return axes
+
+
+def _several(what: str, results: Any, *kinds: type) -> Sequence[Any]:
+    """One result or several, at least one, all of types that the picture draws."""
+    if isinstance(results, kinds):
+        return [results]
+    if not isinstance(results, Sequence) or isinstance(results, str):
+        allowed = " or ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"{what} is of type {type(results).__name__}: allowed is a list of {allowed}")
+    if not results:
+        raise ValueError(f"{what} is empty: allowed is one or more")
+    for index, one in enumerate(results):
+        require(f"{what}[{index}]", one, *kinds)
+    return results
+
+
+def locus(curves: Union[AssemblyLocus, Sequence[AssemblyLocus]], axes: Optional[Axes] = None) -> Axes:
+    """Curves of special points over two parameters, one or several, with the points of two conditions on them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another kind of result, for none, and for curves over different parameters.
+    """
+    several = _several("curves", curves, AssemblyLocus)
+    axes = axes_of(axes)
+    for index, one in enumerate(several):
+        if one.names != several[0].names:
+            raise ValueError(f"curves[{index}] is over {one.names}: allowed are curves over {several[0].names}, as curves[0]")
+    kinds = list(dict.fromkeys((one.label, one.element) for one in several))
+    for kind in kinds:
+        own = [one for one in several if (one.label, one.element) == kind]
+        for k, one in enumerate(own):
+            label = "_" if k else " ".join(kind).strip()  # one entry of the legend for all curves of a kind
+            axes.plot(*one.values.T, color=f"C{kinds.index(kind)}", linewidth=1.4, label=label)
+            _mark(axes, one.labels, *one.values.T)
+    axes.set_xlabel(_parameter(several[0].machine, several[0].names[0]))
+    axes.set_ylabel(_parameter(several[0].machine, several[0].names[1]))
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
+    return axes
