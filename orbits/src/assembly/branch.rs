@@ -7,7 +7,6 @@ use super::problem::Problem;
 use super::violation::name_of_output;
 use super::word::{Letter, Word};
 use crate::branch::Label;
-use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DVector};
 use vibro_assembly::mode::Contact;
 
@@ -159,45 +158,4 @@ impl Branch {
         let place = self.problem.place(&point.u).ok()?;
         Orbit::at(self.problem.clone(), place, point.u.clone()).ok()
     }
-
-    /// Whether an orbit of this family lies on the branch.
-    pub fn passes(&self, orbit: &Orbit) -> bool {
-        orbit.has_word(self.word()) && self.orbits_at(orbit.value()).iter().any(|own| own.is_same(orbit))
-    }
-
-    /// Orbits of the branch at a value of the parameter, from the points on either side.
-    pub fn orbits_at(&self, value: f64) -> Vec<Orbit> {
-        let Ok(place) = self.problem.family.place(value) else { return Vec::new() };
-        let at = value / self.problem.family.unit();
-        let last = self.problem.size();
-        let mut found: Vec<Orbit> = Vec::new();
-        for pair in self.points.windows(2) {
-            let [a, b] = [&pair[0], &pair[1]];
-            if (a.value - value) * (b.value - value) > 0.0 {
-                continue;
-            }
-            let way = b.value - a.value;
-            let part = if way == 0.0 { 0.5 } else { (value - a.value) / way };
-            let mut guess = &a.u + (&b.u - &a.u) * part;
-            guess[last] = at;
-            let near = |u: &DVector<f64>| (u - &guess).norm() <= NEAR * ((&b.u - &a.u).norm() + NEAR);
-            let Ok(u) = super::orbit::newton(&self.problem, &place, &guess) else { continue };
-            if !near(&u) || found.iter().any(|own| (&own.u - &u).norm() < SAME) {
-                continue;
-            }
-            let orbit = self
-                .problem
-                .family
-                .place(value)
-                .map_err(Obstacle::from)
-                .and_then(|place| Orbit::at(self.problem.clone(), place, u));
-            found.extend(orbit.ok().filter(Orbit::is_certified));
-        }
-        found
-    }
 }
-
-/// Distance from a guess within which an orbit belongs to the piece, in lengths of the piece.
-const NEAR: f64 = 1.0;
-/// Distance of two points that are one.
-const SAME: f64 = 1e-6;

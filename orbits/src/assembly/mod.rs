@@ -16,6 +16,7 @@ mod cycle;
 mod examined;
 mod gradient;
 mod kept;
+mod known;
 mod location;
 mod locus;
 mod orbit;

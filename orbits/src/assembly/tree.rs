@@ -21,8 +21,9 @@ use vibro_assembly::Start;
 
 /// First step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
-/// Step from a special point at which the branch that begins there is compared with known ones.
-const KNOWN_STEP: f64 = 1e-2;
+/// Steps from a special point at which the branch that begins there is compared with known ones: the
+/// longer one may lead beyond the end of a short branch.
+const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
 /// Branches followed side by side: a number that does not depend on the machine's threads, so that
 /// the branches found do not either.
 const BATCH: usize = 4;
@@ -34,7 +35,8 @@ const MOST: usize = 400;
 pub struct TreeOptions {
     /// Start of the first motion.
     pub start: Start,
-    /// Values of the parameter at which motions are followed until they settle.
+    /// Values of the parameter at which motions are followed until they settle: rising, falling, and
+    /// for a positive depth from the start.
     pub seeds: usize,
     /// Returns to the section discarded at each value; fewer where the motion has settled.
     pub discard: u32,
@@ -166,6 +168,8 @@ struct Grower<'a> {
     options: &'a TreeOptions,
     kept: &'a dyn KeptPaths,
     branches: Vec<Branch>,
+    /// The orbits of branches without length.
+    points: Vec<Orbit>,
     queue: Vec<BranchStart>,
 }
 
@@ -194,7 +198,8 @@ pub fn tree_on(
     told: &mut dyn FnMut(&[Branch], usize) -> bool,
 ) -> Result<Vec<Branch>> {
     let family = Arc::new(family.clone());
-    let mut grower = Grower { family: &family, options, kept, branches: Vec::new(), queue: Vec::new() };
+    let (branches, points, queue) = (Vec::new(), Vec::new(), Vec::new());
+    let mut grower = Grower { family: &family, options, kept, branches, points, queue };
     grower.plant()?;
     while !grower.queue.is_empty() {
         grower.grow();
@@ -217,25 +222,36 @@ impl Grower<'_> {
             let (mut end, mut found): (Option<Start>, Vec<Orbit>) = (None, Vec::new());
             for k in 0..count {
                 let value = value(if upward { k } else { count - 1 - k });
-                let Ok(machine) = self.family.at(value) else { continue };
-                let begun = match &end {
-                    Some(end) => machine.motion_on(end),
-                    None => machine.motion(&self.options.start),
-                };
-                let Ok((motion, section)) = begun else { continue };
-                let mut motion = motion.without_energy_accounts();
-                let settled =
-                    Orbit::settled_in(self.family, value, (&mut motion, &section), self.options.discard);
-                found.extend(settled.ok());
-                end = Some(now(&motion));
+                let Some((orbit, now)) = self.settled(value, end.as_ref()) else { continue };
+                found.extend(orbit);
+                end = Some(now);
             }
             found
         };
         let chains: Vec<Vec<Orbit>> = [true, false].into_par_iter().map(chain).collect();
-        for orbit in chains.into_iter().flatten().filter(Orbit::is_certified) {
+        // A motion from the start may settle on another orbit than the motions of both chains. The
+        // chains begin at the start at the first and at the last value.
+        let fresh = if self.options.depth == 0 { 0..0 } else { 1..count.max(1) - 1 };
+        let fresh = fresh.into_par_iter().filter_map(|k| self.settled(value(k), None)?.0);
+        let fresh: Vec<Orbit> = fresh.collect();
+        for orbit in chains.into_iter().flatten().chain(fresh).filter(Orbit::is_certified) {
             self.queue.push(BranchStart { depth: 0, parent: None, kind: StartKind::Orbit(Box::new(orbit)) });
         }
         Ok(())
+    }
+
+    /// The orbit on which a motion settles at a value of the parameter, and where the motion is
+    /// then. It begins on the end of another motion, or at the tree's start.
+    fn settled(&self, value: f64, from: Option<&Start>) -> Option<(Option<Orbit>, Start)> {
+        let machine = self.family.at(value).ok()?;
+        let begun = match from {
+            Some(end) => machine.motion_on(end),
+            None => machine.motion(&self.options.start),
+        };
+        let (motion, section) = begun.ok()?;
+        let mut motion = motion.without_energy_accounts();
+        let settled = Orbit::settled_in(self.family, value, (&mut motion, &section), self.options.discard);
+        Some((settled.ok(), now(&motion)))
     }
 
     /// Follows the branches of the next starts side by side, and adds those that are new.
@@ -253,13 +269,25 @@ impl Grower<'_> {
             if self.branches.len() > known && self.is_known(&kind) {
                 continue;
             }
+            let is_departure = matches!(kind, StartKind::Departures(_));
             // A word that the machine has on neither side of a special point begins no branch.
-            if matches!(kind, StartKind::Departures(_)) && branch.points.len() == 1 {
+            if is_departure && branch.points.len() == 1 {
                 continue;
             }
             (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
-            self.switch(&branch, &ends);
-            self.branches.push(branch);
+            // A branch without length is the point at which its neighbours meet: they begin there.
+            let point = branch.points.first().filter(|_| is_departure && branch.is_point());
+            match point.map(|point| branch.orbit(point)) {
+                None => {
+                    self.switch(&branch, &ends, None);
+                    self.branches.push(branch);
+                }
+                Some(Some(orbit)) if !self.points.iter().any(|own| own.is_same(&orbit)) => {
+                    self.switch(&branch, &ends, parent);
+                    self.points.push(orbit);
+                }
+                Some(_) => {}
+            }
         }
     }
 
@@ -268,17 +296,19 @@ impl Grower<'_> {
         match start {
             StartKind::Orbit(orbit) => self.branches.iter().any(|branch| branch.passes(orbit)),
             StartKind::Departures(departures) => {
-                let first = departures[0].first_orbit(KNOWN_STEP);
-                first.is_some_and(|orbit| self.is_known(&StartKind::Orbit(Box::new(orbit))))
+                let mut first = KNOWN_STEPS.iter().filter_map(|step| departures[0].first_orbit(*step));
+                first.any(|orbit| self.is_known(&StartKind::Orbit(Box::new(orbit))))
             }
         }
     }
 
-    /// Queues what begins at the special points of a branch.
-    fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2]) {
+    /// Queues what begins at the special points of a branch; from a branch that is a point, with the
+    /// parent of the branch.
+    fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2], parent: Option<(usize, usize)>) {
         let goes_on = branch.depth < self.options.depth;
         let mut add = |point: usize, depth: u32, kind: StartKind| {
-            self.queue.push(BranchStart { depth, parent: Some((branch.id, point)), kind });
+            let parent = parent.or(Some((branch.id, point)));
+            self.queue.push(BranchStart { depth, parent, kind });
         };
         let last = branch.points.len() - 1;
         let further = branch.depth + 1;

@@ -12,6 +12,12 @@ const WIDTH: f64 = 1e-11;
 /// Largest value at a located point, relative to the values at the ends of the bracket, at which a
 /// function is zero there. A function that jumps stays above it.
 const ZERO: f64 = 1e-6;
+/// Distance of a point at which the equations are singular from the two points between which it is
+/// interpolated, in parts of the step.
+const APART: f64 = 1e-5;
+/// Largest value of a function without a jump at these two points, relative to its values at the
+/// ends of the bracket: a hundred times the value of a linear function.
+const JUMP: f64 = 1e-3;
 /// Parts of the way that remain to a fold-pitchfork point, from which the point is extrapolated.
 const PARTS: [f64; 3] = [0.5, 0.25, 0.125];
 /// Longest way that may remain to a fold-pitchfork point where a curve can no longer be followed, in
@@ -104,7 +110,9 @@ impl Marked {
         let mut side = 0;
         for _ in 0..STEPS {
             let h = (from.0 * to.1 - to.0 * from.1) / (to.1 - from.1);
-            let at = self.at(locus, h)?;
+            let Some(at) = self.at(locus, h) else {
+                return self.across(locus, (h, APART * step), kind, JUMP * size);
+            };
             let value = at.test(kind)?;
             if value == 0.0 || (to.0 - from.0).abs() < WIDTH * step || value.abs() < WIDTH * size {
                 return (value.abs() <= ZERO * size).then_some((h, at.point.u));
@@ -120,6 +128,26 @@ impl Marked {
             }
         }
         None
+    }
+
+    /// The point at which a function is zero where the equations are singular, as where the orbit does
+    /// not depend on the parameters: between a point on either side, with its distance from the
+    /// first point. The function does not jump: its values at both points are small.
+    fn across(
+        &self,
+        locus: &impl TwoParameters,
+        (h, apart): (f64, f64),
+        kind: LocusEnd,
+        small: f64,
+    ) -> Option<(f64, DVector<f64>)> {
+        let (before, after) = (self.at(locus, h - apart)?, self.at(locus, h + apart)?);
+        let (from, to) = (before.test(kind)?, after.test(kind)?);
+        if from * to >= 0.0 || from.abs().max(to.abs()) > small {
+            return None;
+        }
+        let part = from / (from - to);
+        let way = &after.point.u - &before.point.u;
+        Some((h + apart * (2.0 * part - 1.0), before.point.u + way * part))
     }
 
     /// The symmetric orbit between two points of a fold curve. The equations are singular there,

@@ -11,7 +11,7 @@ const IMPULSE: f64 = 1e-9;
 const LIMITED: f64 = 1e8;
 
 /// A ball without friction between the stops of a shaken machine.
-fn energy_sink(frequency: f64) -> Machine {
+pub(super) fn energy_sink(frequency: f64) -> Machine {
     machine(&format!(
         "name = \"Sink\"\nbody.base = {{ motion = {{ amplitude = 5e-4, frequency = {frequency} }} }}\n\
          body.machine = {{ mass = 3.807 }}\nbody.ball = {{ mass = 0.15, start = {{ v = 0.3 }} }}\n\
