@@ -126,7 +126,8 @@ pub fn assembly_orbit(
             Orbit::settled(&machine, &start, settle)?
         } else {
             let wanted = WordSearch { start, word, period, starts, discard: settle };
-            let found = Orbit::search(&machine, &wanted, &|| !control.is_cancelled());
+            control.expect(wanted.most_returns());
+            let found = Orbit::search(&machine, &wanted, &|| control.goes_on());
             control.check()?;
             found?
         };

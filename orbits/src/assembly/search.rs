@@ -52,6 +52,14 @@ pub struct WordSearch {
     pub discard: u32,
 }
 
+impl WordSearch {
+    /// Largest number of returns from which an orbit is sought, at each of which a search asks
+    /// whether to continue.
+    pub fn most_returns(&self) -> usize {
+        WINDOWS as usize * (1 + self.starts as usize)
+    }
+}
+
 /// What orbits are accepted, and how they are sought.
 struct Seeker<'a> {
     family: Arc<Family>,

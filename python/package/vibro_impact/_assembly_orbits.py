@@ -255,7 +255,7 @@ def find_orbit(
     if word is not None and not isinstance(word, str):
         raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
     periods, time = _period(machine, period)
-    with Bar(progress, 1, "orbits") as bar:
+    with Bar(progress, 1, "orbits" if word is None and period is None else "returns at most") as bar:
         found = _native.assembly_orbit(
             machine._described, numbers, settle, section_of(section), word, periods, time, tries, bar.report
         )

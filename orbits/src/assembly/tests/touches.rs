@@ -1,6 +1,7 @@
 //! Orbits whose impacts have next to no speed, and the ends of branches at which they lose it.
 
 use super::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use vibro_assembly::Start;
 
 /// Largest sum of a period's impulses on a free body, relative to the largest of them: rounding.
@@ -67,8 +68,12 @@ fn an_orbit_without_a_balance_of_impulses_is_not_found() {
         let word = Some(WantedWord::parse("impact left", &place.assembly).unwrap());
         let period = Some(WantedPeriod::Drive(1));
         let request = WordSearch { start: Start::default(), word, period, starts: 8, discard: 100 };
-        let error = Orbit::search(&m, &request, &|| true).unwrap_err().to_string();
+        let asked = AtomicUsize::new(0);
+        let count = || asked.fetch_add(1, Ordering::Relaxed) < usize::MAX;
+        let error = Orbit::search(&m, &request, &count).unwrap_err().to_string();
         assert!(error.contains("no orbit with the events [impact left]"), "{error}");
+        // A search that finds nothing looks at every return that its progress counts.
+        assert_eq!(asked.into_inner(), request.most_returns());
     }
 }
 

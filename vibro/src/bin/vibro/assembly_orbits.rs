@@ -88,7 +88,13 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
     let out = destination.place(&[destination.result("orbit")])?;
     let orbit = match &wanted {
         None => Orbit::settled(&machine, &start, settling.discard)?,
-        Some(wanted) => Orbit::search(&machine, wanted, &|| true)?,
+        Some(wanted) => {
+            let progress = Progress::new(wanted.most_returns(), "returns at most");
+            Orbit::search(&machine, wanted, &|| {
+                progress.step();
+                true
+            })?
+        }
     };
     let mut study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
     if let Some(of) = of {
