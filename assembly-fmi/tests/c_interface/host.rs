@@ -5,6 +5,7 @@ use fmi_doors::fmi3::abi::FmiInstance;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr::null;
+use vibro_assembly::motion::Reached;
 use vibro_assembly::{Motion, file};
 use vibro_assembly_fmi::{FILE, Plan};
 
@@ -167,4 +168,16 @@ pub fn unchanged(text: String) -> String {
 
 pub fn native(plan: &Plan) -> Motion {
     Motion::new(plan.assembly.clone()).unwrap()
+}
+
+/// Times at which a native motion up to a time has an event, and times at which it tells of one. A
+/// compliant stop whose force has ended tells of nothing where its gap opens afterwards.
+pub fn native_events(plan: &Plan, end: f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut motion, mut due, mut told) = (native(plan), Vec::new(), Vec::new());
+    while motion.advance_before_event(end, &mut |event| told.push(event.time)).unwrap() == Reached::Event {
+        due.push(motion.time());
+        motion.apply_event(&mut |event| told.push(event.time)).unwrap();
+    }
+    [&mut due, &mut told].map(|times| times.dedup());
+    (due, told)
 }
