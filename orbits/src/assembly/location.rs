@@ -3,6 +3,7 @@
 
 use super::branch::{OrbitPoint, Special};
 use super::conditions::Condition;
+use super::hidden::Bracket;
 use super::orbit::Orbit;
 use super::path::{Follower, Position, doubling};
 use crate::branch::Label;
@@ -37,7 +38,7 @@ const MOST_SECANTS: usize = 3;
 
 /// A bifurcation's test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Test {
+pub(super) enum Test {
     Fold,
     Crossing,
     Doubling,
@@ -57,13 +58,50 @@ impl Test {
     }
 
     /// The test's value in units of a position's.
-    fn of(self, at: &Position, unit: &Position) -> f64 {
+    pub fn of(self, at: &Position, unit: &Position) -> f64 {
         match self {
             Self::Fold => at.fold(),
             Self::Crossing => at.crossing.relative_to(unit.crossing),
-            Self::Doubling => at.doubling,
+            Self::Doubling => at.doubling.relative_to(unit.doubling),
             Self::Pair => at.pair,
         }
+    }
+}
+
+/// The end of a step, as the tests of bifurcations see it.
+pub(super) struct Ends<'a> {
+    pub next: &'a Position,
+    /// The arc of the step.
+    pub arc: f64,
+    /// A position before the end at which tests have a value that have none at the end itself, or
+    /// vanish there, with its arc.
+    pub before: Option<(Position, f64)>,
+    /// Whether a condition ceases to hold at the end.
+    pub is_touch: bool,
+}
+
+impl Ends<'_> {
+    /// The position at which a test is taken, with its arc. At a touch multipliers may have no
+    /// bound, but determinants of the equations are smooth; at a birth all tests but that of a fold
+    /// vanish or are those of the shorter orbit.
+    fn of(&self, test: Test) -> (&Position, f64) {
+        match (&self.before, test) {
+            (Some((before, arc)), Test::Pair) => (before, *arc),
+            (Some((before, arc)), _) if !self.is_touch => (before, *arc),
+            _ => (self.next, self.arc),
+        }
+    }
+
+    /// The same end for a step that begins beside the step's begin.
+    pub fn seen_from(&self, last: &Position, begins: &Position) -> Ends<'_> {
+        let way = begins.tangent.dot(&(&begins.u - &last.u));
+        let arc_to = |at: &Position| begins.tangent.dot(&(&at.u - &begins.u));
+        let ahead = self.before.as_ref().filter(|(_, arc)| *arc > way);
+        let before = match &self.before {
+            Some(_) => Some(ahead.map_or((begins.clone(), 0.0), |(at, _)| (at.clone(), arc_to(at)))),
+            None => None,
+        };
+        Ends { next: self.next, arc: arc_to(self.next), before, is_touch: self.is_touch }
     }
 }
 
@@ -144,11 +182,7 @@ impl Follower<'_> {
         }
         let (_, u) = half.repeated(&half.place(&u)?, &u, 2)?;
         let birth = self.look(CurvePoint { u, tangent: last.tangent.clone(), steps: 3 })?;
-        // No test is examined at the birth itself.
-        Ok(Some((
-            Position { crossing: last.crossing, doubling: last.doubling, pair: last.pair, ..birth },
-            part,
-        )))
+        Ok(Some((birth, part)))
     }
 
     /// The first condition that ceases to hold in a step, with its arc, and the position there
@@ -199,44 +233,36 @@ impl Follower<'_> {
         Ok(first)
     }
 
-    /// The bifurcations within a step of a length, in their order.
+    /// The bifurcations within a step, in their order. `earlier` is the position before the step's
+    /// begin, with the arc between.
     pub fn bifurcations(
         &self,
+        earlier: Option<&(Position, f64)>,
         last: &Position,
-        next: &Position,
-        arc: f64,
-        (leaves, ends_at_touch): (bool, bool),
+        at_end: &Ends,
     ) -> Result<Vec<OrbitPoint>, Obstacle> {
         let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
         for test in Test::ALL {
-            let ends = (test.of(last, last), test.of(next, last));
+            let (next, arc) = at_end.of(test);
+            let ends = [last, next].map(|at| test.of(at, last));
             let is_vertical =
-                test == Test::Fold && ends.0.abs().max(ends.1.abs()) < VERTICAL * arc.max(SHORT_ARC);
-            if ends.0 * ends.1 >= 0.0 || leaves || is_vertical {
+                test == Test::Fold && ends[0].abs().max(ends[1].abs()) < VERTICAL * arc.max(SHORT_ARC);
+            if is_vertical {
                 continue;
             }
-            if test == Test::Crossing {
-                let crossing = |at: &Position| Test::Crossing.of(at, last);
-                let (at, near) = self.between_points(last, arc, ends, &crossing)?;
-                // Interpolated, and refined on its own condition.
-                let position = match self.problem.crossing(&near.u, arc) {
-                    Some(u) => self.look(CurvePoint { u, tangent: near.tangent, steps: near.steps })?,
-                    None => near,
-                };
-                found.push((at, self.point(&position, Some(Special::of(test.label())))));
-                continue;
+            let whole = Bracket { begin: 0.0, ends: [last.clone(), next.clone()], arc };
+            let brackets = match ends[0] * ends[1] < 0.0 {
+                true => vec![whole],
+                false => earlier.map_or(Ok(Vec::new()), |own| self.hidden(test, own, whole))?,
+            };
+            for bracket in &brackets {
+                found.extend(self.zero_in(test, bracket)?.map(|(at, point)| (bracket.begin + at, point)));
             }
-            let value = |s: f64| Ok(test.of(&self.look(self.within(last, next, arc, s)?)?, last));
-            let at = zero(&value, arc, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
-            let position = self.look(self.within(last, next, arc, at)?)?;
-            if test == Test::Pair && !is_on_circle(&position.multipliers) {
-                continue;
-            }
-            found.push((at, self.point(&position, Some(Special::of(test.label())))));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
-        found.retain(|(at, _)| !ends_at_touch || arc - at > MERGED * arc);
+        let Ends { next, arc, is_touch, .. } = *at_end;
+        found.retain(|(at, _)| !is_touch || arc - at > MERGED * arc);
         // The piece after a bifurcation has the stability of what follows.
         let mut points: Vec<OrbitPoint> = found.into_iter().map(|(_, point)| point).collect();
         for k in 0..points.len() {
@@ -249,6 +275,29 @@ impl Follower<'_> {
             }
         }
         Ok(points)
+    }
+
+    /// The bifurcation at which a test changes its sign, with its arc in the bracket; `None` for a
+    /// pair of real multipliers.
+    fn zero_in(&self, test: Test, bracket: &Bracket) -> Result<Option<(f64, OrbitPoint)>, Obstacle> {
+        let Bracket { ends: [last, next], arc, .. } = bracket;
+        let special = Some(Special::of(test.label()));
+        let ends = (test.of(last, last), test.of(next, last));
+        if test == Test::Crossing {
+            let crossing = |at: &Position| Test::Crossing.of(at, last);
+            let (at, near) = self.between_points(last, *arc, ends, &crossing)?;
+            // Interpolated, and refined on its own condition.
+            let position = match self.problem.crossing(&near.u, *arc) {
+                Some(u) => self.look(CurvePoint { u, tangent: near.tangent, steps: near.steps })?,
+                None => near,
+            };
+            return Ok(Some((at, self.point(&position, special))));
+        }
+        let value = |s: f64| Ok(test.of(&self.look(self.within(last, next, *arc, s)?)?, last));
+        let at = zero(&value, *arc, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
+        let position = self.look(self.within(last, next, *arc, at)?)?;
+        let is_own = test != Test::Pair || is_on_circle(&position.multipliers);
+        Ok(is_own.then(|| (at, self.point(&position, special))))
     }
 
     /// A zero of a test in a step at which the equations are singular, as at a crossing of

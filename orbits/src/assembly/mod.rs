@@ -9,12 +9,14 @@
 //! its events. A word is found by the machine's own motion, never written by hand.
 
 mod branch;
+mod closing;
 mod conditions;
 mod corners;
 mod crossing;
 mod cycle;
 mod examined;
 mod gradient;
+mod hidden;
 mod kept;
 mod known;
 mod location;

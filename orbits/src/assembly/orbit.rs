@@ -30,9 +30,6 @@ const GRAZES: f64 = 1e-9;
 /// Duration of a slider's slip, in periods, below which it is a touch: an orbit at the edge of
 /// those on which the slider stands has one of rounding.
 const BRIEF_SLIP: f64 = 1e-6;
-/// Modulus of the largest multiplier from which rounding leaves no digits of those near the unit
-/// circle.
-const MOST_MULTIPLIER: f64 = 1e15;
 /// Sweeps of the Schur decomposition by multiplier.
 const SWEEPS: usize = 200;
 
@@ -185,7 +182,8 @@ impl Orbit {
                 matrix[(i, j)] *= units[j] / units[i];
             }
         }
-        let multipliers = multipliers(matrix, trivial).ok_or(Obstacle::NoConvergence)?;
+        let mut multipliers = multipliers(matrix, trivial).ok_or(Obstacle::NoConvergence)?;
+        problem.sharpen((&place, &u), &mut multipliers, trivial)?;
         let conditions = cycle.conditions(&place, &problem.word);
         Ok(Self { problem, u, place: Arc::new(place), cycle, numbers, multipliers, trivial, conditions })
     }
@@ -267,15 +265,9 @@ impl Orbit {
         }
     }
 
-    /// Whether it is a motion of the machine: each event is reached, and no other one. Its
-    /// multipliers must have digits.
+    /// Whether it is a motion of the machine: each event is reached, and no other one.
     pub fn is_certified(&self) -> bool {
-        self.broken().is_none() && self.has_digits()
-    }
-
-    /// Whether rounding leaves digits of its multipliers.
-    pub(super) fn has_digits(&self) -> bool {
-        self.spectral_radius() < MOST_MULTIPLIER
+        self.broken().is_none()
     }
 
     /// The conditions under which it is a motion of the machine, with their values.

@@ -1,7 +1,8 @@
 //! One branch followed along the parameter, with its special points.
 
-use super::branch::{Branch, OrbitPoint, Special};
+use super::branch::{OrbitPoint, Special};
 use super::conditions::Condition;
+use super::location::Ends;
 use super::orbit::{Orbit, Stability};
 use super::problem::{Problem, Residual};
 use crate::branch::Label;
@@ -29,8 +30,6 @@ const SHORT: f64 = 1e-2;
 const SHORTEST_LOOP: usize = 10;
 /// Share of the parameter in the tangent below which the equations are bordered as they are.
 const STEEP: f64 = 1e-2;
-/// Distance of a fold from a crossing at which it is the turn of the side branch.
-const TURN: f64 = 1e-4;
 /// Distance from a touch within which a bifurcation is one with it.
 const AT_TOUCH: f64 = 1e-5;
 /// Parts of the arc to a touch at which the touch's multipliers are taken: at the first of them
@@ -39,6 +38,10 @@ const BEFORE: [f64; 5] = [1.0 - 1e-7, 1.0 - 1e-5, 1.0 - 1e-3, 0.9, 0.5];
 /// Modulus of a multiplier above which it is one of a touch, where it has no bound: half of the
 /// digits of the others remain.
 const LIMITED: f64 = 1e8;
+
+/// Part of the arc to the birth of a branch at which tests are taken in place of those at the birth,
+/// where they vanish; beside the begin of a path at the same distance.
+const BESIDE: f64 = 0.9;
 
 /// Start of a path.
 #[derive(Clone, Debug)]
@@ -92,8 +95,8 @@ pub(super) struct Position {
     pub stability: Stability,
     /// Determinant of the equations bordered by the tangent: zero where branches cross.
     pub crossing: SignedLog,
-    /// ∏ (1 + μ), each factor of size one at most: zero at a doubling.
-    pub doubling: f64,
+    /// Determinant of the equations whose variations close with the factor -1: zero at a doubling.
+    pub doubling: SignedLog,
     /// Zero where a pair of multipliers has the product 1.
     pub pair: f64,
     pub conditions: Vec<(Condition, f64)>,
@@ -117,30 +120,31 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
     let mut points = vec![follower.point(&first, departure.special.clone())];
     let start = (first.u.clone(), first.tangent.clone());
     let (mut last, mut step) = (first, departure.step.min(options.longest_step));
+    let mut earlier: Option<(Position, f64)> = None;
     let mut is_first = true;
     loop {
         if points.len() >= options.most_points {
             return Ok(ended(points, Label::NoConvergence));
         }
-        let next = match follower.step(&last, step, is_first && departure.special.is_some()) {
-            Ok(next) => next,
-            Err(_) if step > LEAST_STEP => {
-                step *= 0.5;
-                continue;
-            }
-            // Next to a crossing the equations are nearly singular: a longer step passes it.
-            Err(_) => {
-                let mut jumps = JUMPS.iter().filter(|_| !is_first);
-                match jumps.find_map(|jump| follower.step(&last, *jump, false).ok()) {
-                    Some(next) => next,
-                    None => return Ok(follower.stopped(points, &last)),
+        let next =
+            match follower.step((earlier.as_ref(), &last), step, is_first && departure.special.is_some()) {
+                Ok(next) => next,
+                Err(_) if step > LEAST_STEP => {
+                    step *= 0.5;
+                    continue;
                 }
-            }
-        };
-        let Step { between, next, special, end } = next;
-        if is_first && departure.special.is_some() {
-            points[0].stability = between.first().map_or(next.stability, |p| p.stability);
-            points[0].multipliers = next.multipliers.clone();
+                // Next to a crossing the equations are nearly singular: a longer step passes it.
+                Err(_) => {
+                    let mut jumps = JUMPS.iter().filter(|_| !is_first);
+                    match jumps.find_map(|jump| follower.step((earlier.as_ref(), &last), *jump, false).ok()) {
+                        Some(next) => next,
+                        None => return Ok(follower.stopped(points, &last)),
+                    }
+                }
+            };
+        let Step { between, next, special, end, begins } = next;
+        if let Some(begins) = &begins {
+            (points[0].stability, points[0].multipliers) = (begins.stability, begins.multipliers.clone());
         }
         is_first = false;
         points.extend(between);
@@ -169,7 +173,10 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
             step /= REDUCTION;
         }
         step = step.clamp(LEAST_STEP, options.longest_step);
-        last = next;
+        // A special point from which the branch begins has no tests.
+        let before = begins.unwrap_or_else(|| last.clone());
+        let arc = before.tangent.dot(&(&next.u - &before.u));
+        (earlier, last) = (Some((before, arc)), next);
     }
 }
 
@@ -186,6 +193,8 @@ struct Step {
     next: Position,
     special: Option<Special>,
     end: Option<PathEnd>,
+    /// The position beside the special point that the step leaves.
+    begins: Option<Position>,
 }
 
 impl Follower<'_> {
@@ -230,6 +239,7 @@ impl Follower<'_> {
         let Residual { matrix, cycle, .. } = self.problem.residual(&place, &u, true)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let along = tangent[tangent.len() - 1];
+        let doubling = determinant(self.problem.antiperiodic(&place, &cycle, &matrix));
         // det [F_u F_p; t] = det F_u / t_p, since F_u t_u = -F_p t_p.
         let crossing = if along.abs() > STEEP {
             let SignedLog { sign, log } = determinant(matrix);
@@ -250,7 +260,7 @@ impl Follower<'_> {
             period: orbit.period(),
             stability: orbit.stability(),
             crossing,
-            doubling: doubling(&multipliers),
+            doubling,
             pair: pair.relative_to(SignedLog { sign: 1.0, log: 0.0 }),
             conditions: orbit.conditions().to_vec(),
             multipliers,
@@ -290,7 +300,12 @@ impl Follower<'_> {
     }
 
     /// One step, with the special points on it. `leaves` says that it leaves a special point.
-    fn step(&self, last: &Position, step: f64, leaves: bool) -> Result<Step, Obstacle> {
+    fn step(
+        &self,
+        (earlier, last): (Option<&(Position, f64)>, &Position),
+        step: f64,
+        leaves: bool,
+    ) -> Result<Step, Obstacle> {
         let ahead = self.boundary_ahead(last, step);
         let is_last = ahead.is_some();
         let (mut next, mut arc) = match ahead {
@@ -300,40 +315,57 @@ impl Follower<'_> {
         if next.tangent.dot(&last.tangent) < COSINE && !leaves {
             return Err(Obstacle::NoConvergence);
         }
-        let (mut end, mut special) = (None, None);
+        let (mut end, mut special, mut before) = (None, None, None);
         if is_last {
             (special, end) = (Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }
         if let Some((condition, at, found)) = self.broken(last, &next, arc, leaves)? {
             let place = self.problem.place(&next.u)?;
             special = Some(Special::of_condition(condition, &self.problem.word, &place));
-            let before = self.before_touch((last, &next), arc, at);
+            let beside = self.before_touch((last, &next), arc, at);
             let own = match found {
                 Some(own) => own,
                 None => self.look(self.within(last, &next, arc, at)?)?,
             };
             // A touch has multipliers on this side of it.
-            next = Position { multipliers: before.multipliers, stability: before.stability, ..own };
-            (arc, end) = (at, Some(PathEnd::Broken(condition)));
+            let (multipliers, stability) = (beside.0.multipliers.clone(), beside.0.stability);
+            next = Position { multipliers, stability, ..own };
+            (arc, end, before) = (at, Some(PathEnd::Broken(condition)), Some(beside));
         }
         if !is_last && let Some((boundary, at)) = self.boundary(last, &next, arc)? {
             (next, arc, special, end) =
                 (boundary, at, Some(Special::of(Label::EndPoint)), Some(PathEnd::Plain));
         }
         if !leaves && let Some((birth, at)) = self.birth(last, &next)? {
+            let beside = BESIDE * at * arc;
+            before = Some((self.look(self.within(last, &next, arc, beside)?)?, beside));
             (next, arc, special, end) =
                 (birth, at * arc, Some(Special::of(Label::PeriodDoubling)), Some(PathEnd::Plain));
         }
         let is_touch = matches!(end, Some(PathEnd::Broken(_)));
-        let between = self.bifurcations(last, &next, arc, (leaves, is_touch))?;
-        Ok(Step { between, next, special, end })
+        let ends = Ends { next: &next, arc, before, is_touch };
+        if !leaves {
+            let between = self.bifurcations(earlier, last, &ends)?;
+            return Ok(Step { between, next, special, end, begins: None });
+        }
+        // At the special point itself tests vanish, or have no value: those beside it are taken.
+        let begins = self.look(self.within(last, &next, arc, (1.0 - BESIDE) * arc)?);
+        let between = match &begins {
+            Ok(begins) => self.bifurcations(None, begins, &ends.seen_from(last, begins)).unwrap_or_default(),
+            Err(_) => Vec::new(),
+        };
+        let begins = Some(begins.unwrap_or_else(|_| next.clone()));
+        Ok(Step { between, next, special, end, begins })
     }
 
-    /// The position before a touch at which the touch's multipliers are taken.
-    fn before_touch(&self, (last, next): (&Position, &Position), arc: f64, touch: f64) -> Position {
+    /// The position before a touch at which the touch's multipliers are taken, with its arc.
+    fn before_touch(&self, (last, next): (&Position, &Position), arc: f64, touch: f64) -> (Position, f64) {
         let limited = |at: &Position| at.multipliers.first().is_none_or(|m| m.norm() < LIMITED);
-        let positions = BEFORE.iter().map(|part| self.look(self.within(last, next, arc, touch * part)?));
-        positions.flatten().find(limited).unwrap_or_else(|| last.clone())
+        let at = |part: &f64| {
+            Some((self.look(self.within(last, next, arc, touch * part).ok()?).ok()?, touch * part))
+        };
+        let found = BEFORE.iter().filter_map(at).find(|(at, _)| limited(at));
+        found.unwrap_or_else(|| (last.clone(), 0.0))
     }
 
     /// Whether a step passes the first point of the path again.
@@ -350,34 +382,4 @@ impl Follower<'_> {
 /// ∏ (1 + μ), each factor of size one at most.
 pub(super) fn doubling(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| (1.0 + m) / (1.0 + m.norm())).product::<Complex<f64>>().re
-}
-
-impl Branch {
-    /// The branch of a path in both directions from an orbit: the first path turned round, then the
-    /// second.
-    pub(super) fn joined(problem: Problem, back: Path, on: Path) -> (Self, [PathEnd; 2]) {
-        let mut points: Vec<OrbitPoint> = back.points;
-        points.reverse();
-        // Each point has the stability of the piece that follows it, which was that before it.
-        for k in 0..points.len().saturating_sub(1) {
-            let next = points[k + 1].stability;
-            if points[k].special.is_some() {
-                points[k].stability = next;
-            }
-        }
-        points.pop();
-        let began_at = Some(points.len());
-        points.extend(on.points);
-        // The side branch of a crossing turns there: its fold is the crossing.
-        let crossings: Vec<DVector<f64>> =
-            points.iter().filter(|p| p.is(Label::BranchPoint)).map(|p| p.u.clone()).collect();
-        for point in points.iter_mut().filter(|p| p.is(Label::Fold)) {
-            if crossings.iter().any(|u| (u - &point.u).norm() < TURN) {
-                point.special = None;
-            }
-        }
-        let closed = matches!(on.end, PathEnd::Closed);
-        let branch = Self { id: 0, parent: None, depth: 0, points, closed, began_at, problem };
-        (branch, [back.end, on.end])
-    }
 }

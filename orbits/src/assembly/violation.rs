@@ -8,13 +8,7 @@ use super::word::Word;
 impl Orbit {
     /// The reason why it is not a motion of the machine, in words.
     pub fn violation(&self) -> Option<String> {
-        if let Some((condition, _)) = self.broken() {
-            return Some(condition.in_words(self.word(), self.place()));
-        }
-        let radius = self.spectral_radius();
-        (!self.has_digits()).then(|| {
-            format!("its largest multiplier {radius:e} is beyond rounding: an event has next to no speed")
-        })
+        self.broken().map(|(condition, _)| condition.in_words(self.word(), self.place()))
     }
 }
 

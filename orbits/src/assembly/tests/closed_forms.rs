@@ -58,31 +58,10 @@ fn closed_form_both_symmetric_orbits_of_the_impact_pair_and_their_fold() {
 
 #[test]
 fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
-    // One bounce a period: from A ω² = π g (1 - ε)/(1 + ε) on. Its return map has the determinant
-    // ε² and the trace 1 + ε² + (1 + ε)² h''/g, h'' the table's acceleration at the bounce.
-    let (g, e, w): (f64, f64, f64) = (10.0, 0.6, 20.0);
-    let text = format!(
-        "name = \"Ball\"\ngravity = {g}\nbody.ball = {{ mass = 1.0, gravity = -1.0, start = {{ s = {}, v = {} }} }}\n\
-         body.table = {{ motion = {{ amplitude = 0.025, frequency = \"{w} rad/s\" }} }}\n\
-         stop.floor = {{ between = [\"ball\", \"table\"], gap = 0.0, restitution = {e} }}\n",
-        0.02,
-        PI * g / w
-    );
-    let m = machine(&text);
-    let family = Family::new(&m, "body.table.motion.amplitude", (0.018, 0.05)).unwrap();
-    let orbit = [0.05, 0.06, 0.07]
-        .into_iter()
-        .find_map(|time| {
-            let mut start = Start { time, ..Start::default() };
-            start.set(&m.description, "ball.s", 0.025 * 0.95).unwrap();
-            start.set(&m.description, "ball.v", PI * g / w).unwrap();
-            Orbit::settled(&m, &start, 400).ok().filter(|o| o.word().len() == 1)
-        })
-        .unwrap();
-    let found = [branch(&family, &orbit, &Default::default()).unwrap()];
-    let fold = PI * g * (1.0 - e) / (1.0 + e);
-    let flip = fold.hypot(2.0 * g * (1.0 + e * e) / (1.0 + e).powi(2));
-    for (kind, value) in [("LP", fold / w / w), ("PD", flip / w / w)] {
+    // One bounce a period: from A ω² = π g (1 - ε)/(1 + ε) on.
+    let (found, flip) = super::closing::ball();
+    let found = [found];
+    for (kind, value) in [("LP", 10.0 * PI * 0.25 / 400.0), ("PD", flip)] {
         let values = specials(&found, 1, kind);
         assert!(nearest(&values, value) < LOCATED, "{kind} {value}: {values:?}");
     }

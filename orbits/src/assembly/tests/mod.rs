@@ -1,7 +1,9 @@
 //! Orbits of described machines against closed forms, others' numbers, the 3-DOF machine's own
 //! orbits, and the machines' own motions.
 
+mod between;
 mod closed_forms;
+mod closing;
 mod curves;
 mod freewheels;
 mod kept;

@@ -12,7 +12,7 @@ const SPECIAL: f64 = 1e-9;
 
 /// A mass 1 under a constant force on a spring of stiffness 3 for half a period and `low` for the
 /// other half, with a dashpot.
-fn meissner(low: f64, damping: f64, period: f64) -> Machine {
+pub(super) fn meissner(low: f64, damping: f64, period: f64) -> Machine {
     machine(&format!(
         "name = \"Meissner\"\nbody.a = {{ mass = 1.0 }}\n\
          spring.k = {{ between = [\"ground\", \"a\"], damping = {damping}, \
@@ -48,15 +48,18 @@ fn closed_form_an_oscillator_whose_stiffness_steps() {
     assert!(orbit.multipliers().iter().all(|mu| own.iter().any(|own| (mu - own).norm() < ROUNDING)));
 }
 
+/// 1 + trace + det of the map of Meissner's oscillator over a period: zero where a multiplier is -1.
+pub(super) fn meissners_test(low: f64, damping: f64, period: f64) -> f64 {
+    let matrix = half(low, damping, period).0 * half(3.0, damping, period).0;
+    1.0 + matrix.trace() + matrix.determinant()
+}
+
 /// The trace of the product of two matrices of cosines is -2 at the boundary of instability of
 /// Meissner's equation; with a dashpot a multiplier is -1 where trace + det = -1.
 #[test]
 fn closed_form_the_boundary_of_meissners_equation() {
     let (damping, period) = (0.02, 3.0);
-    let test = |low: f64| {
-        let matrix = half(low, damping, period).0 * half(3.0, damping, period).0;
-        1.0 + matrix.trace() + matrix.determinant()
-    };
+    let test = |low: f64| meissners_test(low, damping, period);
     let (mut from, mut to) = (1.5, 0.4);
     assert!(test(from) * test(to) < 0.0, "{} {}", test(from), test(to));
     while f64::abs(from - to) > 1e-13 {

@@ -1,0 +1,117 @@
+//! Orbits whose variations close with a factor: a variation with the multiplier μ closes with μ.
+//!
+//! The equations of an orbit have the derivatives A(1), in which a change of the first event's time
+//! moves the start and the end alike. A change that is μ times as large at the end as at the start
+//! has the derivatives A(μ) = A(1) + (μ - 1) B, which are singular where μ is a multiplier. Events
+//! at given times are linear maps of the state, so that A(μ) has entries of size one however
+//! unstable the orbit is: the determinant of A(-1) has the sign of ∏ (1 + μ), and the eigenvalues of
+//! the pencil A(1), B have digits where the product of the flights, the monodromy matrix, has lost
+//! them for all multipliers but the largest.
+
+use super::cycle::Cycle;
+use super::place::Place;
+use super::problem::{Problem, Residual};
+use crate::obstacle::Obstacle;
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+
+/// Factor at which the pencil is inverted. No multiplier of a machine is this number by theory, and
+/// numbers on the unit circle are near it.
+const SHIFT: f64 = 1.93;
+/// Modulus of the largest multiplier above which rounding of the monodromy matrix is seen in the
+/// multipliers near the unit circle: ten digits of theirs remain.
+const BLURS: f64 = 1e6;
+/// Modulus up to which a multiplier by the equations is better: rounding of those that have no
+/// bound, of changes of the unknowns that return at any factor, is the square root of it.
+const SHARP: f64 = 1e4;
+/// Sweeps of the Schur decomposition by eigenvalue.
+const SWEEPS: usize = 200;
+
+impl Problem {
+    /// Whether the time of the first event is an unknown that moves the start.
+    fn moves_start(&self, place: &Place) -> bool {
+        place.period.is_some() && self.word.free().first() == Some(&0)
+    }
+
+    /// Derivatives of the equations by the time of the first event at the start alone. Requires the
+    /// equations' derivatives by all unknowns but the parameter.
+    fn by_start(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DVector<f64> {
+        let (own, radian) = (self.units.state.len(), self.radian(place));
+        let equations = self.first_time() + self.word.free().len();
+        let rate = place.flow(&self.word.letters[0].modes[1]).derivative(cycle.legs[0].entered());
+        let mut column = DVector::zeros(matrix.nrows());
+        for i in 0..own {
+            let part = -rate[i] * radian / self.units.state[i];
+            column.rows_mut(0, equations).axpy(part, &matrix.view((0, i), (equations, 1)).column(0), 1.0);
+            // The closing by the state itself is no motion.
+            column[i] -= part;
+        }
+        column
+    }
+
+    /// The derivative of A(μ) by μ.
+    fn by_factor(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        let (own, n) = (self.units.state.len(), matrix.nrows());
+        let mut by = DMatrix::zeros(n, n);
+        (0..own).for_each(|i| by[(i, i)] = 1.0);
+        if self.moves_start(place) {
+            let time = self.first_time();
+            by.set_column(time, &(matrix.column(time) - self.by_start(place, cycle, matrix)));
+        }
+        by
+    }
+
+    /// A(-1), from the derivatives A(1) of the equations: singular at a doubling.
+    pub(super) fn antiperiodic(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        matrix - self.by_factor(place, cycle, matrix) * 2.0
+    }
+
+    /// Replaces the multipliers of an orbit, by its monodromy matrix, that rounding of the largest
+    /// one has blurred.
+    ///
+    /// # Errors
+    /// As [`residual`](Self::residual).
+    pub(super) fn sharpen(
+        &self,
+        (place, u): (&Place, &DVector<f64>),
+        multipliers: &mut [Complex<f64>],
+        trivial: usize,
+    ) -> Result<(), Obstacle> {
+        let count = multipliers.len().saturating_sub(trivial);
+        let radius = multipliers.first().filter(|_| count > 1).map_or(0.0, |largest| largest.norm());
+        if radius < BLURS {
+            return Ok(());
+        }
+        let Residual { matrix, cycle, .. } = self.residual(place, u, true)?;
+        let sharp = matrix.and_then(|matrix| self.multipliers_by_equations((place, &cycle), &matrix, count));
+        for (own, sharp) in multipliers.iter_mut().zip(sharp.unwrap_or_default()) {
+            // By the equations a multiplier has an error of its square, in units of rounding, and
+            // by the matrix one of the largest multiplier.
+            if sharp.norm() < SHARP && sharp.norm_sqr() < radius {
+                *own = sharp;
+            }
+        }
+        Ok(())
+    }
+
+    /// The `count` largest multipliers, largest first, by the equations' derivatives: those of
+    /// modulus one have the digits of the equations, a large one loses digits with its square.
+    /// `None` where the equations have no eigenvalues.
+    pub(super) fn multipliers_by_equations(
+        &self,
+        (place, cycle): (&Place, &Cycle),
+        matrix: &DMatrix<f64>,
+        count: usize,
+    ) -> Option<Vec<Complex<f64>>> {
+        let by = self.by_factor(place, cycle, matrix);
+        let shifted = matrix + &by * (SHIFT - 1.0);
+        let solved = shifted.lu().solve(&by).filter(|all| all.iter().all(|x| x.is_finite()))?;
+        let sweeps = SWEEPS * solved.nrows();
+        let inverse = Schur::try_new(solved, f64::EPSILON, sweeps)?.complex_eigenvalues();
+        // A further eigenvalue 0 of the pencil belongs to no change of the motion.
+        let finite = inverse.iter().filter(|own| own.norm() > f64::MIN_POSITIVE);
+        let mut all: Vec<Complex<f64>> = finite.map(|own| SHIFT - own.inv()).collect();
+        all.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+        let spurious = all.len().checked_sub(count + usize::from(self.moves_start(place)))?;
+        Some(all.into_iter().skip(spurious).take(count).collect())
+    }
+}
