@@ -1,6 +1,6 @@
 //! One branch followed along the parameter, with its special points.
 
-use super::branch::{OrbitPoint, Special};
+use super::branch::{Kind, OrbitPoint, Special};
 use super::conditions::Condition;
 use super::location::Ends;
 use super::orbit::{Orbit, Stability};
@@ -11,6 +11,7 @@ use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
 use crate::test_functions::{SignedLog, determinant, pair_test};
 use nalgebra::{Complex, DVector};
+use vibro_assembly::mode::Watch;
 
 /// Least step; a branch that needs a smaller one ends with MX.
 const LEAST_STEP: f64 = 1e-7;
@@ -198,7 +199,7 @@ struct Step {
 }
 
 impl Follower<'_> {
-    /// The path that cannot be followed on from its last position. A run of impacts that has not
+    /// The path that cannot be followed further from its last position. A run of impacts that has not
     /// accumulated when a fixed time comes is another motion, so that no equation holds beyond.
     fn stopped(&self, mut points: Vec<OrbitPoint>, last: &Position) -> Path {
         let is_run =
@@ -208,6 +209,19 @@ impl Follower<'_> {
             _ => false,
         });
         let place = self.problem.place(&last.u);
+        // A visit of a buffer without duration leaves singular equations.
+        let visit = last.conditions.iter().find_map(|(condition, value)| match condition {
+            Condition::Lasts { letter } if *value < NEAR_END => {
+                let watch = self.problem.word.letters.get(*letter)?.watch()?;
+                matches!(watch, Watch::Presses(_)).then_some((*condition, watch.contact()))
+            }
+            _ => None,
+        });
+        if let (Some((condition, stop)), Ok(place), Some(point)) = (visit, &place, points.last_mut()) {
+            let element = place.assembly.name_of_contact(stop);
+            point.special = Some(Special { kind: Kind::As(Label::Grazing), element });
+            return Path { points, end: PathEnd::Broken(condition) };
+        }
         if let (Some((condition, _)), Ok(place), Some(point)) = (own, place, points.last_mut()) {
             point.special = Some(Special::of_condition(*condition, &self.problem.word, &place));
             return Path { points, end: PathEnd::Broken(*condition) };

@@ -5,14 +5,15 @@ use super::conditions::Condition;
 use super::orbit::Orbit;
 use super::path::Departure;
 use super::problem::Problem;
-use super::seed::seed;
+use super::seed::{Seed, seed};
 use super::sides::{Side, other_side};
 use crate::branch::Label;
-use crate::curve::{Equations, least_vectors, tangent};
+use crate::curve::{Equations, correct, least_vectors, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use vibro_analysis::assembly::Section;
 use vibro_assembly::Motion;
+use vibro_assembly::mode::Contact;
 
 /// First step from a point where branches meet.
 const SWITCH_STEP: f64 = 1e-3;
@@ -95,19 +96,54 @@ pub(super) fn beyond(branch: &Branch, u: &DVector<f64>) -> Vec<Orbit> {
     found
 }
 
-/// The orbit near the motion that begins on another orbit, in the machine at a value.
+/// The orbit near the motion that begins on another orbit, in the machine at a value; where it is
+/// the same word's and violates a condition, the orbit near the motion that begins on that one. The
+/// touch of a buffer is a visit of almost no depth: the motion from the touch itself may miss it.
 fn by_motion(problem: &Problem, u: &DVector<f64>, value: f64) -> Option<Orbit> {
     let (from, to) = problem.family.range;
     if !(from..=to).contains(&value) {
         return None;
     }
     let place = problem.place(u).ok()?;
-    let orbit = Orbit::at(problem.clone(), place, u.clone()).ok()?;
-    let (time, state) = orbit.middle_state();
     let there = problem.family.place(value).ok()?;
     let period = there.period? * f64::from(problem.word.periods?);
-    let mut motion = Motion::from_state(there.assembly.clone(), time, &state).ok()?.without_energy_accounts();
-    let section = Section::Shifted(period, time.rem_euclid(period));
-    let seed = seed(&problem.family, value, &mut motion, &section, 1).ok()?;
-    Orbit::of_seed(seed).ok().filter(Orbit::is_certified)
+    let near = |orbit: &Orbit| {
+        let (time, state) = orbit.middle_state();
+        let motion = Motion::from_state(there.assembly.clone(), time, &state).ok()?;
+        let section = Section::Shifted(period, time.rem_euclid(period));
+        seed(&problem.family, value, &mut motion.without_energy_accounts(), &section, 1).ok()
+    };
+    let first = Orbit::of_seed(near(&Orbit::at(problem.clone(), place, u.clone()).ok()?)?).ok()?;
+    if first.is_certified() || !first.has_word(&problem.word) {
+        return Some(first).filter(Orbit::is_certified);
+    }
+    let seed = near(&first)?;
+    let by_visit = with_visit(&seed);
+    Orbit::of_seed(seed).ok().filter(Orbit::is_certified).or(by_visit)
+}
+
+/// The orbit that has the shortest visit of a stop as a seed has it, at a value of the parameter
+/// that is found with it: the branch may turn at the touch.
+fn with_visit(seed: &Seed) -> Option<Orbit> {
+    let Seed { problem, numbers, value } = seed;
+    let free = problem.word.free();
+    let stop = |k: usize| match problem.word.letters[k].watch().map(|watch| watch.contact()) {
+        Some(Contact::Stop(stop)) => Some(stop),
+        _ => None,
+    };
+    let ends = |k: &usize| {
+        let last = (k + 1..problem.word.len()).find(|later| stop(*later) == stop(*k))?;
+        Some((numbers.times[last] - numbers.times[*k], [*k, last]))
+    };
+    let begins = (0..problem.word.len()).filter(|k| stop(*k).is_some());
+    let (_, visit) = begins.filter_map(|k| ends(&k)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let guess = problem.point(&problem.family.place(*value).ok()?, numbers, *value);
+    let mut along = DVector::zeros(guess.len());
+    for (letter, sign) in visit.iter().zip([-1.0, 1.0]) {
+        along[problem.first_time() + free.binary_search(letter).ok()?] = sign;
+    }
+    let at = correct(problem, &guess, &along.normalize()).ok()?;
+    let orbit = Orbit::at(problem.clone(), problem.place(&at.u).ok()?, at.u).ok()?;
+    let (from, to) = problem.family.range;
+    Some(orbit).filter(|own| own.is_certified() && (from..=to).contains(&own.value()))
 }

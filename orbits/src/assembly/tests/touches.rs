@@ -8,6 +8,8 @@ use vibro_assembly::Start;
 const BALANCE: f64 = 1e-9;
 /// Smallest impulse of an impact that happens, relative to the largest of its branch.
 const IMPULSE: f64 = 1e-9;
+/// Distance of the ends of two branches at one touch, m: rounding of a depth is its square.
+const ONE_TOUCH: f64 = 1e-11;
 /// Limit of the multipliers that a touch has in `path`.
 const LIMITED: f64 = 1e8;
 
@@ -75,6 +77,22 @@ fn an_orbit_without_a_balance_of_impulses_is_not_found() {
         // A search that finds nothing looks at every return that its progress counts.
         assert_eq!(asked.into_inner(), request.most_returns());
     }
+}
+
+/// A block that sticks where it just touches its buffer has no orbit with a press of no depth: the
+/// branch continues with the motion beyond.
+#[test]
+fn invariant_a_branch_continues_where_a_sticking_block_touches_its_buffer() {
+    let m = example("damper_with_buffer.toml");
+    let family = Family::new(&m, "stop.steel.gap", (1.635e-3, 1.66e-3)).unwrap();
+    let branches = grown(&family, 1, 0);
+    let first = &branches[0];
+    let touch = first.points.iter().find(|p| p.special.as_ref().is_some_and(|s| s.element == "stop.buffer"));
+    let touch = touch.unwrap().value;
+    let further: Vec<&Branch> = branches.iter().filter(|b| b.word().len() > first.word().len()).collect();
+    let ends = further.iter().flat_map(|b| [b.points.first(), b.points.last()]).flatten();
+    let apart = ends.map(|p| (p.value - touch).abs()).fold(f64::INFINITY, f64::min);
+    assert!(apart < ONE_TOUCH, "{apart:e} from {touch}");
 }
 
 /// The turn of a branch without symmetry is the crossing on the symmetric branch.
