@@ -12,10 +12,11 @@ use super::problem::Problem;
 use super::sides::{Side, other_side};
 use super::tree;
 use crate::branch::Label;
-use crate::curve::{axis, correct};
+use crate::curve::{axis, correct, tangent};
 use crate::locus::{LocusEnd, both_ways};
 use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
+use crate::special::zero;
 use nalgebra::DVector;
 use vibro_analysis::{Error, Result};
 use vibro_assembly::Start;
@@ -33,6 +34,11 @@ const FOUND: f64 = 1e-6;
 /// Distance of two rows that are one point, in parts of the range and of the period: points are
 /// found to 1e-9 where they are regular.
 const ONE_POINT: f64 = 1e-8;
+/// Half of the arc on which a special point is located again: long beside rounding of the point, and
+/// short beside the curvature of a branch.
+const NEXT_TO: f64 = 1e-5;
+/// Accuracy of that location, as arc.
+const ARC: f64 = 1e-14;
 /// Value of a condition at a special point at which it ceases to hold.
 const CEASES: f64 = 1e-4;
 
@@ -162,6 +168,27 @@ impl LocusStart {
         (&own.0, &own.1, own.2) == (&their.0, &their.1, their.2)
             && is_near(own.3, their.3, to - from)
             && is_near(own.4, their.4, own.4)
+    }
+
+    /// The value of the parameter at which the point's own condition holds, located along the branch
+    /// of its shortest word: a second way beside the one by which the branch was searched, with
+    /// other equations. `None` where the condition has no zero next to the point.
+    pub fn located_again(&self) -> Option<f64> {
+        let (LocusStart { problem, u, .. }, condition) = self.normal().ok()?;
+        let axis = axis(u.len(), u.len() - 1);
+        if matches!(condition, Condition::Crossing(_)) {
+            let beside = &u + &axis * NEXT_TO;
+            return problem.crossing(&beside, 2.0 * NEXT_TO).map(|u| problem.value(&u));
+        }
+        let along = tangent(&problem, &u, &axis).ok()?;
+        let at = |s: f64| correct(&problem, &(&u + &along * (s - NEXT_TO)), &along);
+        let test = |s: f64| {
+            let u = at(s)?.u;
+            Ok(condition.tests(&problem, problem.place(&u)?, &u)?[0])
+        };
+        let ends = (test(0.0).ok()?, test(2.0 * NEXT_TO).ok()?);
+        let found = (ends.0 * ends.1 < 0.0).then(|| zero(&test, 2.0 * NEXT_TO, ends, ARC)).flatten();
+        found.and_then(|s| Some(problem.value(&at(s).ok()?.u)))
     }
 
     /// The events of the orbit in words.

@@ -262,15 +262,27 @@ fn invariant_opposite_loads_have_mirrored_branches() {
 #[test]
 #[ignore = "minutes: the whole range with half the step; run when paths, tests or touches change"]
 fn second_method_the_whole_tree_by_half_the_step() {
+    /// Longest words that are compared. A longer one passes its neighbourhood of a shorter orbit
+    /// many times, and its special points lie closer together than half a step.
+    const LETTERS: usize = 24;
+    /// Difference of a point reached on two paths.
+    const LOCATION: f64 = 1e-9;
     let family = family(0.5, 5.0);
     let whole = grow(&family, &TreeOptions::default());
     let half =
         TreeOptions { longest_step: 0.5 * TreeOptions::default().longest_step, ..TreeOptions::default() };
-    let [whole, half] = [whole, grow(&family, &half)].map(|tree| specials(&tree, false));
-    assert_eq!(whole.len(), half.len());
-    for (a, b) in whole.iter().zip(&half) {
-        assert_eq!((&a.0, a.1, a.2), (&b.0, b.1, b.2));
-        assert!((a.3 - b.3).abs() < 1e-9, "{a:?} {b:?}");
+    let short = |tree: &Tree| -> Vec<_> {
+        specials(tree, false).into_iter().filter(|own| own.0.len() <= LETTERS).collect()
+    };
+    let [whole, half] = [whole, grow(&family, &half)].map(|tree| short(&tree));
+    assert!(whole.len() > 1000, "{}", whole.len());
+    for (own, other) in [(&whole, &half), (&half, &whole)] {
+        let is_there = |a: &&(String, u32, &str, f64)| {
+            let same = other.iter().filter(|b| (&a.0, a.1, a.2) == (&b.0, b.1, b.2));
+            same.into_iter().any(|b| (a.3 - b.3).abs() < LOCATION)
+        };
+        let missing: Vec<_> = own.iter().filter(|a| !is_there(a)).collect();
+        assert!(missing.is_empty(), "{} of {}: {missing:?}", missing.len(), own.len());
     }
 }
 

@@ -13,7 +13,7 @@ use vibro_assembly::motion::EventKind;
 use vibro_assembly::{Motion, What};
 use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
-use vibro_orbits::assembly::{Branch, Family, Kind, Orbit, OrbitPoint, Stability, check_measure};
+use vibro_orbits::assembly::{Branch, Family, Kind, LocusStart, Orbit, OrbitPoint, Stability, check_measure};
 
 /// Special points beyond which the picture marks only those where stability changes.
 const MARKED: usize = 150;
@@ -177,6 +177,7 @@ pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<
         "point",
         "parameter",
         "value",
+        "value_error",
         "word",
         "periods",
         "period",
@@ -187,33 +188,41 @@ pub(super) fn special_table(family: &Family, branches: &[Branch]) -> Result<Vec<
         "beside_period",
         "beside_start",
     ])?;
-    for branch in branches {
-        let word = words(family, branch);
-        for (i, point) in branch.points.iter().enumerate() {
-            let Some(special) = &point.special else { continue };
-            let after = point.stability;
-            let before = i.checked_sub(1).map_or(after, |last| branch.points[last].stability);
-            let beside = branch.locus_start(i).and_then(|_| branch.beside(i));
-            let number = |of: &dyn Fn(&Orbit) -> f64| beside.as_ref().map_or(String::new(), |o| exact(of(o)));
-            table.push([
-                special.kind.name().into(),
-                branch.id.to_string(),
-                i.to_string(),
-                family.parameter.clone(),
-                exact(point.value),
-                word.clone(),
-                branch.word().periods.map_or(String::new(), |n| n.to_string()),
-                exact(point.period),
-                before.to_string(),
-                after.to_string(),
-                special.element.clone(),
-                number(&|orbit| orbit.value()),
-                number(&|orbit| orbit.period()),
-                beside.as_ref().map_or(String::new(), |orbit| orbit.start().to_string()),
-            ])?;
-        }
-    }
+    let rows: Vec<_> = branches.par_iter().map(|branch| special_rows(family, branch)).collect();
+    rows.into_iter().flatten().try_for_each(|row| table.push(row))?;
     table.text()
+}
+
+/// Rows of the special points of a branch.
+fn special_rows(family: &Family, branch: &Branch) -> Vec<[String; 15]> {
+    let word = words(family, branch);
+    let row = |(i, point): (usize, &OrbitPoint)| {
+        let special = point.special.as_ref()?;
+        let after = point.stability;
+        let before = i.checked_sub(1).map_or(after, |last| branch.points[last].stability);
+        let start = branch.locus_start(i);
+        let again = start.as_ref().and_then(LocusStart::located_again);
+        let beside = start.and_then(|_| branch.beside(i));
+        let number = |of: &dyn Fn(&Orbit) -> f64| beside.as_ref().map_or(String::new(), |o| exact(of(o)));
+        Some([
+            special.kind.name().into(),
+            branch.id.to_string(),
+            i.to_string(),
+            family.parameter.clone(),
+            exact(point.value),
+            again.map_or(String::new(), |again| exact((again - point.value).abs())),
+            word.clone(),
+            branch.word().periods.map_or(String::new(), |n| n.to_string()),
+            exact(point.period),
+            before.to_string(),
+            after.to_string(),
+            special.element.clone(),
+            number(&|orbit| orbit.value()),
+            number(&|orbit| orbit.period()),
+            beside.as_ref().map_or(String::new(), |orbit| orbit.start().to_string()),
+        ])
+    };
+    branch.points.iter().enumerate().filter_map(row).collect()
 }
 
 /// The marks of special points.

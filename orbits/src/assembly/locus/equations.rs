@@ -39,8 +39,8 @@ pub(super) enum Condition {
     /// non-trivial bifurcation points, 1980). The multiple is an unknown: it is 0 where the two
     /// parameters keep the crossing, as that of a symmetric orbit.
     Crossing(Border<f64>),
-    /// A multiplier -1.
-    Doubling,
+    /// A multiplier -1: the equations whose variations close with the factor -1 are singular.
+    Doubling(Border<f64>),
     /// A pair of multipliers with the product 1.
     Pair,
     /// A condition of the orbit that just ceases to hold.
@@ -57,10 +57,48 @@ impl Condition {
         Ok(match label {
             Label::Fold => Self::Fold(border()?),
             Label::BranchPoint => Self::Crossing(border()?),
-            Label::PeriodDoubling => Self::Doubling,
+            Label::PeriodDoubling => Self::Doubling(antiperiodic(problem, u)?),
             _ => Self::Pair,
         })
     }
+
+    /// Values of the condition at an orbit: one, of a crossing two.
+    pub fn tests(&self, problem: &Problem, place: Place, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
+        let found = match self {
+            Self::Pair => {
+                let test = pair_test(Orbit::at(problem.clone(), place, u.clone())?.multipliers());
+                Some(vec![test.relative_to(SignedLog { sign: 1.0, log: 0.0 })])
+            }
+            Self::Touch(condition) => {
+                let cycle = problem.cycle(&place, u)?;
+                cycle.value_of(*condition, &place, &problem.word).map(|value| vec![value])
+            }
+            Self::Fold(border) | Self::Doubling(border) | Self::Crossing(border) => {
+                let Residual { matrix, cycle, .. } = problem.residual(&place, u, true)?;
+                let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
+                match self {
+                    Self::Crossing(_) => {
+                        let column = problem.by_parameter((&place, u), &cycle, &matrix)?;
+                        crossing::conditions(&matrix, &column, border)
+                    }
+                    Self::Doubling(_) => {
+                        let turned = problem.antiperiodic(&place, &cycle, &matrix);
+                        smallness(&turned, border).map(|g| vec![g])
+                    }
+                    _ => smallness(&matrix, border).map(|g| vec![g]),
+                }
+            }
+        };
+        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
+    }
+}
+
+/// The border of the equations whose variations close with the factor -1.
+fn antiperiodic(problem: &Problem, u: &DVector<f64>) -> Result<Border<f64>, Obstacle> {
+    let place = problem.place(u)?;
+    let Residual { matrix, cycle, .. } = problem.residual(&place, u, true)?;
+    let turned = matrix.map(|matrix| problem.antiperiodic(&place, &cycle, &matrix));
+    turned.and_then(Border::of).ok_or(Obstacle::NoConvergence)
 }
 
 /// Equations of a curve. A point holds the orbit's unknowns without the parameter, the unfolding of
@@ -175,30 +213,8 @@ impl Locus {
 
     /// Values of the condition at a point.
     fn tests(&self, w: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
-        let at = self.at(w)?;
-        let At { place, problems: [problem, _], points: [u, _] } = at;
-        let found = match &self.condition {
-            Condition::Doubling => Some(vec![doubling(Orbit::at(problem, place, u)?.multipliers())]),
-            Condition::Pair => {
-                let test = pair_test(Orbit::at(problem, place, u)?.multipliers());
-                Some(vec![test.relative_to(SignedLog { sign: 1.0, log: 0.0 })])
-            }
-            Condition::Touch(condition) => {
-                let cycle = problem.cycle(&place, &u)?;
-                cycle.value_of(*condition, &place, &problem.word).map(|value| vec![value])
-            }
-            Condition::Fold(border) => {
-                let matrix = problem.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
-                smallness(&matrix, border).map(|g| vec![g])
-            }
-            Condition::Crossing(border) => {
-                let Residual { matrix, cycle, .. } = problem.residual(&place, &u, true)?;
-                let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
-                let column = problem.by_parameter((&place, &u), &cycle, &matrix)?;
-                crossing::conditions(&matrix, &column, border)
-            }
-        };
-        found.filter(|f| f.iter().all(|x| x.is_finite())).ok_or(Obstacle::NoConvergence)
+        let At { place, problems: [problem, _], points: [u, _] } = self.at(w)?;
+        self.condition.tests(&problem, place, &u)
     }
 
     /// The columns of both parameters.
@@ -305,7 +321,10 @@ impl TwoParameters for Locus {
         let adapted = match &self.condition {
             Condition::Fold(own) => border().map(|border| Condition::Fold(border.aligned(own))),
             Condition::Crossing(own) => border().map(|border| Condition::Crossing(border.aligned(own))),
-            Condition::Doubling | Condition::Pair | Condition::Touch(_) => None,
+            Condition::Doubling(own) => {
+                antiperiodic(&problem, &u).ok().map(|border| Condition::Doubling(border.aligned(own)))
+            }
+            Condition::Pair | Condition::Touch(_) => None,
         };
         if let Some(adapted) = adapted {
             self.condition = adapted;
@@ -363,7 +382,7 @@ impl TwoParameters for Locus {
                 let others = without_nearest(multipliers, 1.0);
                 vec![(LocusEnd::FoldFlip, doubling(multipliers)), (one, unit(&others))]
             }
-            Condition::Doubling => {
+            Condition::Doubling(_) => {
                 let others = without_nearest(multipliers, -1.0);
                 vec![(LocusEnd::FoldFlip, unit(multipliers)), (minus, doubling(&others))]
             }

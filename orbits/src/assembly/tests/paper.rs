@@ -40,6 +40,19 @@ fn second_method_special_points_of_the_papers_machine() {
         }
     }
     assert!(compared > 15, "{compared}");
+    // Each point's own condition, in the shortest word of its orbit, is zero there too.
+    let starts = own.iter().flat_map(|branch| {
+        let of = |k| Some((branch.locus_start(k)?, branch.points[k].value));
+        (0..branch.points.len()).filter_map(of).collect::<Vec<_>>()
+    });
+    let starts: Vec<_> = starts.collect();
+    let apart = |(start, value): &(LocusStart, f64)| {
+        let again = start.located_again();
+        (start.special.kind.name(), *value, again.map(|again| (again - value).abs()))
+    };
+    let found: Vec<_> = starts.iter().map(apart).collect();
+    let wrong: Vec<_> = found.iter().filter(|own| own.2.is_none_or(|apart| apart > SAME)).collect();
+    assert!(found.len() > 20 && wrong.is_empty(), "{wrong:?} of {}", found.len());
 }
 
 fn specials_of(branches: &[Branch], kind: &str) -> Vec<f64> {
