@@ -54,6 +54,21 @@ pub(super) fn meissners_test(low: f64, damping: f64, period: f64) -> f64 {
     1.0 + matrix.trace() + matrix.determinant()
 }
 
+/// Fixed times repeat whether the state returns or not: an orbit passed three times is the orbit
+/// itself, and a motion that returns after three passes alone stays one of three.
+#[test]
+fn invariant_a_word_of_fixed_times_is_as_short_as_its_state_returns() {
+    let orbit = Orbit::settled(&meissner(1.0, 0.1, 3.0), &Start::default(), 800).unwrap();
+    let (thrice, u) = orbit.problem.repeated(&orbit.place, &orbit.u, 3).unwrap();
+    let (once, at) = thrice.reduced(&u).unwrap();
+    assert_eq!((thrice.word.len(), once.word.len()), (6, 2));
+    assert!((at - &orbit.u).norm() < ROUNDING);
+    let mut moved = u.clone();
+    moved[0] += 1e-3;
+    let (own, at) = thrice.reduced(&moved).unwrap();
+    assert_eq!((own.word.len(), at), (6, moved));
+}
+
 /// The trace of the product of two matrices of cosines is -2 at the boundary of instability of
 /// Meissner's equation; with a dashpot a multiplier is -1 where trace + det = -1.
 #[test]
