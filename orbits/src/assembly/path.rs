@@ -149,7 +149,8 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
         }
         is_first = false;
         points.extend(between);
-        if end.is_none() && points.len() > SHORTEST_LOOP && follower.closes(&start, &last, &next) {
+        let is_loop = closes((&start.0, &start.1), [&last.u, &next.u], &next.tangent);
+        if end.is_none() && points.len() > SHORTEST_LOOP && is_loop {
             let first = points[0].clone();
             points.push(first);
             return Ok(Path { points, end: PathEnd::Closed });
@@ -381,16 +382,20 @@ impl Follower<'_> {
         let found = BEFORE.iter().filter_map(at).find(|(at, _)| limited(at));
         found.unwrap_or_else(|| (last.clone(), 0.0))
     }
+}
 
-    /// Whether a step passes the first point of the path again.
-    fn closes(&self, start: &(DVector<f64>, DVector<f64>), last: &Position, next: &Position) -> bool {
-        let way = &next.u - &last.u;
-        let length = way.norm();
-        let from = &start.0 - &last.u;
-        let part = from.dot(&way) / (length * length);
-        let aside = (from - &way * part).norm();
-        (0.0..=1.0).contains(&part) && aside < 0.05 * length && start.1.dot(&next.tangent) > COSINE
-    }
+/// Whether a step from a point to another one, with the tangent there, passes the first point of
+/// its path again, with the path's first tangent.
+pub(super) fn closes(
+    (first, begins): (&DVector<f64>, &DVector<f64>),
+    [last, next]: [&DVector<f64>; 2],
+    tangent: &DVector<f64>,
+) -> bool {
+    let (way, from) = (next - last, first - last);
+    let length = way.norm();
+    let part = from.dot(&way) / (length * length);
+    let aside = (from - &way * part).norm();
+    (0.0..=1.0).contains(&part) && aside < 0.05 * length && begins.dot(tangent) > COSINE
 }
 
 /// ∏ (1 + μ), each factor of size one at most.

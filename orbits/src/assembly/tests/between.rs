@@ -3,7 +3,8 @@
 use super::closing::ball;
 use super::steps::{meissner, meissners_test};
 use super::*;
-use crate::assembly::path::{Departure, PathEnd, follow};
+use crate::assembly::path::{Departure, PathEnd, closes, follow};
+use nalgebra::DVector;
 use vibro_assembly::Start;
 
 /// Accuracy of a special point's parameter.
@@ -59,6 +60,27 @@ fn published_flip_in_the_last_step_before_a_touch() {
     let plain = path.points.iter().filter(|p| p.special.is_none()).count();
     let found = values(&path.points, "PD");
     assert!(nearest(&found, force) < digits && plain <= 1, "{found:?}, {plain} plain points");
+}
+
+/// A circle closes in the step that passes its first point, and in no other one; a helix, which
+/// passes it at a distance, does not close.
+#[test]
+fn closed_form_a_circle_closes_and_a_helix_does_not() {
+    let steps = 40.5;
+    let at = |k: u32, pitch: f64| {
+        let (angle, turn) = (std::f64::consts::TAU * f64::from(k) / steps, f64::from(k) / steps);
+        let u = DVector::from_vec(vec![angle.cos(), angle.sin(), pitch * turn]);
+        (u, DVector::from_vec(vec![-angle.sin(), angle.cos(), pitch]).normalize())
+    };
+    for pitch in [0.0, 0.02] {
+        let (first, begins) = at(0, pitch);
+        let is_loop = |k: &u32| {
+            let (next, tangent) = at(k + 1, pitch);
+            closes((&first, &begins), [&at(*k, pitch).0, &next], &tangent)
+        };
+        let closed: Vec<u32> = (1..60).filter(is_loop).collect();
+        assert_eq!(closed, if pitch == 0.0 { vec![40] } else { Vec::new() });
+    }
 }
 
 /// The two flips of Meissner's oscillator at the tip of a tongue, within one step of each other.

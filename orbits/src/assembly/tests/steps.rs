@@ -2,6 +2,7 @@
 
 use super::*;
 use nalgebra::{Matrix2, Vector2};
+use vibro_assembly::mode::Contact;
 use vibro_assembly::{Motion, Start};
 
 /// Rounding of numbers of size one over a period.
@@ -130,6 +131,13 @@ fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
         let exact = if k % 2 == 0 { 0.0 } else { 0.2 + stops };
         assert!((time % 1.0 - exact).abs() < ROUNDING, "{:?}", orbit.times());
     }
+    // At each step the push is beyond the friction's level by this part of both.
+    let beyond = orbit.conditions().iter().filter_map(|(condition, value)| match condition {
+        Condition::Changes { contact: Contact::Friction(0), .. } => Some(*value),
+        _ => None,
+    });
+    let beyond: Vec<f64> = beyond.collect();
+    assert!(beyond.len() >= 2 && beyond.iter().all(|x| (x - (push - 1.0) / (push + 1.0)).abs() < ROUNDING));
     let way = orbit.measure(&"peak_to_peak.a.s".parse().unwrap()).unwrap();
     assert!((way - 0.5 * rate * (0.2 + stops)).abs() < ROUNDING, "{way}");
     assert!(Motion::from_state(orbit.place().assembly.clone(), 0.1, orbit.state()).is_ok());

@@ -154,3 +154,13 @@ fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differen
         }
     }
 }
+
+/// A functional of a force of 6 N less one of 2 N is half of its terms beyond zero, in any unit.
+#[test]
+fn closed_form_a_functional_is_told_relative_to_its_terms() {
+    for unit in [1e-9, 1.0, 1e9] {
+        assert!(
+            (crate::assembly::timed::beyond(&[2.0, -1.0], &[3.0 * unit, 2.0 * unit]) - 0.5).abs() < 1e-15
+        );
+    }
+}
