@@ -275,7 +275,7 @@ fn second_method_the_whole_tree_by_half_the_step() {
         specials(tree, false).into_iter().filter(|own| own.0.len() <= LETTERS).collect()
     };
     let [whole, half] = [whole, grow(&family, &half)].map(|tree| short(&tree));
-    assert!(whole.len() > 1000, "{}", whole.len());
+    assert!(whole.len() > 500, "{}", whole.len());
     for (own, other) in [(&whole, &half), (&half, &whole)] {
         let is_there = |a: &&(String, u32, &str, f64)| {
             let same = other.iter().filter(|b| (&a.0, a.1, a.2) == (&b.0, b.1, b.2));
