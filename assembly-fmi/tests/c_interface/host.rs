@@ -178,6 +178,6 @@ pub fn native_events(plan: &Plan, end: f64) -> (Vec<f64>, Vec<f64>) {
         due.push(motion.time());
         motion.apply_event(&mut |event| told.push(event.time)).unwrap();
     }
-    [&mut due, &mut told].map(|times| times.dedup());
+    [&mut due, &mut told].into_iter().for_each(Vec::dedup);
     (due, told)
 }
