@@ -22,7 +22,7 @@ pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
     /// By state of first order the direction w of the elongation with which it moves.
-    inner: Vec<Functional>,
+    inner: usize,
     /// Directions of the coordinates, a sparse basis found by elimination.
     places: Vec<DVector<f64>>,
     /// Directions of the velocities.
@@ -60,7 +60,7 @@ impl Neutral {
         rows.extend(system.frictions.iter().map(|f| along(&f.elongation)));
         rows.extend(system.branches.iter().map(|b| along(&b.elongation)));
         let rates = null_space(rows, system.coordinates);
-        let inner = system.branches.iter().map(|own| own.elongation.w.clone()).collect();
+        let inner = system.branches.len();
         Self { coordinates: system.coordinates, inner, places, rates }
     }
 
@@ -82,8 +82,8 @@ impl Neutral {
         all.map(|(u, first)| {
             let mut state = vec![0.0; 2 * n];
             state[first..first + n].copy_from_slice(u.as_slice());
-            // An inner place goes with the elongation, so that the force stays.
-            state.extend(self.inner.iter().map(|w| if first == 0 { w.dot(u) } else { 0.0 }));
+            // Springs in series keep their stretches, and so their forces.
+            state.resize(2 * n + self.inner, 0.0);
             state
         })
         .collect()

@@ -169,21 +169,21 @@ impl System {
         let inputs = self.signals.no_inputs();
         self.signals.fill(DoubleDouble::default(), &inputs, z.as_mut_slice());
         q.iter().for_each(|q| z.rows_mut(0, self.coordinates).copy_from(q));
-        for branch in &self.branches {
-            z[branch.place] = branch.elongation.e.dot(&z);
-        }
         z
     }
 
-    /// The states of first order at rest with coordinates q, reached from zeros.
+    /// The inner places at rest with coordinates q, reached from zeros.
     pub(crate) fn inner_at_rest(&self, q: &DVector<f64>) -> Vec<f64> {
         let z = self.at_rest(Some(q));
-        let inner = |branch: &BranchRows| match branch.law {
-            SeriesLaw::Dashpot { .. } => z[branch.place],
-            // From x = 0 on, and held where its force is at its level.
-            SeriesLaw::Slider { slip } => {
-                let (e, most) = (z[branch.place], slip / branch.stiffness);
-                if e.abs() > most { e - most.copysign(e) } else { 0.0 }
+        let inner = |branch: &BranchRows| {
+            let e = branch.elongation.e.dot(&z);
+            match branch.law {
+                SeriesLaw::Dashpot { .. } => e,
+                // From x = 0 on, and held where its force is at its level.
+                SeriesLaw::Slider { slip } => {
+                    let most = slip / branch.stiffness;
+                    if e.abs() > most { e - most.copysign(e) } else { 0.0 }
+                }
             }
         };
         self.branches.iter().map(inner).collect()

@@ -110,7 +110,7 @@ impl Start {
             (assembly.description.bodies[i].name.clone(), BodyStart { s, v })
         };
         let bodies = assembly.system.bodies_of.iter().map(body).collect();
-        let places = assembly.system.branches.iter().map(|own| motion.state()[own.place] + 0.0);
+        let places = (0..assembly.system.branches.len()).map(|i| motion.inner_place(i) + 0.0);
         let sliders = in_series(&assembly.description).map(|(spring, _)| spring.name.clone()).zip(places);
         let system = &assembly.system;
         let kept = motion.state().as_slice()[2 * system.coordinates + system.branches.len()..].iter();

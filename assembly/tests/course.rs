@@ -144,7 +144,7 @@ fn closed_form_a_ball_comes_to_rest_on_a_course() {
     let mut solver = Solver::new(&example("bouncing_ball"));
     solver.run(9.0, 1e-2);
     // At rest the solver integrates the rounding of the forces' balance, relative to g.
-    let [s, v] = *solver.motion.states() else { unreachable!("a ball has two states") };
+    let [s, v] = solver.motion.states()[..] else { unreachable!("a ball has two states") };
     assert!((s - 1.0).abs() < 1e-14 && v.abs() < 1e-14, "{s} {v}");
     // Time of the skipped bounces: 2 u/(g (1 - e)) with u² = 2 g · 1e-9.
     assert!(solver.events > 90 && solver.events < 110, "{} until {REST}", solver.events);

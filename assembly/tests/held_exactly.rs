@@ -191,3 +191,21 @@ fn invariant_levels_limits_and_samples_hold() {
         (held, number) = (y, sample);
     });
 }
+
+/// A plate that steps leaves what sticks to it where it is: no force is large enough to follow.
+#[test]
+fn closed_form_a_plate_that_steps_leaves_behind_what_sticks_to_it() {
+    let mut m = moving(
+        r#"
+        name = "Plate"
+        body.plate = { motion = { steps = [[0.5, 0.1]] } }
+        body.block = { mass = 2.0, start = { s = 0.03 } }
+        friction.sole = { between = ["plate", "block"], force = 10.0 }
+    "#,
+    );
+    for (time, e) in [(0.25, 0.03), (0.75, -0.07), (1.0, -0.07)] {
+        m.advance_to(time).unwrap();
+        assert_eq!(column(&m, "block.s"), 0.03);
+        near(column(&m, "sole.e"), e, 1e-16);
+    }
+}

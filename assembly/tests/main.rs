@@ -22,6 +22,7 @@ mod follows;
 mod freewheel;
 mod gallery;
 mod held_exactly;
+mod held_force;
 mod instants;
 mod jumps;
 mod known_figures;

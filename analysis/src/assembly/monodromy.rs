@@ -81,15 +81,10 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
     let own = system.states();
     let by_time = |row: &StateRow| row.iter().zip(change).skip(own).map(|(r, x)| r * x).sum::<f64>();
     let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };
-    // Inner places go with the elongations, so that forces stay.
+    // Springs in series keep their stretches, and so their forces; blocks keep what they have.
     let with_inner = |along: DVector<f64>| match system.branches.is_empty() {
         true => along,
-        false => {
-            let inner = system.branches.iter().map(|b| b.elongation.w.dot(&along) - row(&b.elongation));
-            // Blocks keep what they have.
-            let all = along.iter().copied().chain(vec![0.0; n]).chain(inner);
-            DVector::from_iterator(own, all.chain(std::iter::repeat(0.0)).take(own))
-        }
+        false => along.resize_vertically(own, 0.0),
     };
     let changes = DVector::from_iterator(held.len(), held.iter().map(|e| row(e)));
     if changes.iter().all(|change| *change == 0.0) {

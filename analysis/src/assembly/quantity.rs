@@ -123,10 +123,9 @@ impl Flow {
                 .iter()
                 .for_each(|part| add(system.force_row(*part, &self.mode, &self.lambda).as_slice())),
             What::Slider | What::SliderRate => {
-                let Some(place) = system.slider_of(i) else { return sum };
-                let mut unit = vec![0.0; system.signals.size];
-                unit[place] = 1.0;
-                return if quantity.what == What::Slider { unit } else { self.rate_of(&unit) };
+                let Some(branch) = system.branch_of(i) else { return sum };
+                let inner = system.branches[branch].inner.as_slice();
+                return if quantity.what == What::Slider { inner.to_vec() } else { self.rate_of(inner) };
             }
             What::Value | What::Output(_) => {
                 add(system.block_row(i, quantity.what, &self.mode.stops).as_slice());

@@ -71,7 +71,7 @@ impl Functionals {
                     Part::Stop(i) if system.stops[i].is_freewheel => None,
                     Part::Stop(i) => Some(system.stops[i].stiffness()),
                     Part::Branch(i) => {
-                        // The force is to return, whatever its elongation and inner place do.
+                        // The force is to return, whatever the elongation and the inner place do.
                         let own = &system.branches[i];
                         push(&(&*own.force / own.stiffness), rotates, None);
                         push(&e.rate, 2 + rotates, Some((e, own.stiffness)));

@@ -26,7 +26,7 @@ const HELD: f64 = 1e-12;
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// Metric of n coordinates, their rates and inner places that divides the units of places by ω
+    /// Metric of n coordinates, their rates and stretches that divides the units of places by ω
     /// (1/s) and leaves rates as they are.
     pub fn by_frequency(n: usize, inner: usize, omega: f64) -> Self {
         let is_rate = |k: usize| (n..2 * n).contains(&k);

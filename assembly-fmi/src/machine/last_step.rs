@@ -167,7 +167,7 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             break;
         }
         if outcome == Reached::End {
-            return Ok(variations);
+            break;
         }
         if motion.time() >= now - late {
             // The last event counts once its law is shown.
@@ -177,5 +177,6 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             motion.pass_event_with(&mut variations)?;
         }
     }
-    Ok(variations)
+    let system = motion.assembly().system();
+    Ok(variations.iter().map(|variation| system.given(variation)).collect())
 }

@@ -166,7 +166,7 @@ impl Model for Machine {
     }
 
     fn continuous_states(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {
-        self.finite("a state", self.plan.continuous(self.seen()?.motion.states()))
+        self.finite("a state", self.plan.continuous(&self.seen()?.motion.states()))
     }
 
     fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, MachineProblem> {

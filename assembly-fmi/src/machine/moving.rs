@@ -143,10 +143,10 @@ impl Moving {
 
     /// Sets the states at some places among the assembly's states.
     pub(super) fn set_states(&mut self, places: &[usize], states: &[f64]) {
-        if places.len() == self.motion.states().len() {
+        let mut all = self.motion.states();
+        if places.len() == all.len() {
             return self.motion.set_states(states);
         }
-        let mut all = self.motion.states().to_vec();
         places.iter().zip(states).for_each(|(&place, state)| all[place] = *state);
         self.motion.set_states(&all);
     }

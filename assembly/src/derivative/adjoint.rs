@@ -9,7 +9,7 @@ use super::series::orders;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;
 use crate::kernel::{EIGHT, NODES, SHORT};
-use crate::mode::{Contact, FrictionState, StopState};
+use crate::mode::{Contact, FrictionState, SliderState, StopState};
 use crate::quantity::{Owner, Quantity, What};
 use crate::system::{Functional, Part, StateRow};
 use nalgebra::DVector;
@@ -177,14 +177,22 @@ impl<'a> Adjoint<'a> {
                 machine.system.parts[i].iter().for_each(|&part| self.add_force(mode, z, part, factor));
             }
             Owner::Element(i) if matches!(quantity.what, What::Slider | What::SliderRate) => {
-                let Some(place) = machine.system.slider_of(i) else { return };
+                let Some(branch) = machine.system.branch_of(i) else { return };
+                let own = &machine.system.branches[branch];
+                let by = &mut self.weights.branches[branch].elongation;
                 if quantity.what == What::Slider {
-                    return self.state[place] += factor;
+                    self.state.axpy(factor, &own.inner, 1.0);
+                    return by.e.axpy(factor, z, 1.0);
                 }
-                mode.a.row(place).iter().for_each(|&(j, x)| self.state[j] += factor * x);
-                let own = &mut self.in_mode(mode).a;
-                let mut row = own.row_mut(place - machine.system.coordinates);
-                row.iter_mut().zip(z.iter()).for_each(|(sum, x)| *sum += factor * x);
+                if own.is_slider() && mode.mode.sliders[branch] == SliderState::Held {
+                    return;
+                }
+                self.state.axpy(factor, &own.elongation.rate, 1.0);
+                by.rate.axpy(factor, z, 1.0);
+                mode.a.row(own.place).iter().for_each(|&(j, x)| self.state[j] -= factor * x);
+                let in_mode = &mut self.in_mode(mode).a;
+                let mut row = in_mode.row_mut(own.place - machine.system.coordinates);
+                row.iter_mut().zip(z.iter()).for_each(|(sum, x)| *sum -= factor * x);
             }
             Owner::Element(i) => {
                 let Some(&part) = machine.system.parts[i].first() else { return };

@@ -16,11 +16,11 @@ impl Tangent {
         for (rows, ((spring, series), (by, change))) in system.branches.iter().zip(springs) {
             let own = self.elongation(system, &spring.arms, &by.arms);
             let e = &rows.elongation;
-            let force = by.stiffness * &*rows.stretch() + rows.stiffness * &own.e;
+            let force = (by.stiffness / rows.stiffness) * &*rows.force;
             let mut level = StateRow::zeros(system.signals.size);
             let rate = match (series.law, change.law) {
                 (SeriesLaw::Dashpot { damping }, SeriesLaw::Dashpot { damping: dc }) => {
-                    (1.0 / damping) * &force - (dc / (damping * damping)) * &*rows.force
+                    &own.rate - (1.0 / damping) * &force + (dc / (damping * damping)) * &*rows.force
                 }
                 (_, SeriesLaw::Slider { slip }) => {
                     level[system.signals.one] = slip;
@@ -57,14 +57,14 @@ impl Tangent {
     }
 }
 
-/// Whether the inner place of a branch moves in a mode.
+/// Whether the stretch of a branch varies in a mode.
 fn is_moving(system: &System, mode: &Mode, i: usize) -> bool {
-    !system.branches[i].is_slider() || mode.sliders[i] != SliderState::Held
+    !system.branches[i].is_slider() || mode.sliders[i] == SliderState::Held
 }
 
 impl Machine {
     /// Puts the derivative of the force of each slider at its level that slips in a mode, or that a
-    /// jump has `moved`, by its inner place.
+    /// jump has `moved`, by its stretch.
     pub(super) fn keep_levels(
         &self,
         p: usize,
@@ -78,9 +78,42 @@ impl Machine {
                 let by = &self.tangents[p].branches[i];
                 let level = direction * by.level.dot(at.z);
                 let off = branch.force.dot(delta) + by.force.dot(at.z) - level;
-                delta[branch.place] += off / branch.stiffness;
+                delta[branch.place] -= off / branch.stiffness;
             }
         }
+    }
+
+    /// Replaces the derivatives of given states by those of the augmented state: the derivatives of
+    /// inner places by those of stretches.
+    pub(super) fn take_given(&self, p: usize, z: &DVector<f64>, delta: &mut DVector<f64>) {
+        for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
+            let e = branch.elongation.e.dot(delta) + by.elongation.e.dot(z);
+            delta[branch.place] = e - delta[branch.place];
+        }
+    }
+
+    /// Adds the derivative of what springs in series are stretched by a jump that changes the state
+    /// by `moved` and its derivative by `jump`: the inner places stay.
+    pub(super) fn stretch(
+        &self,
+        p: usize,
+        moved: &DVector<f64>,
+        jump: &DVector<f64>,
+        delta: &mut DVector<f64>,
+    ) {
+        for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
+            delta[branch.place] += branch.elongation.e.dot(jump) + by.elongation.e.dot(moved);
+        }
+    }
+
+    /// The derivatives of the given states, of which a derivative of the augmented state has the
+    /// coordinates, rates, stretches and what blocks keep.
+    pub(super) fn given(&self, p: usize, z: &DVector<f64>, delta: &DVector<f64>) -> Vec<f64> {
+        let mut states = delta.as_slice()[..self.system.states()].to_vec();
+        for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
+            states[branch.place] = branch.inner.dot(delta) + by.elongation.e.dot(z);
+        }
+        states
     }
 }
 

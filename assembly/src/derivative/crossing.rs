@@ -70,7 +70,7 @@ impl Crossing<'_> {
     fn jumps(&self) -> bool {
         let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
         let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
-            // An inner place that begins to move exerts no force at once.
+            // A stretch that begins to grow exerts no force at once.
             let inner = self.machine.system.places_of_first_order();
             let all = was.iter().zip(is.iter()).enumerate().filter(|(i, _)| !inner.contains(i));
             all.into_iter().any(|(_, (a, b))| (a - b).abs() > STILL * (a.abs() + b.abs()))

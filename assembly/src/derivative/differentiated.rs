@@ -258,7 +258,7 @@ impl Differentiated {
     /// there is none.
     pub fn state_derivative(&self, column: usize) -> Option<Vec<f64>> {
         let delta = self.column(column)?;
-        Some(delta.as_slice()[..self.machine.system.signals.one].to_vec())
+        Some(self.machine.given(column, &self.machine.widened(self.motion.state()), &delta))
     }
 
     /// A column of the derivative of the augmented state.

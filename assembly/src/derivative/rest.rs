@@ -96,10 +96,11 @@ fn put_borne(
     let (system, tangent) = (&machine.system, &machine.tangents[p]);
     for (i, (branch, by)) in system.branches.iter().zip(&tangent.branches).enumerate() {
         let w = &branch.elongation.w;
-        let borne = match level_at_rest(branch, at) {
+        let borne = match level_at_rest(machine, branch, at) {
+            // From the inner place 0 on the stretch is e.
             Rest::Elastic => {
-                forces.ger(-1.0, w, &branch.force, 1.0);
-                by.force.dot(at.z)
+                forces.ger(-branch.stiffness, w, &branch.elongation.e, 1.0);
+                by.force.dot(at.z) + branch.stiffness * by.elongation.e.dot(at.z)
             }
             Rest::Relaxed => {
                 forces.ger(1.0, w, &branch.force, 1.0);
@@ -120,10 +121,14 @@ enum Rest {
     AtLevel(f64),
 }
 
-fn level_at_rest(branch: &BranchRows, at: &Instant) -> Rest {
+fn level_at_rest(machine: &Machine, branch: &BranchRows, at: &Instant) -> Rest {
     match branch.law {
         SeriesLaw::Dashpot { .. } => Rest::Relaxed,
-        SeriesLaw::Slider { .. } if at.z[branch.place] == 0.0 => Rest::Elastic,
+        SeriesLaw::Slider { .. }
+            if machine.assembly.inner[branch.place - 2 * machine.system.coordinates] == 0.0 =>
+        {
+            Rest::Elastic
+        }
         SeriesLaw::Slider { .. } => Rest::AtLevel(branch.force.dot(at.z).signum()),
     }
 }
@@ -131,13 +136,14 @@ fn level_at_rest(branch: &BranchRows, at: &Instant) -> Rest {
 /// The inner places of these springs follow their elongations.
 fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
     for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
-        let direction = match level_at_rest(branch, at) {
+        let direction = match level_at_rest(machine, branch, at) {
             Rest::Elastic => continue,
             Rest::Relaxed => 0.0,
             Rest::AtLevel(direction) => direction,
         };
-        let off = branch.force.dot(delta) + by.force.dot(at.z) - direction * by.level.dot(at.z);
-        delta[branch.place] += off / branch.stiffness;
+        let stretch = (direction * by.level.dot(at.z) - by.force.dot(at.z)) / branch.stiffness;
+        let e = &branch.elongation.e;
+        delta[branch.place] = e.dot(delta) + by.elongation.e.dot(at.z) - stretch;
     }
 }
 

@@ -59,7 +59,11 @@ impl Start<'_> {
         let kicks: f64 = impacts.iter().map(|impulse| impulse.kick_size(system, tangent)).sum();
         scale.rows_mut(system.coordinates, system.coordinates).add_scalar_mut(kicks);
         machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
+        let begun = delta.clone();
         machine.keep(p, &mut delta, &scale, at)?;
+        // Inner places stay as they are given.
+        let still = DVector::zeros(delta.len());
+        machine.stretch(p, &still, &(&delta - begun), &mut delta);
         machine.keep_levels(p, &mut delta, at, |i| self.is_moved(i));
         let mut still = machine.still(at, true);
         still.extend(at.mode.watched.iter().filter(|own| self.is_at_level(own)));
@@ -123,6 +127,7 @@ impl Start<'_> {
                 }
             }
         }
+        machine.take_given(p, at.z, &mut delta);
         Ok(delta)
     }
 
@@ -131,8 +136,9 @@ impl Start<'_> {
         let (machine, z) = (self.machine, self.begun);
         let branch = &machine.system.branches[i];
         let given = machine.assembly.inner[branch.place - 2 * machine.system.coordinates];
-        let is_moved = self.given == Given::Machine && given != z[branch.place];
-        is_moved.then(|| branch.force.dot(z).signum())
+        let stretch = branch.elongation.e.at(z.as_slice()) - given;
+        let is_moved = self.given == Given::Machine && stretch.abs() > z[branch.place].abs();
+        is_moved.then(|| stretch.signum())
     }
 
     /// Whether a slider is held at its level: on one side of a start that varies its force it has

@@ -3,7 +3,7 @@
 use super::mode::VariedMode;
 use super::rows::ElongationTangent;
 use super::tangent::Tangent;
-use crate::mode::{Contact, FrictionState, StopState};
+use crate::mode::{Contact, FrictionState, SliderState, StopState};
 use crate::quantity::{Owner, Quantity, What};
 use crate::system::{Functional, Part, StateRow, System};
 use nalgebra::DVector;
@@ -42,11 +42,17 @@ impl Point<'_> {
         let parts = &self.system.parts[i];
         match quantity.what {
             What::F => parts.iter().map(|&part| self.force(part)).sum(),
-            What::Slider => self.system.slider_of(i).map_or(0.0, |place| self.delta[place]),
-            What::SliderRate => self
-                .system
-                .slider_of(i)
-                .map_or(0.0, |place| self.mode.rates_by(self.p, self.z, self.delta)[place]),
+            What::Slider | What::SliderRate => self.system.branch_of(i).map_or(0.0, |i| {
+                let (own, by) = (&self.system.branches[i], &self.tangent.branches[i].elongation);
+                match quantity.what {
+                    What::Slider => self.of(&own.inner, &by.e),
+                    _ if own.is_slider() && self.mode.mode.sliders[i] == SliderState::Held => 0.0,
+                    _ => {
+                        let stretch = self.mode.rates_by(self.p, self.z, self.delta)[own.place];
+                        self.of(&own.elongation.rate, &by.rate) - stretch
+                    }
+                }
+            }),
             What::Value | What::Output(_) => {
                 let stops = &self.mode.mode.stops;
                 let output = if let What::Output(j) = quantity.what { Some(j) } else { None };

@@ -5,12 +5,17 @@ use super::{Hybrid, Motion};
 use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::law::Sizes;
-use crate::mode::StopState;
+use crate::mode::{Contact, StopState};
 use crate::signals::Input;
 use crate::system::{BlockRows, System};
 use nalgebra::DVector;
 use std::sync::Arc;
 use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// The inner places among what has its place.
+fn inner_places(standing: &[(Contact, f64)]) -> Vec<(Contact, f64)> {
+    standing.iter().filter(|held| matches!(held.0, Contact::Slider(_))).copied().collect()
+}
 
 impl Motion {
     /// The motion that continues from a saved state; `None` where the state does not
@@ -53,7 +58,7 @@ impl Motion {
         let mut z = DVector::zeros(size);
         z.rows_mut(0, own).copy_from(&old.hybrid.z.rows(0, own));
         let inputs = old.going_on(system, (*time, inputs), &mut z);
-        system.clamp_sliders(z.as_mut_slice());
+        let was = old.assembly.system.elongations_in_series(old.hybrid.z.as_slice());
         let mut sizes = Sizes(DVector::zeros(size));
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
@@ -79,16 +84,20 @@ impl Motion {
             carried: 0,
             turns: 0,
             last: None,
-            standing: Vec::new(),
+            standing: inner_places(&old.hybrid.standing),
             due: None,
             ..old.hybrid
         };
         let (overshoot, is_general, most_work) = (old.overshoot, old.is_general, old.most_work);
         let mut motion = Self { overshoot, is_general, most_work, ..Self::of(assembly, hybrid) };
         motion.tables.most = old.tables.most;
-        let mut parted = stood.map_or_else(Parted::default, |stood| motion.jump(&stood));
+        motion.stretch(&was);
+        let mut parted = stood.map_or_else(Parted::default, |mut stood| {
+            stood.branches = motion.assembly.system.elongations_in_series(motion.hybrid.z.as_slice());
+            motion.jump(&stood)
+        });
         parted.sliders = true;
-        motion.assembly.system.clamp_sliders(motion.hybrid.z.as_mut_slice());
+        motion.clamp();
         motion.open_grown_gaps()?;
         motion.settle(&[], &parted, &mut None)?;
         Ok(motion)

@@ -83,7 +83,7 @@ impl Motion {
             return Ok(());
         }
         let mut flags = self.flags(ended, parted);
-        self.place_on_contacts(&mut flags, parted);
+        self.place_at_start(&mut flags, parted);
         let before = self.hybrid.mode.clone();
         let gaps = self.assembly.system.first_freewheel;
         let touching: Vec<usize> = (0..gaps).filter(|&i| flags.stops[i]).collect();
@@ -167,8 +167,8 @@ impl Motion {
 
     /// Moves sliders after a jump to where no force is above its level; returns what they lose, J.
     fn slide(&mut self) -> f64 {
+        let ways = self.clamp();
         let Self { assembly, hybrid, .. } = self;
-        let ways = assembly.system.clamp_sliders(hybrid.z.as_mut_slice());
         let mut all = 0.0;
         for (i, (branch, way)) in assembly.system.branches.iter().zip(ways).enumerate() {
             if let (SeriesLaw::Slider { slip }, true) = (branch.law, way != 0.0) {
@@ -240,7 +240,7 @@ impl Motion {
 
     /// Projects touching stops onto their gap. Stops that this moves onto their gap touch as well,
     /// and take part in the impacts.
-    fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
+    pub(super) fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
             let contacts: Vec<Contact> = (0..self.assembly.system.first_freewheel)
                 .filter(|&i| flags.stops[i])

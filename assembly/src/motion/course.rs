@@ -116,7 +116,7 @@ impl Assembly {
         let given = |row: &StateRow| row.abs().dot(&z);
         let held = |k: usize| {
             let sliders = system.sliders().map(|i| &system.branches[i]);
-            sliders.map(|own| own.elongation.w[k] * own.force[k]).sum::<f64>()
+            sliders.map(|own| own.elongation.w[k] * own.stiffness * own.elongation.e[k]).sum::<f64>()
         };
         let stiffness = |k: usize| held(k) - system.forces[(k, k)];
         let mut lengths: Vec<f64> = (0..n)
@@ -193,22 +193,6 @@ impl Motion {
     pub fn place_at(&mut self, course: &Course, time: f64) {
         self.hybrid.time = DoubleDouble::new(time);
         self.refill_on(course);
-    }
-
-    /// The continuous states: coordinates, rates, states of first order.
-    pub fn states(&self) -> &[f64] {
-        &self.hybrid.z.as_slice()[..self.assembly.system.signals.one]
-    }
-
-    /// Sets the continuous states; requires as many as [`states`](Self::states) has.
-    pub fn set_states(&mut self, states: &[f64]) {
-        let own = self.assembly.system.signals.one;
-        self.hybrid.z.as_mut_slice()[..own].iter_mut().zip(states).for_each(|(z, state)| *z = *state);
-    }
-
-    /// Time derivatives of the continuous states.
-    pub fn state_derivatives(&self) -> Vec<f64> {
-        self.rates_of(&self.hybrid.z).as_slice().to_vec()
     }
 
     /// Sets an input without derivatives in continuous-time mode, from the last accepted point on.
@@ -412,7 +396,7 @@ impl Motion {
     }
 
     /// Time derivatives of the coordinates and velocities at a state.
-    fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn rates_of(&self, z: &DVector<f64>) -> DVector<f64> {
         self.table().a.rows_times(0..self.assembly.system.signals.one, z.as_slice())
     }
 
@@ -421,6 +405,7 @@ impl Motion {
         let signals = self.signals_on(course, self.hybrid.time);
         let own = self.assembly.system.signals.one;
         self.hybrid.z.as_mut_slice()[own..].copy_from_slice(&signals.as_slice()[own..]);
+        self.stretch_on();
     }
 
     /// The signals at a time, without knots after the last event, in an augmented state whose other

@@ -19,6 +19,8 @@ pub(super) struct BeforeJump {
     excess: Vec<f64>,
     /// By friction: e'.
     rates: Vec<f64>,
+    /// By branch: e.
+    pub(super) branches: Vec<f64>,
     /// By body: part of the rate due to prescribed bodies, (D p')ᵢ.
     prescribed: Vec<f64>,
     /// Stored energy, J.
@@ -86,6 +88,7 @@ impl Motion {
             bodies: system.bodies.iter().map(|b| [b.s.dot(z), b.v.dot(z)]).collect(),
             excess: system.stops.iter().map(|s| s.excess.dot(z)).collect(),
             rates: system.frictions.iter().map(|f| f.elongation.rate.dot(z)).collect(),
+            branches: system.elongations_in_series(z.as_slice()),
             prescribed: self.prescribed_rates(),
             stored: self.kinetic_and_stored().1,
         })
@@ -103,6 +106,7 @@ impl Motion {
                 moved += share;
             }
         }
+        self.stretch(&before.branches);
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         self.apart(before)
     }

@@ -4,6 +4,7 @@ mod change;
 mod contact;
 mod course;
 mod event;
+mod given;
 mod instant;
 mod jump;
 mod limits;
@@ -349,22 +350,6 @@ impl Motion {
         let motion = Self::of(assembly, hybrid);
         motion.check_sizes()?;
         Ok(motion)
-    }
-
-    /// The augmented state with coordinates, rates and states of first order `start`; sliders are
-    /// moved to where no force is above its level.
-    fn state_with_signals(
-        assembly: &Assembly,
-        time: DoubleDouble,
-        start: &[f64],
-        inputs: &[(f64, Input)],
-    ) -> DVector<f64> {
-        let system = &assembly.system;
-        let mut z = DVector::zeros(system.signals.size);
-        z.as_mut_slice()[..start.len()].copy_from_slice(start);
-        system.signals.fill(time, inputs, z.as_mut_slice());
-        system.clamp_sliders(z.as_mut_slice());
-        z
     }
 
     /// A motion with a hybrid state, before its mode is entered.

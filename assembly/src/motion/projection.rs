@@ -1,7 +1,7 @@
 //! Projection of the state onto the constraints of contacts (docs/assembly-law.md, section 6).
 
 use super::{Hybrid, Motion};
-use crate::mode::{Contact, Triangle};
+use crate::mode::{Contact, SliderState, Triangle};
 use crate::system::{Functional, System};
 
 /// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e. Beyond
@@ -20,16 +20,17 @@ fn drift(e: &Functional, from: f64, z: &[f64]) -> f64 {
 }
 
 /// Where a contact began to hold; the list is sorted.
-fn place_of(contact: Contact, standing: &[(Contact, f64)]) -> Option<f64> {
+pub(super) fn place_of(contact: Contact, standing: &[(Contact, f64)]) -> Option<f64> {
     standing.binary_search_by_key(&contact, |held| held.0).ok().map(|place| standing[place].1)
 }
 
 impl Motion {
     /// Projects the state onto the constraints of the present mode, by the least change in the
     /// inertia's metric: e = gap and e' = 0 of closed stops, e' = 0 and e as it was of sticking
-    /// friction and engaged freewheels. Then puts the inner places of slipping sliders where their
+    /// friction and engaged freewheels. Then puts the stretches of slipping sliders where their
     /// forces are at their levels.
     pub(super) fn keep_contacts(&mut self) {
+        self.keep_inner_places();
         let drifts = self.find_drifts();
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         // The basis is sorted: stops come first, with the leading part of the triangle.
@@ -56,13 +57,41 @@ impl Motion {
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
+    /// Returns the bodies at held sliders whose inner place has drifted to where it was. The force is
+    /// the state that the flow carries: it has no rounding of the places, which drift beside it.
+    /// Where no body can move, the force follows its place.
+    fn keep_inner_places(&mut self) {
+        let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
+        let system = &self.assembly.system;
+        let is_held = |i: usize| mode.sliders[i] == SliderState::Held;
+        let sliders = standing.iter().filter_map(|&(contact, from)| match contact {
+            Contact::Slider(i) if is_held(i) => Some((i, from)),
+            _ => None,
+        });
+        for (i, from) in sliders {
+            let (branch, z) = (&system.branches[i], z.as_mut_slice());
+            let off = drift(&branch.inner, from, z);
+            if off == 0.0 {
+                continue;
+            }
+            let e = &branch.elongation;
+            let compliance = e.w.along(&e.mobility);
+            if compliance > 0.0 {
+                e.reach.iter().for_each(|&k| z[k] -= off / compliance * e.mobility[k]);
+            } else {
+                z[branch.place] += off;
+            }
+        }
+    }
+
     /// Returns whether a contact that keeps e' alone has drifted. If so, writes the deviations of the
     /// places of the whole basis to the scratch memory.
     fn find_drifts(&mut self) -> bool {
         let Hybrid { mode, z, standing, .. } = &self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
-        let own = |&(contact, from): &(Contact, f64)| drift(&system.elongation_of(contact).e, from, z);
-        if !standing.iter().any(|held| own(held) != 0.0) {
+        let own = |&(contact, from): &(Contact, f64)| drift(system.place_row(contact), from, z);
+        let is_contact = |held: &&(Contact, f64)| !matches!(held.0, Contact::Slider(_));
+        if !standing.iter().filter(is_contact).any(|held| own(held) != 0.0) {
             return false;
         }
         self.scratch.off.clear();
@@ -73,24 +102,51 @@ impl Motion {
         true
     }
 
-    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold. A
-    /// contact that held before keeps its e, unless a jump or an impact has moved it. Does nothing
-    /// for a host's solver, whose states have errors.
+    /// Forgets the places of contacts and sliders that a jump has moved.
+    pub(super) fn forget_moved(&mut self) {
+        let Hybrid { z, standing, .. } = &mut self.hybrid;
+        let (system, z) = (&self.assembly.system, z.as_slice());
+        standing.retain(|&(contact, from)| drift(system.place_row(contact), from, z) == 0.0);
+    }
+
+    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold, and
+    /// the inner place of each slider that begins to be held. What held before keeps its place,
+    /// unless a jump or an impact has moved it. For a host's solver, whose states have errors, it
+    /// notes all inner places alone.
     pub(super) fn note_standing(&mut self) {
         let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
         let exact = self.overshoot == 0.0;
+        let is_noted = |i: usize| {
+            let is_held = mode.sliders[i] == SliderState::Held && system.branches[i].is_slider();
+            !exact || is_held
+        };
         standing.retain(|&(contact, from)| {
-            let stays = exact && mode.basis.binary_search(&contact).is_ok();
-            stays && drift(&system.elongation_of(contact).e, from, z) == 0.0
+            let holds = match contact {
+                Contact::Slider(i) => is_noted(i),
+                contact => exact && mode.basis.binary_search(&contact).is_ok(),
+            };
+            holds && drift(system.place_row(contact), from, z) == 0.0
         });
         let before = standing.len();
-        for &contact in mode.basis.iter().filter(|&&contact| exact && !system.keeps_place(contact)) {
+        let contacts = mode.basis.iter().filter(|&&contact| exact && !system.keeps_place(contact));
+        let sliders = (0..system.branches.len()).filter(|&i| is_noted(i)).map(Contact::Slider);
+        for contact in contacts.copied().chain(sliders) {
             if place_of(contact, &standing[..before]).is_none() {
-                standing.push((contact, system.elongation_of(contact).e.at(z)));
+                standing.push((contact, system.place_row(contact).at(z)));
             }
         }
         standing.sort_unstable_by_key(|held| held.0);
+    }
+}
+
+impl System {
+    /// The place that a held contact or slider keeps.
+    fn place_row(&self, contact: Contact) -> &Functional {
+        match contact {
+            Contact::Slider(i) => &self.branches[i].inner,
+            contact => &self.elongation_of(contact).e,
+        }
     }
 }
 

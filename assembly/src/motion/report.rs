@@ -55,7 +55,10 @@ impl Motion {
                 self.report_friction(i, was, now, observer);
             }
             (ElementState::Slider(slider, was), ElementState::Slider(_, now)) if was != now => {
-                let force = self.branch_force(slider);
+                // The level, of which stiffness times stretch has the rounding.
+                let slips = if now == SliderState::Held { was } else { now };
+                let z = self.hybrid.z.as_slice();
+                let force = self.assembly.system.branch_force_at(slider, slips, z);
                 let kind = match now {
                     SliderState::Held => EventKind::Hold { slider, force },
                     _ => EventKind::Yield { slider, direction: now.direction(), force },

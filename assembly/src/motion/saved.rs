@@ -2,8 +2,9 @@
 
 use super::{Due, Hybrid};
 use crate::assembly::Assembly;
-use crate::description::{SeriesLaw, StopLaw};
+use crate::description::StopLaw;
 use crate::mode::{Contact, SliderState, StopState, Watch};
+use crate::system::BranchRows;
 
 /// Serialization of a vector as a sequence of numbers.
 pub(crate) mod vector {
@@ -27,8 +28,7 @@ impl Hybrid {
         let system = assembly.system();
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
-        let is_slider =
-            |i: usize| system.branches.get(i).is_some_and(|b| matches!(b.law, SeriesLaw::Slider { .. }));
+        let is_slider = |i: usize| system.branches.get(i).is_some_and(BranchRows::is_slider);
         let slides = |(i, state): (usize, &SliderState)| *state == SliderState::Held || is_slider(i);
         let known = |watch: &Watch| match *watch {
             Watch::Meets(i)
@@ -59,6 +59,10 @@ impl Hybrid {
             Some(Due::Passage(watch)) => known(watch),
             Some(Due::Knot | Due::Renewal | Due::Sample) | None => true,
         };
+        let stands = |contact: &Contact| match *contact {
+            Contact::Slider(i) => i < system.branches.len(),
+            _ => self.mode.basis.contains(contact),
+        };
         let energy = &self.energy;
         [self.z.len(), self.sizes.0.len()] == [size; 2]
             && [self.mode.stops.len(), self.impacts.len(), energy.stops.len()] == [stops; 3]
@@ -79,7 +83,7 @@ impl Hybrid {
             && self.mode.basis.iter().all(there)
             && of_its_law
             && self.standing.is_sorted_by(|a, b| a.0 < b.0)
-            && self.standing.iter().all(|(contact, e)| self.mode.basis.contains(contact) && e.is_finite())
+            && self.standing.iter().all(|(contact, place)| stands(contact) && place.is_finite())
             && self.last.as_ref().is_none_or(known)
             && due
     }

@@ -118,11 +118,8 @@ impl Motion {
                 };
                 parts.iter().map(force).sum()
             }
-            What::Slider => self.assembly.system.slider_of(i).map_or(0.0, |place| z[place]),
-            What::SliderRate => {
-                let place = self.assembly.system.slider_of(i);
-                place.map_or(0.0, |place| self.table().a.row_times(place, z.as_slice()))
-            }
+            What::Slider => self.assembly.system.branch_of(i).map_or(0.0, |i| self.inner_place(i)),
+            What::SliderRate => self.assembly.system.branch_of(i).map_or(0.0, |i| self.inner_rate(i)),
             What::Value | What::Output(_) => {
                 self.assembly.system.block_row(i, quantity.what, &self.hybrid.mode.stops).dot(z)
             }

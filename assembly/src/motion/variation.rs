@@ -17,8 +17,8 @@ impl Motion {
     }
 
     /// A motion whose coordinates, elongations and forces are derivatives of this motion's along a
-    /// direction of states (coordinates, rates, states of first order) and inputs, within its mode.
-    /// Only these values are meaningful.
+    /// direction of given states (coordinates, rates, inner places, what blocks keep) and inputs,
+    /// within its mode. Only these values are meaningful.
     pub fn variation(&self, states: &[f64], inputs: &[f64]) -> Self {
         let signals = &self.assembly.system.signals;
         let mut z: DVector<f64> = DVector::zeros(signals.size);
@@ -28,12 +28,14 @@ impl Motion {
                 z[place] += value;
             }
         }
+        self.assembly.system.take_given(z.as_mut_slice());
         self.with_state(z)
     }
 
     fn with_state(&self, z: DVector<f64>) -> Self {
         let mut other = self.clone();
         other.hybrid.z = z;
+        other.hybrid.standing.clear();
         other
     }
 }

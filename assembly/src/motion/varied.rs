@@ -101,8 +101,8 @@ impl Motion {
     }
 
     /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
-    /// state (coordinates, rates, states of first order), then by value and derivatives 1 to 3 of
-    /// each input, each projected onto the contacts' constraints.
+    /// given state (coordinates, rates, inner places, what blocks keep), then by value and
+    /// derivatives 1 to 3 of each input, each projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
@@ -112,6 +112,9 @@ impl Motion {
             let mut variation = vec![0.0; signals.size];
             variation[place] = 1.0;
             keep(system, &self.hybrid.mode, &mut variation);
+            system.branches.iter().for_each(|own| variation[own.place] = f64::from(own.place == place));
+            system.take_given(&mut variation);
+            system.keep_levels(&self.hybrid.mode.sliders, &mut variation);
             variation
         };
         places.map(unit).collect()

@@ -1,6 +1,10 @@
 //! States of first order, which stand in the augmented state between the rates and the signals:
-//! each has a row that gives its rate, x' = row · z. Inner places of springs in series are such
-//! states (docs/assembly-law.md, section 15).
+//! each has a row that gives its rate, y' = row · z. The stretches y = e - x of springs in series are
+//! such states (docs/assembly-law.md, section 15).
+//!
+//! The augmented state has y and not the inner place x: stiffness · (e - x) would have the rounding
+//! of e, and the difference is far larger than a small force of a stiff spring. States that are
+//! given or told outside have x ([`System::take_given`], [`System::given`]).
 
 use super::{Elongation, Functional, Part, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
@@ -11,9 +15,9 @@ use std::ops::Range;
 /// A state of first order.
 #[derive(Clone, Debug)]
 pub struct FirstOrder {
-    /// x' while it moves.
+    /// Its rate while it moves.
     pub rate: Functional,
-    /// The branch whose slider it is: it moves only while that slips.
+    /// The branch with a slider whose stretch it is: it moves only while the slider is held.
     pub slider: Option<usize>,
 }
 
@@ -26,11 +30,12 @@ pub struct BranchRows {
     pub stiffness: f64,
     /// The partner.
     pub law: SeriesLaw,
-    /// Index of the inner place x in the augmented state.
+    /// Index of the stretch y = e - x in the augmented state.
     pub place: usize,
-    /// b = stiffness · (e - x), from which a slipping slider departs:
-    /// [`System::branch_force`].
+    /// b = stiffness · y, from which a slipping slider departs: [`System::branch_force`].
     pub force: Functional,
+    /// The inner place x = e - y.
+    pub inner: Functional,
 }
 
 impl BranchRows {
@@ -39,13 +44,9 @@ impl BranchRows {
         matches!(self.law, SeriesLaw::Slider { .. })
     }
 
-    /// e - x.
-    pub(crate) fn stretch(&self) -> Functional {
-        let length = self.elongation.e.len();
-        Functional::sum(
-            length,
-            [(1.0, &self.elongation.e), (-1.0, &Functional::unit(length, self.place, 1.0))],
-        )
+    /// The stretch at which the force is at the level `slip` of the slider.
+    fn stretch_at(&self, slip: f64) -> f64 {
+        slip / self.stiffness
     }
 }
 
@@ -71,25 +72,42 @@ impl System {
         2 * self.coordinates..self.signals.one
     }
 
-    /// The place of the inner place of an element, by the index of the element.
-    pub fn slider_of(&self, element: usize) -> Option<usize> {
-        self.parts[element].iter().find_map(|part| match *part {
-            Part::Branch(i) => Some(self.branches[i].place),
-            _ => None,
-        })
+    /// The branch of an element, by the index of the element.
+    pub fn branch_of(&self, element: usize) -> Option<usize> {
+        self.parts[element].iter().find_map(|part| if let Part::Branch(i) = *part { Some(i) } else { None })
+    }
+
+    /// By branch: the elongation in an augmented state.
+    pub(crate) fn elongations_in_series(&self, z: &[f64]) -> Vec<f64> {
+        self.branches.iter().map(|branch| branch.elongation.e.at(z)).collect()
+    }
+
+    /// Replaces the inner places of springs in series by their stretches in an augmented state.
+    pub fn take_given(&self, z: &mut [f64]) {
+        for branch in &self.branches {
+            z[branch.place] = branch.elongation.e.at(z) - z[branch.place];
+        }
+    }
+
+    /// The states of an augmented state as they are given: coordinates, rates, then the inner places
+    /// of springs in series and what blocks keep.
+    pub fn given(&self, z: &[f64]) -> Vec<f64> {
+        let mut states = z[..self.states()].to_vec();
+        self.branches.iter().for_each(|branch| states[branch.place] = branch.inner.at(z));
+        states
     }
 
     /// Adds a spring with its partner.
     pub(super) fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: SeriesLaw) -> Part {
         let (elongation, place) = (self.elongation(arms), 2 * self.coordinates + self.first_order.len());
-        let mut branch = BranchRows { elongation, stiffness, law, place, force: Functional::zeros(0) };
-        branch.force = stiffness * &branch.stretch();
+        let stretch = |factor: f64| Functional::unit(elongation.e.len(), place, factor);
+        let (force, inner) = (stretch(stiffness), &elongation.e - &stretch(1.0));
         let (rate, slider) = match law {
-            SeriesLaw::Dashpot { damping } => ((1.0 / damping) * &branch.force, None),
-            SeriesLaw::Slider { .. } => (branch.elongation.rate.clone(), Some(self.branches.len())),
+            SeriesLaw::Dashpot { damping } => (&elongation.rate - &stretch(stiffness / damping), None),
+            SeriesLaw::Slider { .. } => (elongation.rate.clone(), Some(self.branches.len())),
         };
         self.first_order.push(FirstOrder { rate, slider });
-        self.branches.push(branch);
+        self.branches.push(BranchRows { elongation, stiffness, law, place, force, inner });
         Part::Branch(self.branches.len() - 1)
     }
 
@@ -98,7 +116,7 @@ impl System {
     pub(crate) fn rate_of_first_order(&self, k: usize, sliders: &[SliderState]) -> Option<&Functional> {
         let own = &self.first_order[k];
         let moves =
-            own.slider.is_none_or(|i| sliders.get(i).is_some_and(|state| *state != SliderState::Held));
+            own.slider.is_none_or(|i| sliders.get(i).is_some_and(|state| *state == SliderState::Held));
         moves.then_some(&own.rate)
     }
 
@@ -126,7 +144,7 @@ impl System {
     }
 
     /// The force of a branch in a state of its slider: the level while the slider slips, whatever
-    /// the inner place.
+    /// the stretch.
     pub fn branch_force(&self, i: usize, state: SliderState) -> Functional {
         match self.slip_level(i) {
             Some(level) if state != SliderState::Held => state.direction() * &level,
@@ -150,7 +168,7 @@ impl System {
         (0..self.branches.len()).filter(|&i| self.branches[i].is_slider())
     }
 
-    /// Puts the inner place of each branch whose slider slips where its force is at its level.
+    /// Puts the stretch of each branch whose slider slips where its force is at its level.
     pub(crate) fn keep_levels(&self, sliders: &[SliderState], z: &mut [f64]) {
         for (i, state) in sliders.iter().enumerate().filter(|(_, state)| **state != SliderState::Held) {
             self.keep_level(i, state.direction(), z);
@@ -166,32 +184,33 @@ impl System {
         }
     }
 
-    /// The direction of the force of a branch whose inner place an event has moved: no event moves
-    /// it but a jump, after which the force is at its level.
+    /// The direction of the force of a branch whose slider an event has moved: after a jump the force
+    /// is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
-        let place = branch.place;
-        (before[place] != after[place]).then(|| branch.force.at(after).signum())
+        let SeriesLaw::Slider { slip } = branch.law else { return None };
+        let [was, is] = [before[branch.place], after[branch.place]];
+        (was != is && is.abs() == branch.stretch_at(slip)).then(|| is.signum())
     }
 
     fn keep_level(&self, i: usize, direction: f64, z: &mut [f64]) {
         let branch = &self.branches[i];
         if let SeriesLaw::Slider { slip } = branch.law {
-            let off = branch.force.at(z) - direction * slip * z[self.signals.one];
-            z[branch.place] += off / branch.stiffness;
+            z[branch.place] = direction * branch.stretch_at(slip) * z[self.signals.one];
         }
     }
 
-    /// Moves inner places so that no force is above its level: to the nearest place where it is at
-    /// it. Returns by branch the way.
+    /// Reduces the stretch of each branch whose force is above its level to the stretch at which it
+    /// is at its level. Returns by branch the way of the inner place.
     pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
         let way = |branch: &BranchRows, z: &mut [f64]| {
             let SeriesLaw::Slider { slip } = branch.law else { return 0.0 };
-            let force = branch.force.at(z);
-            let way =
-                if force.abs() > slip { (force - slip.copysign(force)) / branch.stiffness } else { 0.0 };
-            z[branch.place] += way;
-            way
+            let (stretch, most) = (z[branch.place], branch.stretch_at(slip));
+            if stretch.abs() <= most {
+                return 0.0;
+            }
+            z[branch.place] = most.copysign(stretch);
+            stretch - most.copysign(stretch)
         };
         self.branches.iter().map(|branch| way(branch, z)).collect()
     }

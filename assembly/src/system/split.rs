@@ -37,8 +37,8 @@ pub struct Split {
     /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
     /// sticks.
     watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
-    /// By branch with a slider, in the states of [`SLIDERS`]: the force and, while it slips, the
-    /// rate of the inner place.
+    /// By branch with a slider, in the states of [`SLIDERS`]: the force and, while the slider is
+    /// held, the rate of the stretch.
     sliders: Vec<(usize, [Vec<Term>; 3])>,
     /// By branch what is watched where its slider is held, slips upwards and downwards.
     watched_sliders: Vec<[Vec<Known>; 3]>,
@@ -155,10 +155,10 @@ impl Split {
         let follows = system.frictions.iter().map(|own| own.follows.clone()).collect();
         let of_slider = |i: usize| {
             let branch = &system.branches[i];
-            let follows = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
-            let rate = Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(follows) };
+            let stretches = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
+            let rate = Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(stretches) };
             let of_state = |state: SliderState| {
-                let rate = (state != SliderState::Held).then(|| rate.clone());
+                let rate = (state == SliderState::Held).then(|| rate.clone());
                 std::iter::once(term(system.branch_force(i, state), &branch.elongation)).chain(rate).collect()
             };
             (i, SLIDERS.map(of_state))
@@ -198,7 +198,7 @@ impl Split {
     }
 
     /// The forces of frictions whose state determines them, the forces of sliders, the rates of
-    /// slipping sliders, and limits of outputs that are passed.
+    /// stretches of held sliders, and limits of outputs that are passed.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);

@@ -308,7 +308,6 @@ pub(super) fn close(
     columns: &mut DMatrix<f64>,
 ) -> Result<f64, Obstacle> {
     let system = place.assembly.system();
-    let own = system.states();
     let failed = |_| Obstacle::Order;
     // The first impact of an orbit is at its stop. On the way to an orbit it is near it: the run is
     // that from the stop, with its derivative for the way between.
@@ -316,8 +315,8 @@ pub(super) fn close(
     let e = &stop.elongation;
     let part = stop.excess.at(z) / e.w.dot(&e.mobility);
     off.iter_mut().zip(e.mobility.iter()).for_each(|(off, m)| *off = part * m);
-    let begin: Vec<f64> = z.iter().zip(&off).take(own).map(|(x, off)| x - off).collect();
-    let motion = Motion::from_state(place.assembly.clone(), time, &begin).map_err(failed)?;
+    let begin: Vec<f64> = z.iter().zip(&off).map(|(x, off)| x - off).collect();
+    let motion = Motion::from_state(place.assembly.clone(), time, &system.given(&begin)).map_err(failed)?;
     let mut motion = motion.without_energy_accounts();
     let mut variations: Vec<Vec<f64>> = columns.column_iter().map(|c| c.iter().copied().collect()).collect();
     variations.push(off);

@@ -25,12 +25,12 @@ impl Orbit {
     /// # Errors
     /// [`Error::Described`] where the machine has another event or goes on in another mode.
     pub fn check_by_motion(&self) -> Result<f64> {
-        let own = self.place.assembly.system().states();
+        let system = self.place.assembly.system();
         let mut largest: f64 = 0.0;
         for (k, leg) in self.legs().iter().enumerate() {
             let (time, z) = middle(&self.place, leg);
-            let mut motion =
-                Motion::from_state(self.place.assembly.clone(), time, &z[..own])?.without_energy_accounts();
+            let motion = Motion::from_state(self.place.assembly.clone(), time, &system.given(&z))?;
+            let mut motion = motion.without_energy_accounts();
             let end = leg.time + leg.span;
             let Some(letter) = self.word().letters.get((k + 1) % self.legs().len()) else {
                 let mut events = 0;
@@ -83,8 +83,7 @@ impl Orbit {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         for (k, leg) in self.legs().iter().enumerate() {
             if let Some((time, z)) = &leg.run {
-                let own = system.states();
-                let motion = Motion::from_state(self.place.assembly.clone(), *time, &z[..own]);
+                let motion = Motion::from_state(self.place.assembly.clone(), *time, &system.given(z));
                 // The run was followed before, from this state.
                 if let Ok(motion) = motion {
                     let mut motion = motion.without_energy_accounts();
@@ -250,11 +249,12 @@ fn present(letter: &Letter, system: &System, [before, after]: [&[f64]; 2], time:
             EventKind::Press { stop, .. } => EventKind::Press { stop, speed: rate(&z, stop) },
             EventKind::Free { stop, .. } => EventKind::Free { stop, rate: rate(&z, stop) },
             EventKind::Yield { slider, direction, .. } => {
-                let force = system.branches[slider].force.at(&z);
+                let force = system.branch_force_at(slider, letter.modes[1].sliders[slider], &z);
                 EventKind::Yield { slider, direction, force }
             }
             EventKind::Hold { slider, .. } => {
-                EventKind::Hold { slider, force: system.branches[slider].force.at(&z) }
+                let force = system.branch_force_at(slider, letter.modes[0].sliders[slider], &z);
+                EventKind::Hold { slider, force }
             }
             EventKind::Limit { block, output, side, stop, .. } => {
                 let states = &letter.modes[1].stops;

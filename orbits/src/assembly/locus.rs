@@ -266,7 +266,10 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let at = correct(&locus, &guess, &axis(guess.len(), last)).map_err(failed)?;
     let locus = locus.with_twins(&at.u).map_err(failed)?;
     let found = both_ways(&locus, &at.u).map_err(failed)?;
-    if found.len() == 1 || locus.is_point(&found) {
+    // Where a slider may stand at any place, the equations are singular: steps fail at once.
+    let fails = |(_, end): &(_, Option<LocusEnd>)| *end == Some(LocusEnd::NoConvergence);
+    let stands = start.special.element.starts_with("spring.") && found.len() == 2 && found.iter().all(fails);
+    if found.len() == 1 || stands || locus.is_point(&found) {
         return Err(failed(Obstacle::NoConvergence));
     }
     found.into_iter().map(|(w, end)| locus.seen(&w, end).map_err(failed)).collect()

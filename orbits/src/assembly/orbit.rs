@@ -292,11 +292,11 @@ impl Orbit {
         start
     }
 
-    /// Time and state (q, q') in the middle of its longest flight.
+    /// Time and given state (q, q', inner places, what blocks keep) in the middle of its longest
+    /// flight.
     pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
-        let (time, mut z) = middle(&self.place, self.longest());
-        z.truncate(self.numbers.states[0].len());
-        (time, z)
+        let (time, z) = middle(&self.place, self.longest());
+        (time, self.place.assembly.system().given(&z))
     }
 
     fn longest(&self) -> &Leg {

@@ -53,7 +53,7 @@ impl Record {
         let unit_of = |most: f64| if most > 0.0 { most } else { 1.0 };
         let unit = |k: usize| if most > 0.0 { speed(k).max(LEAST * most) } else { 1.0 };
         let places = (0..coordinates).map(|k| unit(k) * radian);
-        // An inner place is of the size of its way, or of the largest of a coordinate.
+        // A stretch is of the size of its way, or of the largest of a coordinate.
         let inner = system.places_of_first_order();
         let inner = inner
             .map(|k| if way(k) > 0.0 { way(k).max(LEAST * most * radian) } else { unit_of(most) * radian });

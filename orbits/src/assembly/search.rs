@@ -2,11 +2,11 @@
 //! unstable ones by motions that pass near them.
 
 use super::orbit::Orbit;
-use super::place::{Family, Place};
+use super::place::{Family, Place, with_signals};
 use super::seed::{extents, seed};
 use super::wanted::WantedWord;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use vibro_analysis::assembly::{Machine, Section};
 use vibro_analysis::{Error, Result, significant};
@@ -199,7 +199,8 @@ impl<'a> Seeker<'a> {
             uniform();
         }
         let d = &machine.description;
-        let of = &self.place.assembly.system().bodies_of;
+        let system = self.place.assembly.system();
+        let of = &system.bodies_of;
         let in_series = d.springs.iter().filter(|spring| spring.series.is_some());
         let sliders: Vec<String> = in_series.map(|spring| spring.name.clone()).collect();
         for _ in 0..ATTEMPTS {
@@ -212,11 +213,17 @@ impl<'a> Seeker<'a> {
                 let own = BodyStart { s: number(k), v: number(of.len() + k) };
                 (d.bodies[*body].name.clone(), own)
             };
-            let bodies = of.iter().enumerate().map(&mut body).collect();
-            let sliders = sliders.iter().enumerate();
-            let sliders = sliders.filter_map(|(k, name)| Some((name.clone(), number(2 * of.len() + k)?)));
-            let sliders = sliders.collect();
+            let bodies: BTreeMap<String, BodyStart> = of.iter().enumerate().map(&mut body).collect();
+            // The bounds are those of stretches, a start has inner places.
+            let mut z = vec![0.0; system.signals.size];
+            for (k, own) in of.iter().enumerate() {
+                z[k] = bodies[&d.bodies[*own].name].s.unwrap_or(0.0);
+            }
+            let first = 2 * of.len();
+            (first..first + sliders.len()).for_each(|k| z[k] = number(k).unwrap_or(0.0));
             let time = self.place.period.map_or(0.0, |period| period * uniform());
+            with_signals(system, time, &mut z);
+            let sliders = sliders.iter().cloned().zip(system.given(&z).split_off(first)).collect();
             if let Ok((motion, _)) = machine.motion(&Start { time, bodies, sliders, ..Start::default() }) {
                 return Some(motion);
             }

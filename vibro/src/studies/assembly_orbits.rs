@@ -397,11 +397,11 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
 /// has no time to grow.
 fn samples(orbit: &Orbit) -> Result<Vec<(f64, Vec<f64>)>> {
     let mut rows = Vec::new();
-    let own = orbit.place().assembly.system().states();
     for leg in orbit.legs() {
         let count = (f64::from(SAMPLES) * leg.span / orbit.period()).ceil().max(2.0);
         let assembly = orbit.place().assembly.clone();
-        let mut motion = Motion::from_state(assembly, leg.time, &leg.states[0][..own])?;
+        let start = assembly.system().given(&leg.states[0]);
+        let mut motion = Motion::from_state(assembly, leg.time, &start)?;
         for k in 0..=count as u32 {
             motion.advance_to(leg.time + leg.span * f64::from(k) / count)?;
             rows.push((motion.time(), vibro_analysis::assembly::values(&motion)));

@@ -333,12 +333,9 @@ impl Followed {
 /// The state of a motion with its derivatives.
 fn end_of(motion: &Differentiated, columns: &Columns) -> Vec<Varied> {
     let own = motion.motion();
-    let states = own.assembly().system().states();
     let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();
-    let rates = own.time_derivative(1);
-    let number = |i: usize| {
-        let all = columns.all(|p| Some(by[p].as_ref()?[i]), Some(rates.state()[i]), None);
-        (own.state()[i], all)
-    };
-    (0..states).map(number).collect()
+    let rates = own.state_derivatives();
+    let all =
+        |(i, state): (usize, f64)| (state, columns.all(|p| Some(by[p].as_ref()?[i]), Some(rates[i]), None));
+    own.states().into_iter().enumerate().map(all).collect()
 }

@@ -147,8 +147,7 @@ fn next_node(
     let (mut motion, _) = model.last_segment(point, &reach.nodes, false)?;
     motion.advance_to(0.5 * (a + b))?;
     let own = motion.motion();
-    let states = own.assembly().system().states();
-    Ok(Some((own.time() - shift, own.state().as_slice()[..states].to_vec())))
+    Ok(Some((own.time() - shift, own.states())))
 }
 
 /// The time at which changes of a motion's start have grown, up to a horizon.
@@ -197,7 +196,7 @@ impl Model<'_> {
             if motion.advance_to(time.max(motion.time())).is_err() {
                 break;
             }
-            for (range, x) in ranges.iter_mut().zip(motion.state().iter()) {
+            for (range, x) in ranges.iter_mut().zip(&motion.states()) {
                 *range = (range.0.min(*x), range.1.max(*x));
             }
         }

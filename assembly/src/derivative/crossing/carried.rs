@@ -82,13 +82,19 @@ impl Crossing<'_> {
         }
         let was = delta.clone();
         machine.fill(p, time, self.after.z, delta);
-        let mut step = &*delta - was;
+        let mut step = &*delta - &was;
         step.axpy(later, &(self.after.rates - self.before.rates), 1.0);
         delta.axpy(later, self.before.rates, 1.0);
         let one = machine.system.signals.one;
         let mut signals = delta.rows_range_mut(one..);
         signals.axpy(later, &(self.after.rates - self.before.rates).rows_range(one..), 1.0);
-        share(&machine.system, tangent, &(self.after.z - self.before.z), &step, delta);
+        let moved = self.after.z - self.before.z;
+        share(&machine.system, tangent, &moved, &step, delta);
+        if machine.system.has_motions {
+            let mut jump = &*delta - was;
+            jump.axpy(-later, self.before.rates, 1.0);
+            machine.stretch(p, &moved, &jump, delta);
+        }
         Ok(later)
     }
 

@@ -95,5 +95,6 @@ fn fixed(start: &Start, p: usize) -> DVector<f64> {
         By::Time => delta.rows_range_mut(one..).copy_from(&at.rates.rows_range(one..)),
         By::Parameter(_) => {}
     }
+    machine.take_given(p, at.z, &mut delta);
     delta
 }
