@@ -122,7 +122,11 @@ impl Period {
         let system = assembly.system();
         let metric = metric(motion, record);
         let neutral = Neutral::of(system);
-        let basis = metric.basis(neutral.states().into_iter().chain(shift(motion)));
+        let given = |mut state: Vec<f64>| {
+            state.resize(system.signals.size, 0.0);
+            system.given(&state)
+        };
+        let basis = metric.basis(neutral.states().into_iter().chain(shift(motion)).map(given));
         let mut frame = Frame::new(system, motion.mode(), &metric);
         let (from, start) = (motion.time(), motion.state().clone());
         let mut flows = Flows::default();
@@ -138,6 +142,9 @@ impl Period {
         // Periodic signals return to their values up to rounding. This rounding is not a uniform
         // motion.
         let terms = motion.state().abs() + start.abs();
+        // Inner places of held sliders stand still, whatever the rounding of signals.
+        let given = system.given(change.as_slice());
+        change.as_mut_slice()[..size].copy_from_slice(&given);
         let signals = change.iter_mut().zip(terms.iter()).skip(size);
         signals.for_each(|(x, terms)| {
             if x.abs() <= EXACT * terms.max(1.0) {
@@ -147,13 +154,17 @@ impl Period {
         let Some(along) = carried(system, change.as_slice(), false) else {
             return Ok(Self { distance: f64::INFINITY, multiplier: None, time: motion.time() - from });
         };
-        change.iter_mut().zip(along.iter()).for_each(|(x, u)| *x -= u);
+        let mut moved = change.clone();
+        moved.rows_mut(0, size).fill(0.0);
+        moved.iter_mut().zip(along.iter()).for_each(|(x, u)| *x = *u);
+        let along = system.given(moved.as_slice());
+        change.iter_mut().zip(&along).for_each(|(x, u)| *x -= u);
         let scale = |i: usize| start[i].abs().max(motion.state()[i].abs()) / metric.0[i];
         let rounding = (0..size).map(scale).fold(1.0, f64::max) * ROUNDINGS * f64::EPSILON;
         let without = |v: DVector<f64>| basis.iter().fold(v, |v, b| &v - b * b.dot(&v));
         let mut m = DMatrix::zeros(size, size);
         for (j, column) in frame.columns.iter().enumerate() {
-            m.set_column(j, &(without(metric.scaled(&column[..size])) * metric.0[j]));
+            m.set_column(j, &(without(metric.scaled(&system.given(column))) * metric.0[j]));
         }
         // The basis is removed from the right side of M, too.
         let mut m = m.transpose();
@@ -166,7 +177,11 @@ impl Period {
         let off = offset(&m, &basis, &residual, rounding.min(MOST_ROUNDING));
         let off: Option<Vec<f64>> =
             off.map(|off| off.iter().zip(&metric.0).map(|(x, unit)| x * unit).collect());
-        let distance = off.map_or(f64::INFINITY, |off| record.size_of_change(&off));
+        let distance = off.map_or(f64::INFINITY, |mut off| {
+            off.resize(system.signals.size, 0.0);
+            system.take_given(&mut off);
+            record.size_of_change(&off)
+        });
         Ok(Self { distance, multiplier: largest_multiplier(m), time: motion.time() - from })
     }
 
@@ -217,7 +232,7 @@ impl Multipliers {
         }
         let mut m = DMatrix::zeros(system.states(), system.states());
         for (j, column) in frame.columns.iter().enumerate() {
-            m.set_column(j, &(metric.scaled(&column[..system.states()]) * metric.0[j]));
+            m.set_column(j, &(metric.scaled(&system.given(column)) * metric.0[j]));
         }
         let (time, least) = (motion.time() - from, least_multiplier(&m));
         let Some(mut moduli) = moduli(m) else { return Ok(None) };

@@ -104,7 +104,7 @@ pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<
 /// All variations of the state, carried over a period.
 #[derive(Debug)]
 pub struct Frame {
-    /// For each number of the state (q, q') the variation that began along it.
+    /// For each number of the given state (q, q', inner places) the variation that began along it.
     pub columns: Vec<Vec<f64>>,
     metric: Metric,
 }
@@ -116,6 +116,7 @@ impl Frame {
         let unit = |place: usize| {
             let mut v = vec![0.0; system.signals.size];
             v[place] = 1.0;
+            system.take_given(&mut v);
             hold(system, mode, &mut v, metric);
             v
         };

@@ -83,8 +83,8 @@ impl Machine {
         }
     }
 
-    /// Replaces the derivatives of given states by those of the augmented state: the derivatives of
-    /// inner places by those of stretches.
+    /// Replaces derivatives of inner places by derivatives of stretches in a derivative of given
+    /// states.
     pub(super) fn take_given(&self, p: usize, z: &DVector<f64>, delta: &mut DVector<f64>) {
         for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
             let e = branch.elongation.e.dot(delta) + by.elongation.e.dot(z);

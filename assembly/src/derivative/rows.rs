@@ -52,7 +52,7 @@ pub(super) struct LevelTangent {
 pub(super) struct BranchTangent {
     pub elongation: ElongationTangent,
     pub force: StateRow,
-    /// Of the row of the stretch's rate, where it varies.
+    /// The derivative of the row of the stretch's rate, where it varies.
     pub rate: StateRow,
     /// Of the level of a slider.
     pub level: StateRow,

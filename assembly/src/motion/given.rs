@@ -91,7 +91,7 @@ impl Motion {
     /// sliders, and contacts whose place has jumped, hold at their new places.
     pub(super) fn clamp(&mut self) -> Vec<f64> {
         let ways = self.assembly.system.clamp_sliders(self.hybrid.z.as_mut_slice());
-        self.forget_moved();
+        self.forget_moved(&ways);
         ways
     }
 

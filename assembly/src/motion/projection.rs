@@ -2,12 +2,15 @@
 
 use super::{Hybrid, Motion};
 use crate::mode::{Contact, SliderState, Triangle};
-use crate::system::{Functional, System};
+use crate::system::{Elongation, Functional, System};
 
 /// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e. Beyond
 /// this limit e returns to where the contact began to hold. The value of e itself may have one such
 /// rounding.
 const DRIFT: f64 = 2.0;
+
+/// The square of the sine of an angle between directions that counts as rounding.
+const PARALLEL: f64 = 1e-12;
 
 /// The distance of e from `from`; 0 within [`DRIFT`] roundings.
 fn drift(e: &Functional, from: f64, z: &[f64]) -> f64 {
@@ -17,6 +20,12 @@ fn drift(e: &Functional, from: f64, z: &[f64]) -> f64 {
     });
     let off = value - from;
     if off.abs() > DRIFT * f64::EPSILON * size { off } else { 0.0 }
+}
+
+/// Whether two elements move bodies in one direction.
+fn is_parallel(a: &Elongation, b: &Elongation) -> bool {
+    let [own, other, both] = [(a, a), (b, b), (a, b)].map(|(a, b)| a.w.along(&b.mobility));
+    both * both >= (1.0 - PARALLEL) * own * other
 }
 
 /// Where a contact began to hold; the list is sorted.
@@ -57,26 +66,27 @@ impl Motion {
         project(system, &mode.basis, r, true, z.as_mut_slice(), &mut self.scratch.off);
     }
 
-    /// Returns the bodies at held sliders whose inner place has drifted to where it was. The force is
-    /// the state that the flow carries: it has no rounding of the places, which drift beside it.
-    /// Where no body can move, the force follows its place.
+    /// Moves the bodies at held sliders so that drifted inner places return. The flow carries the
+    /// stretch as a state without the rounding of the places, which drift. The stretch changes if no
+    /// body can move, or if the bodies move for a slider beside this one.
     fn keep_inner_places(&mut self) {
         let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
-        let system = &self.assembly.system;
-        let is_held = |i: usize| mode.sliders[i] == SliderState::Held;
-        let sliders = standing.iter().filter_map(|&(contact, from)| match contact {
-            Contact::Slider(i) if is_held(i) => Some((i, from)),
+        let (system, z) = (&self.assembly.system, z.as_mut_slice());
+        let held = |&(contact, from): &(Contact, f64)| match contact {
+            Contact::Slider(i) if mode.sliders[i] == SliderState::Held => Some((i, from)),
             _ => None,
-        });
-        for (i, from) in sliders {
-            let (branch, z) = (&system.branches[i], z.as_mut_slice());
+        };
+        for (i, from) in standing.iter().filter_map(held) {
+            let branch = &system.branches[i];
             let off = drift(&branch.inner, from, z);
             if off == 0.0 {
                 continue;
             }
             let e = &branch.elongation;
+            let before = standing.iter().filter_map(held).take_while(|own| own.0 < i);
+            let follows = before.into_iter().any(|(j, _)| is_parallel(e, &system.branches[j].elongation));
             let compliance = e.w.along(&e.mobility);
-            if compliance > 0.0 {
+            if compliance > 0.0 && !follows {
                 e.reach.iter().for_each(|&k| z[k] -= off / compliance * e.mobility[k]);
             } else {
                 z[branch.place] += off;
@@ -102,11 +112,14 @@ impl Motion {
         true
     }
 
-    /// Forgets the places of contacts and sliders that a jump has moved.
-    pub(super) fn forget_moved(&mut self) {
+    /// Forgets the places of contacts that a jump has moved, and of sliders with these ways.
+    pub(super) fn forget_moved(&mut self, ways: &[f64]) {
         let Hybrid { z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
-        standing.retain(|&(contact, from)| drift(system.place_row(contact), from, z) == 0.0);
+        standing.retain(|&(contact, from)| match contact {
+            Contact::Slider(i) => ways[i] == 0.0,
+            contact => drift(system.place_row(contact), from, z) == 0.0,
+        });
     }
 
     /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold, and
@@ -122,11 +135,11 @@ impl Motion {
             !exact || is_held
         };
         standing.retain(|&(contact, from)| {
-            let holds = match contact {
-                Contact::Slider(i) => is_noted(i),
-                contact => exact && mode.basis.binary_search(&contact).is_ok(),
-            };
-            holds && drift(system.place_row(contact), from, z) == 0.0
+            let stays = drift(system.place_row(contact), from, z) == 0.0;
+            match contact {
+                Contact::Slider(i) => is_noted(i) && (exact || stays),
+                contact => exact && stays && mode.basis.binary_search(&contact).is_ok(),
+            }
         });
         let before = standing.len();
         let contacts = mode.basis.iter().filter(|&&contact| exact && !system.keeps_place(contact));

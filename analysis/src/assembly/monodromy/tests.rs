@@ -259,3 +259,23 @@ fn invariant_roundings_of_large_motions_are_no_change() {
     let period = Period::follow(&mut motion, &section, &record, 1).unwrap();
     assert!(period.distance < 1e-7 && (period.exponent().unwrap() + 2.0).abs() < 1e-8, "{period:?}");
 }
+
+/// Rounding of the drive's phase after 600 periods, times 2π.
+const PHASE: f64 = 1e-9;
+
+/// Where all sliders of a joint are held its motion is linear and returns to itself, with a family of
+/// orbits beside it: rounding of the drive's phase does not hide this.
+#[test]
+fn closed_form_a_joint_that_is_held_returns() {
+    let mut machine = example("iwan_joint.toml");
+    machine.description = machine.description.with([("body.table.motion.frequency", 25.0)]).unwrap();
+    let (mut motion, section) = started(&machine);
+    let mut record = ReturnRecord::new(&motion, &section);
+    for _ in 0..600 {
+        section.advance(&mut motion, &mut |event| record.event(event)).unwrap();
+        record.arrive(&motion, false);
+    }
+    let period = Period::follow(&mut motion, &section, &record, 1).unwrap();
+    assert!(period.distance < PHASE, "{period:?}");
+    assert!((period.multiplier.unwrap() - 1.0).abs() < ROUNDING, "{period:?}");
+}
