@@ -29,7 +29,7 @@ fn listed(branch: &Branch, measure: &Measure) -> Value {
 }
 
 /// Follows the branches over a range of a parameter (SI) of the orbits on which motions settle.
-/// Each branch is passed to [`progressed`] as soon as it has been followed, so that it is kept when
+/// Each branch is passed to `progressed` as soon as it has been followed, so that it is kept when
 /// the worker is ended.
 ///
 /// # Errors

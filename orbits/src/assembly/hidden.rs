@@ -68,7 +68,7 @@ impl Follower<'_> {
 }
 
 /// The extremum of the parabola through three points; `None` where they lie on a line.
-fn extremum(points: &[(f64, f64); 3]) -> Option<(f64, f64)> {
+pub(super) fn extremum(points: &[(f64, f64); 3]) -> Option<(f64, f64)> {
     let [(a, fa), (b, fb), (c, fc)] = *points;
     let (slope, other) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
     let bend = (other - slope) / (c - a);

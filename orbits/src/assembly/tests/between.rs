@@ -83,6 +83,14 @@ fn closed_form_a_circle_closes_and_a_helix_does_not() {
     }
 }
 
+#[test]
+fn closed_form_the_extremum_of_a_parabola() {
+    let at = |x: f64| (x, 3.0 * (x - 0.3).powi(2) - 0.02);
+    let (place, value) = crate::assembly::hidden::extremum(&[at(-1.0), at(0.4), at(1.4)]).unwrap();
+    assert!((place - 0.3).abs() < 1e-14 && (value + 0.02).abs() < 1e-14, "{place} {value}");
+    assert_eq!(crate::assembly::hidden::extremum(&[(0.0, 1.0), (1.0, 2.0), (3.0, 4.0)]), None);
+}
+
 /// The two flips of Meissner's oscillator at the tip of a tongue, within one step of each other.
 #[test]
 fn closed_form_two_flips_within_one_step() {
