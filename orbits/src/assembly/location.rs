@@ -96,11 +96,11 @@ impl Ends<'_> {
     pub fn seen_from(&self, last: &Position, begins: &Position) -> Ends<'_> {
         let way = begins.tangent.dot(&(&begins.u - &last.u));
         let arc_to = |at: &Position| begins.tangent.dot(&(&at.u - &begins.u));
-        let ahead = self.before.as_ref().filter(|(_, arc)| *arc > way);
-        let before = match &self.before {
-            Some(_) => Some(ahead.map_or((begins.clone(), 0.0), |(at, _)| (at.clone(), arc_to(at)))),
-            None => None,
+        let seen = |(at, arc): &(Position, f64)| match *arc > way {
+            true => (at.clone(), arc_to(at)),
+            false => (begins.clone(), 0.0),
         };
+        let before = self.before.as_ref().map(seen);
         Ends { next: self.next, arc: arc_to(self.next), before, is_touch: self.is_touch }
     }
 }
