@@ -30,6 +30,9 @@ pub(super) struct BandMotions {
     pub outcomes: Vec<MotionMeasures>,
     /// Number of motions that were computed.
     pub computed: usize,
+    /// Excess over the largest measure that a branch may reach before the measure jumps to another
+    /// branch between two values.
+    pub unseen: f64,
 }
 
 /// A value along an interval, the largest measure at this value, and the measure's spread.
@@ -45,7 +48,7 @@ impl BandMotions {
     /// The motions at some combinations.
     pub fn new<M: DesignMachine>(own: &M, request: &SweepRequest<M>, places: Vec<Vec<f64>>) -> Self {
         let outcomes = motions(own, request, &places);
-        Self { computed: outcomes.len(), outcomes, places }
+        Self { computed: outcomes.len(), outcomes, places, unseen: 0.0 }
     }
 
     /// The motions at one combination.
@@ -61,7 +64,7 @@ impl BandMotions {
     }
 
     /// The same motions over the windows of another request. Motions that repeat are not computed
-    /// again.
+    /// again. What is not seen between values is for the next search to say.
     pub fn over<M: DesignMachine>(&self, own: &M, request: &SweepRequest<M>) -> Self {
         let mut looked = Self { places: self.places.clone(), ..Self::default() };
         for (place, values) in self.places.iter().enumerate() {
@@ -141,8 +144,36 @@ pub(super) fn search_between<M: DesignMachine>(
             let at = line.partition_point(|p| p.0 < x);
             line.insert(at, (x, y, spread));
         }
+        looked.unseen = looked.unseen.max(before_jumps(&line));
     }
     true
+}
+
+/// Excess over the largest measure of a line that the measure may reach beside a jump. At a jump
+/// the motion leaves its branch somewhere between two values: the branch goes on by its slope up to
+/// the other value at most. `line` is ascending.
+fn before_jumps(line: &[ValueSpread]) -> f64 {
+    let top = line.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
+    let end = |[far, near, other]: [&ValueSpread; 3]| {
+        near.1 + (near.1 - far.1) / (near.0 - far.0) * (other.0 - near.0)
+    };
+    // On a smooth maximum the lines of both sides lie above the other side; beside a jump the line
+    // of the upper side alone does.
+    let excess = |own: &[ValueSpread]| {
+        let [a, b, c, d] = own else { return 0.0 };
+        let steepness = |p: &ValueSpread, q: &ValueSpread| ((q.1 - p.1) / (q.0 - p.0)).abs();
+        if steepness(b, c) <= steepness(a, b).max(steepness(c, d)) {
+            return 0.0;
+        }
+        let (from_left, from_right) = (end([a, b, c]), end([d, c, b]));
+        match (from_left > c.1, from_right > b.1) {
+            (true, false) if b.1 > c.1 => from_left - top,
+            (false, true) if c.1 > b.1 => from_right - top,
+            _ => 0.0,
+        }
+    };
+    let most = line.windows(4).map(excess).fold(0.0, f64::max);
+    if most > PART * top.abs() { most } else { 0.0 }
 }
 
 /// Whether a value lies in the interval and is not near a known value.
@@ -169,4 +200,25 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (BARS * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A branch of the slope 2 that jumps down between 0.5 and 0.6 reaches at most 0.2 more than at
+    /// 0.5. A smooth maximum, and a jump below the largest value, leave nothing unseen.
+    #[test]
+    fn closed_form_a_branch_reaches_as_far_as_its_slope_before_it_jumps() {
+        let line = |of: &dyn Fn(f64) -> f64| -> Vec<ValueSpread> {
+            (0..=10).map(|k| 0.1 * f64::from(k)).map(|x| (x, of(x), 0.0)).collect()
+        };
+        let jumps = line(&|x| if x < 0.55 { 1.0 + 2.0 * x } else { 0.3 * x });
+        assert!((before_jumps(&jumps) - 0.2).abs() < 1e-12, "{}", before_jumps(&jumps));
+        let mut turned: Vec<ValueSpread> = jumps.iter().map(|p| (1.0 - p.0, p.1, p.2)).collect();
+        turned.reverse();
+        assert!((before_jumps(&turned) - 0.2).abs() < 1e-12);
+        assert_eq!(before_jumps(&line(&|x| 3.0 - (x - 0.44) * (x - 0.44))), 0.0);
+        assert_eq!(before_jumps(&line(&|x| if x < 0.35 { x } else { 2.0 - (x - 0.8).powi(2) })), 0.0);
+    }
 }

@@ -12,7 +12,7 @@
 //! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
 
 use super::between::{BandMotions, MOST, search_between};
-use super::row::upper;
+use super::row::{BARS, upper};
 use super::{Again, DesignMachine, DesignRow, Summary, SweepRequest, design, part, summary};
 use crate::error::{Error, Result};
 use crate::parts::{Shard, Task};
@@ -179,6 +179,9 @@ impl<M: DesignMachine> Race<'_, M> {
         let found = summary(self.set, row.values.clone(), &request, &looked.outcomes, Some(again));
         for (output, &place) in found.outputs.iter().zip(&places_of_windows) {
             row.outputs[place] = *output;
+        }
+        if let Some(output) = row.outputs[self.measure].as_mut().filter(|_| looked.unseen > 0.0) {
+            (output.spread, output.is_exact) = (output.spread.max(looked.unseen / BARS), false);
         }
         row.reason = row.reason.or(found.reason);
         row.again = found.again;
