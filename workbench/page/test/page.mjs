@@ -407,7 +407,7 @@ const tests = {
     assert.ok(await tab.isDisabled("#fitBegin"));
     // A table of another form is told, and nothing is lost.
     await tab.setInputFiles("#files", [{ name: "european.csv", mimeType: "text/csv", buffer: Buffer.from("time;slide.s\n0,1;0,5\n") }]);
-    await tab.waitForFunction("/european.csv is no record.*numbers have points/.test(document.querySelector('#fitWords').textContent)");
+    await tab.waitForFunction("/european.csv: .*line 2.*0,1.* has a decimal comma; expected a decimal point/.test(document.querySelector('#fitWords').textContent)");
     await tab.setInputFiles("#files", [{ name: "picture.png", mimeType: "image/png", buffer: Buffer.from("\x89PNG") }]);
     await tab.waitForFunction("/picture.png: allowed are machines/.test(document.querySelector('#status').textContent)");
     assert.equal(await text(tab), machine);
@@ -434,7 +434,7 @@ const tests = {
     await tab.click("#fitBegin");
     await tab.waitForFunction("/box/.test(document.querySelector('#fitWords').textContent) && !workbench.fit.helper");
     await tab.setInputFiles("#files", [{ name: "bad.csv", mimeType: "text/csv", buffer: Buffer.from("time,slide.s\n0,0\n0.1,none\n") }]);
-    await tab.waitForFunction("/row 2: slide.s = `none` is no finite number/.test(document.querySelector('#fitWords').textContent)");
+    await tab.waitForFunction("/line 3.*`none` is not a number/.test(document.querySelector('#fitWords').textContent)");
     const long = ["time,slide.s", ...Array.from({ length: 4000 }, (_, i) => `${i / 20},${(1e-3 * Math.sin(i * i)).toFixed(7)}`)].join("\n");
     await tab.setInputFiles("#files", [{ name: "long.csv", mimeType: "text/csv", buffer: Buffer.from(long) }]);
     await tab.waitForFunction("/long.csv: 4000 samples/.test(document.querySelector('#fitWords').textContent)");
