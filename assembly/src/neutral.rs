@@ -21,7 +21,7 @@ const ZERO: f64 = 1e-10;
 pub struct Neutral {
     /// Number of coordinates.
     coordinates: usize,
-    /// By state of first order the direction w of the elongation with which it moves.
+    /// Number of springs in series.
     inner: usize,
     /// Directions of the coordinates, a sparse basis found by elimination.
     places: Vec<DVector<f64>>,

@@ -17,6 +17,7 @@ mod cycle;
 mod examined;
 mod gradient;
 mod hidden;
+mod joined;
 mod kept;
 mod known;
 mod location;
