@@ -9,10 +9,11 @@
 //! them for all multipliers but the largest.
 
 use super::cycle::Cycle;
+use super::orbit::{eigenvalues, sort};
 use super::place::Place;
 use super::problem::{Problem, Residual};
 use crate::obstacle::Obstacle;
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Factor at which the pencil is inverted. No multiplier of a machine is this number by theory, and
 /// numbers on the unit circle are near it.
@@ -23,8 +24,6 @@ const BLURS: f64 = 1e6;
 /// Modulus up to which a multiplier by the equations is better: rounding of those that have no
 /// bound, of changes of the unknowns that return at any factor, is the square root of it.
 const SHARP: f64 = 1e4;
-/// Sweeps of the Schur decomposition by eigenvalue.
-const SWEEPS: usize = 200;
 
 impl Problem {
     /// Whether the time of the first event is an unknown that moves the start.
@@ -104,13 +103,11 @@ impl Problem {
     ) -> Option<Vec<Complex<f64>>> {
         let by = self.by_factor(place, cycle, matrix);
         let shifted = matrix + &by * (SHIFT - 1.0);
-        let solved = shifted.lu().solve(&by).filter(|all| all.iter().all(|x| x.is_finite()))?;
-        let sweeps = SWEEPS * solved.nrows();
-        let inverse = Schur::try_new(solved, f64::EPSILON, sweeps)?.complex_eigenvalues();
+        let inverse = eigenvalues(shifted.lu().solve(&by)?)?;
         // A further eigenvalue 0 of the pencil belongs to no change of the motion.
         let finite = inverse.iter().filter(|own| own.norm() > f64::MIN_POSITIVE);
         let mut all: Vec<Complex<f64>> = finite.map(|own| SHIFT - own.inv()).collect();
-        all.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+        sort(&mut all);
         let spurious = all.len().checked_sub(count + usize::from(self.moves_start(place)))?;
         Some(all.into_iter().skip(spurious).take(count).collect())
     }

@@ -108,7 +108,7 @@ impl Orbit {
         let range = (value - HALF_RANGE * unit, value + HALF_RANGE * unit);
         let family = Family { machine: machine.clone(), parameter: parameter.to_owned(), range };
         let problem = Problem { family: Arc::new(family), ..self.problem.clone() };
-        let step = if problem.has_run() { CHATTER_STEP } else { STEP };
+        let step = if problem.word.has_run() { CHATTER_STEP } else { STEP };
         let u = problem.point(&self.place, &self.numbers, value);
         let column = problem.by_parameter((&self.place, &u), &linear.cycle, &linear.matrix)?;
         let along = linear.factors.solve(&-column).ok_or(Obstacle::Singular)?;

@@ -1,8 +1,8 @@
 //! Two zeros of a test within one step, between ends at which it has the same sign.
 
-use super::location::Test;
-use super::path::{Follower, Position};
-use crate::obstacle::Obstacle;
+use super::bifurcation::{Bracket, Test};
+use super::path::Follower;
+use super::position::Position;
 
 /// Part of the test's least value at the ends below which its predicted extremum may hide a pair of
 /// zeros: half of the value leaves room for an error of the parabola.
@@ -12,58 +12,44 @@ const LOOKS: usize = 3;
 /// Least distance of a sought position from those that are known, in parts of the step.
 const APART: f64 = 1e-3;
 
-/// A part of a step at whose ends a test has different signs.
-pub(super) struct Bracket {
-    /// Arc from the step's begin.
-    pub begin: f64,
-    /// The positions at both ends.
-    pub ends: [Position; 2],
-    /// Arc from the first end to the second.
-    pub arc: f64,
-}
-
 impl Follower<'_> {
     /// Two brackets of a test that has the same sign at both ends of a step, where the parabola
     /// through an earlier position and both ends predicts an extremum beyond zero and the test has
-    /// the other sign there; else none.
-    ///
-    /// # Errors
-    /// None where a position within the step is not found: there is no bracket then.
+    /// the other sign there; else none, as where a position within the step is not found.
     pub fn hidden(
         &self,
         test: Test,
         (earlier, before): &(Position, f64),
-        whole: Bracket,
-    ) -> Result<Vec<Bracket>, Obstacle> {
-        let Bracket { ends: [last, next], arc, .. } = &whole;
+        [last, next]: [&Position; 2],
+        arc: f64,
+    ) -> Vec<Bracket> {
         let of = |at: &Position| test.of(at, last);
         let ends = [of(last), of(next)];
         let least = ends[0].abs().min(ends[1].abs());
         // Arc and value of three positions, of which the last found come last.
-        let mut known = [(-before, of(earlier)), (0.0, ends[0]), (*arc, ends[1])];
+        let mut known = [(-before, of(earlier)), (0.0, ends[0]), (arc, ends[1])];
         if known.iter().any(|(_, value)| value * ends[0] <= 0.0) {
-            return Ok(Vec::new());
+            return Vec::new();
         }
         for _ in 0..LOOKS {
             let Some((at, value)) = extremum(&known) else { break };
             let is_apart = known.iter().all(|(own, _)| (own - at).abs() > APART * arc);
             let dips = value * ends[0].signum() < DIP * least;
-            if !((0.0..*arc).contains(&at) && is_apart && dips) {
+            if !((0.0..arc).contains(&at) && is_apart && dips) {
                 break;
             }
-            let Ok(middle) = self.within(last, next, *arc, at).and_then(|at| self.look(at)) else { break };
+            let Ok(middle) = self.within(last, next, arc, at).and_then(|at| self.look(at)) else { break };
             let value = of(&middle);
             if value * ends[0] < 0.0 {
                 let rest = middle.tangent.dot(&(&next.u - &middle.u));
-                let Bracket { ends: [last, next], .. } = whole;
-                let first = Bracket { begin: 0.0, ends: [last, middle.clone()], arc: at };
-                return Ok(vec![first, Bracket { begin: at, ends: [middle, next], arc: rest }]);
+                let first = Bracket { begin: 0.0, ends: [last.clone(), middle.clone()], arc: at };
+                return vec![first, Bracket { begin: at, ends: [middle, next.clone()], arc: rest }];
             }
             // The two that are nearest to it, and the new one.
             known.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
             known[2] = (at, value);
         }
-        Ok(Vec::new())
+        Vec::new()
     }
 }
 

@@ -21,10 +21,9 @@ const ALONG: f64 = 1e-13;
 impl Branch {
     /// Whether an orbit of this family lies on the branch.
     pub fn passes(&self, orbit: &Orbit) -> bool {
-        let has_run = |word: &Word| word.letters.iter().any(|letter| letter.chatter.is_some());
         // The machine's own motion follows a run, whatever contacts its first impact leaves closed.
         let is_run =
-            has_run(self.word()) && has_run(orbit.word()) && has_same_impacts(self.word(), orbit.word());
+            self.word().has_run() && orbit.word().has_run() && has_same_impacts(self.word(), orbit.word());
         (is_run || orbit.has_word(self.word()))
             && self
                 .orbits_at(orbit.value())

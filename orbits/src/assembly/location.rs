@@ -1,12 +1,12 @@
 //! What lies within a step along a branch: the end of the range, a doubling at which the branch is
 //! born, conditions that cease to hold, bifurcations.
 
+use super::bifurcation::{Bracket, Ends, Test};
 use super::branch::{OrbitPoint, Special};
 use super::conditions::Condition;
-use super::hidden::Bracket;
 use super::orbit::Orbit;
-use super::path::{Follower, Position, doubling};
-use crate::branch::Label;
+use super::path::Follower;
+use super::position::{Position, doubling};
 use crate::curve::{CurvePoint, axis, correct, gradient, meet};
 use crate::obstacle::Obstacle;
 use crate::special::zero;
@@ -35,75 +35,6 @@ const VERTICAL: f64 = 1e-5;
 const SHORT_ARC: f64 = 1e-2;
 /// Most steps towards such a zero.
 const MOST_SECANTS: usize = 3;
-
-/// A bifurcation's test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Test {
-    Fold,
-    Crossing,
-    Doubling,
-    Pair,
-}
-
-impl Test {
-    const ALL: [Self; 4] = [Self::Fold, Self::Crossing, Self::Doubling, Self::Pair];
-
-    fn label(self) -> Label {
-        match self {
-            Self::Fold => Label::Fold,
-            Self::Crossing => Label::BranchPoint,
-            Self::Doubling => Label::PeriodDoubling,
-            Self::Pair => Label::NeimarkSacker,
-        }
-    }
-
-    /// The test's value in units of a position's.
-    pub fn of(self, at: &Position, unit: &Position) -> f64 {
-        match self {
-            Self::Fold => at.fold(),
-            Self::Crossing => at.crossing.relative_to(unit.crossing),
-            Self::Doubling => at.doubling.relative_to(unit.doubling),
-            Self::Pair => at.pair,
-        }
-    }
-}
-
-/// The end of a step, as the tests of bifurcations see it.
-pub(super) struct Ends<'a> {
-    pub next: &'a Position,
-    /// The arc of the step.
-    pub arc: f64,
-    /// A position before the end at which tests have a value that have none at the end itself, or
-    /// vanish there, with its arc.
-    pub before: Option<(Position, f64)>,
-    /// Whether a condition ceases to hold at the end.
-    pub is_touch: bool,
-}
-
-impl Ends<'_> {
-    /// The position at which a test is taken, with its arc. At a touch multipliers may have no
-    /// bound, but determinants of the equations are smooth; at a birth all tests but that of a fold
-    /// vanish or are those of the shorter orbit.
-    fn of(&self, test: Test) -> (&Position, f64) {
-        match (&self.before, test) {
-            (Some((before, arc)), Test::Pair) => (before, *arc),
-            (Some((before, arc)), _) if !self.is_touch => (before, *arc),
-            _ => (self.next, self.arc),
-        }
-    }
-
-    /// The same end for a step that begins beside the step's begin.
-    pub fn seen_from(&self, last: &Position, begins: &Position) -> Ends<'_> {
-        let way = begins.tangent.dot(&(&begins.u - &last.u));
-        let arc_to = |at: &Position| begins.tangent.dot(&(&at.u - &begins.u));
-        let seen = |(at, arc): &(Position, f64)| match *arc > way {
-            true => (at.clone(), arc_to(at)),
-            false => (begins.clone(), 0.0),
-        };
-        let before = self.before.as_ref().map(seen);
-        Ends { next: self.next, arc: arc_to(self.next), before, is_touch: self.is_touch }
-    }
-}
 
 impl Follower<'_> {
     /// The end of the parameter's range, if a step passes it, with its arc.
@@ -250,10 +181,9 @@ impl Follower<'_> {
             if is_vertical {
                 continue;
             }
-            let whole = Bracket { begin: 0.0, ends: [last.clone(), next.clone()], arc };
             let brackets = match ends[0] * ends[1] < 0.0 {
-                true => vec![whole],
-                false => earlier.map_or(Ok(Vec::new()), |own| self.hidden(test, own, whole))?,
+                true => vec![Bracket { begin: 0.0, ends: [last.clone(), next.clone()], arc }],
+                false => earlier.map_or_else(Vec::new, |own| self.hidden(test, own, [last, next], arc)),
             };
             for bracket in &brackets {
                 found.extend(self.zero_in(test, bracket)?.map(|(at, point)| (bracket.begin + at, point)));

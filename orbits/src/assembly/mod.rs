@@ -8,6 +8,7 @@
 //! motion over a word is linear in its start. An orbit's unknowns are its start and the times of
 //! its events. A word is found by the machine's own motion, never written by hand.
 
+mod bifurcation;
 mod branch;
 mod closing;
 mod conditions;
@@ -27,6 +28,7 @@ mod parameter;
 mod passes;
 mod path;
 mod place;
+mod position;
 mod problem;
 mod record;
 mod search;

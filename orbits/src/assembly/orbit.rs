@@ -144,17 +144,26 @@ fn least_step(matrix: DMatrix<f64>, value: &DVector<f64>) -> Option<DVector<f64>
     svd.solve(&-value, cutoff).ok()
 }
 
-/// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
-pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
+/// The eigenvalues of a matrix in no order; `None` where they are not found.
+pub(super) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return None;
     }
     let sweeps = SWEEPS * matrix.nrows().max(1);
-    let mut all: Vec<Complex<f64>> =
-        Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues().iter().copied().collect();
+    Some(Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues().iter().copied().collect())
+}
+
+/// Sorts multipliers by modulus, largest first, and each conjugate pair in one order.
+pub(super) fn sort(multipliers: &mut [Complex<f64>]) {
+    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+}
+
+/// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
+pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
+    let mut all = eigenvalues(matrix)?;
     all.sort_by(|a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
     let mut rest = all.split_off(trivial.min(all.len()));
-    rest.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    sort(&mut rest);
     rest.extend(all);
     Some(rest)
 }

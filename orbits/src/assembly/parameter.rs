@@ -92,7 +92,7 @@ impl Problem {
         cycle: &Cycle,
         matrix: &DMatrix<f64>,
     ) -> Result<DVector<f64>, Obstacle> {
-        let step = if self.has_run() { CHATTER_STEP } else { STEP };
+        let step = if self.word.has_run() { CHATTER_STEP } else { STEP };
         // Knots may move with the parameter.
         let has_knots = !self.word.between.is_empty() || cycle.legs.iter().any(|leg| !leg.knots.is_empty());
         let at = |step: f64| -> Result<Option<Beside>, Obstacle> {

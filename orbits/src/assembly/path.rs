@@ -1,16 +1,17 @@
 //! One branch followed along the parameter, with its special points.
 
+use super::bifurcation::Ends;
 use super::branch::{Kind, OrbitPoint, Special};
 use super::conditions::Condition;
-use super::location::Ends;
-use super::orbit::{Orbit, Stability};
+use super::orbit::Orbit;
+use super::position::Position;
 use super::problem::{Problem, Residual};
 use crate::branch::Label;
 use crate::curve::{CurvePoint, Equations, correct};
 use crate::obstacle::Obstacle;
 use crate::path::PathOptions;
 use crate::test_functions::{SignedLog, determinant, pair_test};
-use nalgebra::{Complex, DVector};
+use nalgebra::DVector;
 use vibro_assembly::mode::Watch;
 
 /// Least step; a branch that needs a smaller one ends with MX.
@@ -85,31 +86,6 @@ pub(super) struct Path {
     pub end: PathEnd,
 }
 
-/// A point with its properties.
-#[derive(Clone)]
-pub(super) struct Position {
-    pub u: DVector<f64>,
-    pub tangent: DVector<f64>,
-    pub steps: usize,
-    pub period: f64,
-    pub multipliers: Vec<Complex<f64>>,
-    pub stability: Stability,
-    /// Determinant of the equations bordered by the tangent: zero where branches cross.
-    pub crossing: SignedLog,
-    /// Determinant of the equations whose variations close with the factor -1: zero at a doubling.
-    pub doubling: SignedLog,
-    /// Zero where a pair of multipliers has the product 1.
-    pub pair: f64,
-    pub conditions: Vec<(Condition, f64)>,
-}
-
-impl Position {
-    /// Position along the parameter's direction.
-    pub fn fold(&self) -> f64 {
-        self.tangent[self.tangent.len() - 1]
-    }
-}
-
 pub(super) struct Follower<'a> {
     pub problem: &'a Problem,
 }
@@ -176,9 +152,10 @@ pub(super) fn follow(departure: &Departure, options: &PathOptions) -> Result<Pat
         }
         step = step.clamp(LEAST_STEP, options.longest_step);
         // A special point from which the branch begins has no tests.
-        let before = begins.unwrap_or_else(|| last.clone());
-        let arc = before.tangent.dot(&(&next.u - &before.u));
-        (earlier, last) = (Some((before, arc)), next);
+        let begun = std::mem::replace(&mut last, next);
+        let before = begins.unwrap_or(begun);
+        let arc = before.tangent.dot(&(&last.u - &before.u));
+        earlier = Some((before, arc));
     }
 }
 
@@ -396,9 +373,4 @@ pub(super) fn closes(
     let part = from.dot(&way) / (length * length);
     let aside = (from - &way * part).norm();
     (0.0..=1.0).contains(&part) && aside < 0.05 * length && begins.dot(tangent) > COSINE
-}
-
-/// ∏ (1 + μ), each factor of size one at most.
-pub(super) fn doubling(multipliers: &[Complex<f64>]) -> f64 {
-    multipliers.iter().map(|m| (1.0 + m) / (1.0 + m.norm())).product::<Complex<f64>>().re
 }

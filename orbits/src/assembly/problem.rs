@@ -291,11 +291,6 @@ impl Problem {
         matrix
     }
 
-    /// Whether impacts accumulate in the word.
-    pub(super) fn has_run(&self) -> bool {
-        self.word.letters.iter().any(|letter| letter.chatter.is_some())
-    }
-
     /// The neutral directions of a machine, as changes of a state.
     pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
         let system = place.assembly.system();
@@ -322,7 +317,7 @@ impl Equations for Problem {
     }
 
     fn rounding(&self) -> f64 {
-        if self.has_run() { CHATTER_ROUNDING } else { STEP_ROUNDING }
+        if self.word.has_run() { CHATTER_ROUNDING } else { STEP_ROUNDING }
     }
 
     fn stalled(&self) -> f64 {

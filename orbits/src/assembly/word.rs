@@ -232,6 +232,11 @@ impl Word {
         &self.nodes
     }
 
+    /// Whether impacts accumulate in it.
+    pub(super) fn has_run(&self) -> bool {
+        self.letters.iter().any(|letter| letter.chatter.is_some())
+    }
+
     /// Number of events.
     pub fn len(&self) -> usize {
         self.letters.len()

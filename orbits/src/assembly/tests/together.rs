@@ -139,7 +139,7 @@ fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differen
     {
         let family = Family::new(&m, vary, (from, to)).unwrap();
         let orbit = Orbit::settled(&m, &Start::default(), 500).unwrap();
-        assert!(orbit.problem.has_run());
+        assert!(orbit.word().has_run());
         let problem = Problem { family: Arc::new(family), ..orbit.problem.clone() };
         let u = problem.point(orbit.place(), &orbit.numbers, m.description.get(vary).unwrap());
         let matrix = problem.linearize(&u, None).unwrap().matrix;
