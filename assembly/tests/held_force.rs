@@ -1,5 +1,5 @@
-//! The force of a held slider has no rounding of the places: what follows a hold is the same far away
-//! as near, under any rows, and after a saved state.
+//! The force of a held slider has no rounding of the places: what follows a hold is the same far
+//! away as near, under any rows, and after a saved state.
 
 use crate::blocks::column;
 use crate::common::*;
@@ -32,9 +32,10 @@ fn in_rows(m: &mut Motion, end: f64, rows: u32) -> Vec<Event> {
     (1..=rows).flat_map(|i| events(m, row(i))).collect()
 }
 
-/// 1 kg on 100 N/m swings past a bristle. From the turn at s a held bristle of stiffness j and level
-/// R lets the mass swing with ω² = 100 + j about its equilibrium, which is A = (100 s + R)/ω² away:
-/// the force falls by 2 R after ω τ = 2 asin √(R/(j A)). Places at 10 s: the same law with 60 digits.
+/// 1 kg on 100 N/m swings past a bristle. From the turn at s a held bristle of stiffness j and
+/// level R lets the mass swing with ω² = 100 + j about its equilibrium, which is A = (100 s + R)/ω²
+/// away: the force falls by 2 R after ω τ = 2 asin √(R/(j A)). Places at 10 s: the same law with 60
+/// digits.
 #[test]
 fn closed_form_a_stiff_bristle_slips_again_at_its_level() {
     let exact: [(f64, f64, f64, f64); 2] = [
@@ -82,8 +83,8 @@ fn pushed(stiffness: f64, knot: f64, place: f64) -> String {
 }
 
 /// Times of stick and slip after the step, and place and rate at the end, of [`pushed`] from 0 on:
-/// from rest the mass swings about 3 N until the bristle bears 2 N, falls with 1 m/s² until the step,
-/// is slowed with 5 m/s², and swings about -3 N until the bristle bears -2 N.
+/// from rest the mass swings about 3 N until the bristle bears 2 N, falls with 1 m/s² until the
+/// step, is slowed with 5 m/s², and swings about -3 N until the bristle bears -2 N.
 fn exactly(stiffness: f64, knot: f64, end: f64) -> [f64; 4] {
     let omega = stiffness.sqrt();
     let begin = (1.0 / 3.0f64).acos() / omega;
@@ -140,7 +141,8 @@ fn row(place: f64) -> String {
 }
 
 /// Where a machine stands does not matter: events, forces, losses, derivatives of events and rates
-/// and the gradient are the same from 2⁴³ m on, where 1e4 N/m times a rounding of the place is 10 N.
+/// and the gradient are the same from 2⁴³ m on, where 1e4 N/m times a rounding of the place is 10
+/// N.
 #[test]
 fn metamorphic_a_place_far_away_changes_no_event_and_no_derivative() {
     let names = ["spring.first.stiffness", "spring.first.slip", "spring.soft.series_damping", "body.b.mass"];

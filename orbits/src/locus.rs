@@ -4,13 +4,15 @@ mod equations;
 mod following;
 mod marks;
 pub(super) mod start;
+mod two_parameters;
 
 pub use self::start::LocusStart;
 
 use self::equations::Locus;
 pub(super) use self::equations::{Border, smallness};
-pub(super) use self::following::{Located, TwoParameters, both_ways};
+pub(super) use self::following::{Located, both_ways};
 use self::start::{Normal, first_point};
+pub(super) use self::two_parameters::TwoParameters;
 use super::family::Family;
 use super::obstacle::Obstacle;
 use nalgebra::DVector;

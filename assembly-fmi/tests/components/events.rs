@@ -71,7 +71,8 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
                 // A friction that follows a stop begins and ends to act with the stop's force.
                 let with_stop = name.starts_with("friction.rub") && was.min(is) == 1.0;
                 let is_told = is_told || with_stop && told.0.iter().any(|text| text.starts_with("stop.pad "));
-                // A contact whose force has ended (5) and that leaves its gap (3) was told when it ended.
+                // A contact whose force has ended (5) and that leaves its gap (3) was told when it
+                // ended.
                 let leaves = (was, is) == (5.0, 3.0);
                 assert!(
                     was == is || is_told || turns || leaves,

@@ -85,8 +85,8 @@ pub(super) fn equilibrium(
 }
 
 /// Replaces the forces of springs in series in the mode after the start by their forces at rest,
-/// with the column's changes. A relaxed spring bears no force. A spring whose slider is at its level
-/// bears this level.
+/// with the column's changes. A relaxed spring bears no force. A spring whose slider is at its
+/// level bears this level.
 fn put_borne(
     machine: &Machine,
     p: usize,

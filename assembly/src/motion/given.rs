@@ -111,8 +111,8 @@ impl Motion {
         }
     }
 
-    /// Places the bodies on touching stops. At a start this may move them by more than rounding: the
-    /// inner places of springs in series stay as they are given.
+    /// Places the bodies on touching stops. At a start this may move them by more than rounding:
+    /// the inner places of springs in series stay as they are given.
     pub(super) fn place_at_start(&mut self, flags: &mut Flags, parted: &Parted) {
         let system = &self.assembly.system;
         let is_start = self.hybrid.mode.stops.len() < system.stops.len();

@@ -67,8 +67,8 @@ impl Motion {
     }
 
     /// Moves the bodies at held sliders so that drifted inner places return. The flow carries the
-    /// stretch as a state without the rounding of the places, which drift. The stretch changes if no
-    /// body can move, or if the bodies move for a slider beside this one.
+    /// stretch as a state without the rounding of the places, which drift. The stretch changes if
+    /// no body can move, or if the bodies move for a slider beside this one.
     fn keep_inner_places(&mut self) {
         let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_mut_slice());
@@ -94,8 +94,8 @@ impl Motion {
         }
     }
 
-    /// Returns whether a contact that keeps e' alone has drifted. If so, writes the deviations of the
-    /// places of the whole basis to the scratch memory.
+    /// Returns whether a contact that keeps e' alone has drifted. If so, writes the deviations of
+    /// the places of the whole basis to the scratch memory.
     fn find_drifts(&mut self) -> bool {
         let Hybrid { mode, z, standing, .. } = &self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
@@ -122,8 +122,8 @@ impl Motion {
         });
     }
 
-    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold, and
-    /// the inner place of each slider that begins to be held. What held before keeps its place,
+    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold,
+    /// and the inner place of each slider that begins to be held. What held before keeps its place,
     /// unless a jump or an impact has moved it. For a host's solver, whose states have errors, it
     /// notes all inner places alone.
     pub(super) fn note_standing(&mut self) {

@@ -1,6 +1,6 @@
 //! States of first order, which stand in the augmented state between the rates and the signals:
-//! each has a row that gives its rate, y' = row · z. The stretches y = e - x of springs in series are
-//! such states (docs/assembly-law.md, section 15).
+//! each has a row that gives its rate, y' = row · z. The stretches y = e - x of springs in series
+//! are such states (docs/assembly-law.md, section 15).
 //!
 //! The augmented state has y and not the inner place x: stiffness · (e - x) would have the rounding
 //! of e, and the difference is far larger than a small force of a stiff spring. States that are
@@ -89,8 +89,8 @@ impl System {
         }
     }
 
-    /// The states of an augmented state as they are given: coordinates, rates, then the inner places
-    /// of springs in series and what blocks keep.
+    /// The states of an augmented state as they are given: coordinates, rates, then the inner
+    /// places of springs in series and what blocks keep.
     pub fn given(&self, z: &[f64]) -> Vec<f64> {
         let mut states = z[..self.states()].to_vec();
         self.branches.iter().for_each(|branch| states[branch.place] = branch.inner.at(z));
@@ -184,8 +184,8 @@ impl System {
         }
     }
 
-    /// The direction of the force of a branch whose slider an event has moved: after a jump the force
-    /// is at its level.
+    /// The direction of the force of a branch whose slider an event has moved: after a jump the
+    /// force is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
         let SeriesLaw::Slider { slip } = branch.law else { return None };

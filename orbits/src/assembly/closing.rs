@@ -1,12 +1,15 @@
-//! Orbits whose variations close with a factor: a variation with the multiplier μ closes with μ.
+//! Equations of an orbit for variations that close with a factor.
+//!
+//! A variation is a small change of the motion. Along an eigenvector of the monodromy matrix it is
+//! μ times as large after a period, where μ is the multiplier: it closes with the factor μ.
 //!
 //! The equations of an orbit have the derivatives A(1), in which a change of the first event's time
 //! moves the start and the end alike. A change that is μ times as large at the end as at the start
 //! has the derivatives A(μ) = A(1) + (μ - 1) B, which are singular where μ is a multiplier. Events
 //! at given times are linear maps of the state, so that A(μ) has entries of size one however
-//! unstable the orbit is: the determinant of A(-1) has the sign of ∏ (1 + μ), and the eigenvalues of
-//! the pencil A(1), B have digits where the product of the flights, the monodromy matrix, has lost
-//! them for all multipliers but the largest.
+//! unstable the orbit is: the determinant of A(-1) has the sign of ∏ (1 + μ), and the eigenvalues
+//! of the pencil A(1), B have digits where the product of the flights, the monodromy matrix, has
+//! lost them for all multipliers but the largest.
 
 use super::cycle::Cycle;
 use super::orbit::{eigenvalues, sort};
@@ -18,11 +21,12 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Factor at which the pencil is inverted. No multiplier of a machine is this number by theory, and
 /// numbers on the unit circle are near it.
 const SHIFT: f64 = 1.93;
-/// Modulus of the largest multiplier above which rounding of the monodromy matrix is seen in the
-/// multipliers near the unit circle: ten digits of theirs remain.
+/// Limit of the largest modulus. Above it rounding of the monodromy matrix leaves fewer than ten
+/// digits of a multiplier near the unit circle.
 const BLURS: f64 = 1e6;
-/// Modulus up to which a multiplier by the equations is better: rounding of those that have no
-/// bound, of changes of the unknowns that return at any factor, is the square root of it.
+/// Limit of the modulus of a multiplier that is taken from the equations. The pencil has infinite
+/// eigenvalues too, which rounding makes finite, about 1e8 in modulus: they are far above the
+/// limit.
 const SHARP: f64 = 1e4;
 
 impl Problem {
@@ -41,7 +45,8 @@ impl Problem {
         for i in 0..own {
             let part = -rate[i] * radian / self.units.state[i];
             column.rows_mut(0, equations).axpy(part, &matrix.view((0, i), (equations, 1)).column(0), 1.0);
-            // The closing by the state itself is no motion.
+            // The derivative of the closing condition by the state at its end, 1, does not belong
+            // to the motion from the start.
             column[i] -= part;
         }
         column
@@ -64,8 +69,8 @@ impl Problem {
         matrix - self.by_factor(place, cycle, matrix) * 2.0
     }
 
-    /// Replaces the multipliers of an orbit, by its monodromy matrix, that rounding of the largest
-    /// one has blurred.
+    /// Replaces the multipliers from an orbit's monodromy matrix that have lost digits beside the
+    /// largest multiplier.
     ///
     /// # Errors
     /// As [`residual`](Self::residual).
@@ -92,8 +97,8 @@ impl Problem {
         Ok(())
     }
 
-    /// The `count` largest multipliers, largest first, by the equations' derivatives: those of
-    /// modulus one have the digits of the equations, a large one loses digits with its square.
+    /// The `count` largest multipliers, largest first, from the equations' derivatives. A multiplier
+    /// of modulus one has the digits of the equations; the error of a large one grows with its square.
     /// `None` where the equations have no eigenvalues.
     pub(super) fn multipliers_by_equations(
         &self,
@@ -104,7 +109,8 @@ impl Problem {
         let by = self.by_factor(place, cycle, matrix);
         let shifted = matrix + &by * (SHIFT - 1.0);
         let inverse = eigenvalues(shifted.lu().solve(&by)?)?;
-        // A further eigenvalue 0 of the pencil belongs to no change of the motion.
+        // The time of the first event gives the pencil one more eigenvalue, 0. The infinite ones
+        // come first.
         let finite = inverse.iter().filter(|own| own.norm() > f64::MIN_POSITIVE);
         let mut all: Vec<Complex<f64>> = finite.map(|own| SHIFT - own.inv()).collect();
         sort(&mut all);

@@ -99,8 +99,8 @@ impl Orbit {
     }
 }
 
-/// Whether two words have the same period and hit the same stops in the same order, from some impact
-/// on.
+/// Whether two words have the same period and hit the same stops in the same order, from some
+/// impact on.
 fn has_same_impacts(a: &Word, b: &Word) -> bool {
     let hits =
         |word: &Word| word.letters.iter().flat_map(|letter| letter.hits().collect::<Vec<_>>()).collect();

@@ -34,8 +34,8 @@ const FOUND: f64 = 1e-6;
 /// Distance of two rows that are one point, in parts of the range and of the period: points are
 /// found to 1e-9 where they are regular.
 const ONE_POINT: f64 = 1e-8;
-/// Half of the arc on which a special point is located again: long beside rounding of the point, and
-/// short beside the curvature of a branch.
+/// Half of the arc on which a special point is located again: long beside rounding of the point,
+/// and short beside the curvature of a branch.
 const NEXT_TO: f64 = 1e-5;
 /// Accuracy of that location, as arc.
 const ARC: f64 = 1e-14;
@@ -170,9 +170,9 @@ impl LocusStart {
             && is_near(own.4, their.4, own.4)
     }
 
-    /// The value of the parameter at which the point's own condition holds, located along the branch
-    /// of its shortest word: a second way beside the one by which the branch was searched, with
-    /// other equations. `None` where the condition has no zero next to the point.
+    /// The value of the parameter at which the point's own condition holds, located along the
+    /// branch of its shortest word: a second way beside the one by which the branch was searched,
+    /// with other equations. `None` where the condition has no zero next to the point.
     pub fn located_again(&self) -> Option<f64> {
         let (LocusStart { problem, u, .. }, condition) = self.normal().ok()?;
         let axis = axis(u.len(), u.len() - 1);

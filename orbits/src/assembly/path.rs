@@ -41,8 +41,8 @@ const BEFORE: [f64; 5] = [1.0 - 1e-7, 1.0 - 1e-5, 1.0 - 1e-3, 0.9, 0.5];
 /// digits of the others remain.
 const LIMITED: f64 = 1e8;
 
-/// Part of the arc to the birth of a branch at which tests are taken in place of those at the birth,
-/// where they vanish; beside the begin of a path at the same distance.
+/// Part of the arc to the birth of a branch at which tests are taken in place of those at the
+/// birth, where they vanish; beside the begin of a path at the same distance.
 const BESIDE: f64 = 0.9;
 
 /// Start of a path.
@@ -177,8 +177,8 @@ struct Step {
 }
 
 impl Follower<'_> {
-    /// The path that cannot be followed further from its last position. A run of impacts that has not
-    /// accumulated when a fixed time comes is another motion, so that no equation holds beyond.
+    /// The path that cannot be followed further from its last position. A run of impacts that has
+    /// not accumulated when a fixed time comes is another motion, so that no equation holds beyond.
     fn stopped(&self, mut points: Vec<OrbitPoint>, last: &Position) -> Path {
         let is_run =
             |letter: usize| self.problem.word.letters.get(letter).is_some_and(|own| own.chatter.is_some());
@@ -265,8 +265,8 @@ impl Follower<'_> {
         correct(self.problem, &(&from.u + &from.tangent * arc), &from.tangent)
     }
 
-    /// The point at an arc within a step of the length `step`, as [`at`](Self::at), but predicted by
-    /// the cubic between the step's ends. From there Newton's method takes fewer steps.
+    /// The point at an arc within a step of the length `step`, as [`at`](Self::at), but predicted
+    /// by the cubic between the step's ends. From there Newton's method takes fewer steps.
     pub fn within(
         &self,
         last: &Position,

@@ -84,8 +84,8 @@ impl Record {
             from = end;
             let hits: Vec<usize> =
                 (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
-            // The run begins with the impact after which all intervals shrink. Fixed times lie in no
-            // run.
+            // The run begins with the impact after which all intervals shrink. Fixed times lie in
+            // no run.
             let mut begin = hits.len() - 1;
             while begin >= 1 {
                 let interval = |k: usize| self.times[hits[k + 1]] - self.times[hits[k]];

@@ -21,8 +21,8 @@ use vibro_assembly::Start;
 
 /// First step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
-/// Steps from a special point at which the branch that begins there is compared with known ones: the
-/// longer one may lead beyond the end of a short branch.
+/// Steps from a special point at which the branch that begins there is compared with known ones:
+/// the longer one may lead beyond the end of a short branch.
 const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
 /// Branches followed side by side: a number that does not depend on the machine's threads, so that
 /// the branches found do not either.
@@ -35,8 +35,8 @@ const MOST: usize = 400;
 pub struct TreeOptions {
     /// Start of the first motion.
     pub start: Start,
-    /// Values of the parameter at which motions are followed until they settle: rising, falling, and
-    /// for a positive depth from the start.
+    /// Values of the parameter at which motions are followed until they settle: rising, falling,
+    /// and for a positive depth from the start.
     pub seeds: usize,
     /// Returns to the section discarded at each value; fewer where the motion has settled.
     pub discard: u32,
@@ -302,8 +302,8 @@ impl Grower<'_> {
         }
     }
 
-    /// Queues what begins at the special points of a branch; from a branch that is a point, with the
-    /// parent of the branch.
+    /// Queues what begins at the special points of a branch; from a branch that is a point, with
+    /// the parent of the branch.
     fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2], parent: Option<(usize, usize)>) {
         let goes_on = branch.depth < self.options.depth;
         let mut add = |point: usize, depth: u32, kind: StartKind| {

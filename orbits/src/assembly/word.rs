@@ -163,8 +163,8 @@ impl Letter {
         variations.into_iter().for_each(|v| keep(system, &self.modes[1], v));
     }
 
-    /// The event in words: `impact steel`, `slip guide`; several reports are joined by ` + `. A change
-    /// of mode without a report is `change`.
+    /// The event in words: `impact steel`, `slip guide`; several reports are joined by ` + `. A
+    /// change of mode without a report is `change`.
     pub fn in_words(&self, assembly: &Assembly) -> String {
         let plain = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
         let mut words: Vec<String> = self.timed().map(|own| own.in_words(assembly)).unwrap_or_default();

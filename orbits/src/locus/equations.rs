@@ -2,7 +2,7 @@
 //! the touch.
 
 use super::LocusEnd;
-use super::following::TwoParameters;
+use super::two_parameters::TwoParameters;
 use crate::curve::{Equations, Linearization, least_vectors, slope};
 use crate::cycle::{Cycle, Functional};
 use crate::family::{ContactEquations, Family};

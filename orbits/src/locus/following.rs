@@ -2,7 +2,8 @@
 
 use super::LocusEnd;
 use super::marks::{Marked, ahead};
-use crate::curve::{CurvePoint, Equations, axis, correct, meet, tangent};
+use super::two_parameters::TwoParameters;
+use crate::curve::{CurvePoint, axis, correct, meet, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
 
@@ -22,43 +23,6 @@ const CLOSED: f64 = 0.1;
 
 /// A point of a curve, with the end there if it is one.
 pub(crate) type Located = (DVector<f64>, Option<LocusEnd>);
-
-/// Equations of a curve in two parameters, the last two unknowns, each in its curve unit.
-pub(crate) trait TwoParameters: Equations + Clone {
-    /// Least and largest value of parameter 0 or 1, in its curve unit.
-    fn range(&self, k: usize) -> (f64, f64);
-
-    /// Whether a point is an orbit of the machine, except for a touch that defines the curve.
-    ///
-    /// # Errors
-    /// An obstacle if the equations are not defined at `u`.
-    fn is_orbit(&self, u: &DVector<f64>) -> Result<bool, Obstacle>;
-
-    /// Adapts the condition's borders to a point of the curve.
-    fn adapt(&mut self, u: &DVector<f64>);
-
-    /// The end of the curve that a point lies beyond.
-    fn passed(&self, u: &DVector<f64>) -> Option<LocusEnd>;
-
-    /// The end near a point beyond which the curve cannot be followed.
-    fn near_end(&self, u: &DVector<f64>) -> Option<LocusEnd>;
-
-    /// Products of the left null vector of a fold with the columns of both parameters, as a
-    /// continuous function along the curve; `None` on other curves.
-    fn products(&self, _: &DVector<f64>) -> Option<[f64; 2]> {
-        None
-    }
-
-    /// Functions of a point that are zero at special points of two conditions.
-    fn tests_on_curve(&self, _: &DVector<f64>) -> Vec<(LocusEnd, f64)> {
-        Vec::new()
-    }
-
-    /// Whether the curve ends at a special point of two conditions.
-    fn ends_at(&self, mark: LocusEnd) -> bool {
-        mark == LocusEnd::FoldPitchfork
-    }
-}
 
 /// The points of a curve in both directions from one of them, each with its end where it is one.
 pub(crate) fn both_ways(locus: &impl TwoParameters, u: &DVector<f64>) -> Result<Vec<Located>, Obstacle> {
@@ -116,8 +80,8 @@ fn follow(locus: &impl TwoParameters, start: &DVector<f64>, along: DVector<f64>)
                 is_renewed = false;
             }
             Err(_) if step > least => step *= 0.5,
-            // The corrector's tangent has derivatives of the predicted point. Where they change much
-            // over a step, as next to a crossing of curves, it leads away from the curve.
+            // The corrector's tangent has derivatives of the predicted point. Where they change
+            // much over a step, as next to a crossing of curves, it leads away from the curve.
             Err(_) if !is_renewed => {
                 is_renewed = true;
                 step = STEPS[0];

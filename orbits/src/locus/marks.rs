@@ -1,7 +1,7 @@
 //! Special points of two conditions on a curve: where they lie between two of its points.
 
 use super::LocusEnd;
-use super::following::TwoParameters;
+use super::two_parameters::TwoParameters;
 use crate::curve::{CurvePoint, correct};
 use nalgebra::DVector;
 
@@ -20,8 +20,8 @@ const APART: f64 = 1e-5;
 const JUMP: f64 = 1e-3;
 /// Parts of the way that remain to a fold-pitchfork point, from which the point is extrapolated.
 const PARTS: [f64; 3] = [0.5, 0.25, 0.125];
-/// Longest way that may remain to a fold-pitchfork point where a curve can no longer be followed, in
-/// curve units: the longest step.
+/// Longest way that may remain to a fold-pitchfork point where a curve can no longer be followed,
+/// in curve units: the longest step.
 const REMAINS: f64 = 0.05;
 
 /// A point of a curve with its values of the functions that are zero at special points.
@@ -80,8 +80,8 @@ impl Marked {
         found.into_iter().map(|(_, u, kind)| (u, kind)).collect()
     }
 
-    /// Whether a fold curve passes a symmetric orbit between two points. Beyond it the curve has the
-    /// mirror images of its orbits, at the same parameters.
+    /// Whether a fold curve passes a symmetric orbit between two points. Beyond it the curve has
+    /// the mirror images of its orbits, at the same parameters.
     fn is_mirrored(&self, next: &Self) -> bool {
         next.along(self).is_some_and(|along| along < 0.0)
     }
@@ -130,9 +130,9 @@ impl Marked {
         None
     }
 
-    /// The point at which a function is zero where the equations are singular, as where the orbit does
-    /// not depend on the parameters: between a point on either side, with its distance from the
-    /// first point. The function does not jump: its values at both points are small.
+    /// The point at which a function is zero where the equations are singular, as where the orbit
+    /// does not depend on the parameters: between a point on either side, with its distance from
+    /// the first point. The function does not jump: its values at both points are small.
     fn across(
         &self,
         locus: &impl TwoParameters,

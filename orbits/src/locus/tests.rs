@@ -1,7 +1,8 @@
 //! Curves over two parameters of normal forms, whose special points are known.
 
 use super::LocusEnd;
-use super::following::{Located, TwoParameters, both_ways};
+use super::following::{Located, both_ways};
+use super::two_parameters::TwoParameters;
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};

@@ -263,8 +263,8 @@ fn invariant_roundings_of_large_motions_are_no_change() {
 /// Rounding of the drive's phase after 600 periods, times 2π.
 const PHASE: f64 = 1e-9;
 
-/// Where all sliders of a joint are held its motion is linear and returns to itself, with a family of
-/// orbits beside it: rounding of the drive's phase does not hide this.
+/// Where all sliders of a joint are held its motion is linear and returns to itself, with a family
+/// of orbits beside it: rounding of the drive's phase does not hide this.
 #[test]
 fn closed_form_a_joint_that_is_held_returns() {
     let mut machine = example("iwan_joint.toml");

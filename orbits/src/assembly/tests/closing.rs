@@ -63,7 +63,8 @@ fn closed_form_multipliers_and_doublings_of_an_orbit_passed_many_times() {
         let own = orbit.multipliers();
         assert!((own[0].re / power - 1.0).abs() < LARGEST * f64::from(times), "{own:?} {power:e}");
         assert!((own[1] - small.powi(times as i32)).norm() < AGREEMENT, "{own:?}");
-        // det A(μ) is a multiple of μ (μ - μ₁) (μ - μ₂): the time of the bounce brings the factor μ.
+        // det A(μ) is a multiple of μ (μ - μ₁) (μ - μ₂): the time of the bounce brings the factor
+        // μ.
         let place = problem.place(&u).unwrap();
         let residual = problem.residual(&place, &u, true).unwrap();
         let matrix = residual.matrix.unwrap();

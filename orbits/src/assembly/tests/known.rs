@@ -35,7 +35,8 @@ fn check_each_once(branches: &[Branch], measures: &[&str]) -> usize {
 
 #[test]
 fn invariant_a_broken_symmetry_is_one_branch() {
-    // A motion settles on an orbit without symmetry, and its branch crosses the symmetric one twice.
+    // A motion settles on an orbit without symmetry, and its branch crosses the symmetric one
+    // twice.
     let family = Family::new(&touches::energy_sink(8.5), "body.base.motion.frequency", (8.35, 8.66)).unwrap();
     let branches = grown(&family, 6, 1);
     let crossings = branches.iter().filter(|b| b.points.iter().any(|p| p.is(crate::Label::BranchPoint)));
@@ -56,8 +57,8 @@ fn invariant_a_valve_has_each_orbit_in_one_word() {
 
 #[test]
 fn invariant_a_branch_without_length_is_not_listed() {
-    // A slider between the impacts of a damper: next to a touch the events of one word change places
-    // at once.
+    // A slider between the impacts of a damper: next to a touch the events of one word change
+    // places at once.
     let m = machine(
         "name = \"Damper\"\nbody.main = { mass = 1.0 }\nbody.ball = { mass = 0.1, start = { v = 0.3 } }\n\
          spring.k = { between = [\"ground\", \"main\"], stiffness = 100.0, damping = 0.4 }\n\

@@ -49,7 +49,8 @@ fn closed_form_an_oscillator_whose_stiffness_steps() {
     assert!(orbit.multipliers().iter().all(|mu| own.iter().any(|own| (mu - own).norm() < ROUNDING)));
 }
 
-/// 1 + trace + det of the map of Meissner's oscillator over a period: zero where a multiplier is -1.
+/// 1 + trace + det of the map of Meissner's oscillator over a period: zero where a multiplier is
+/// -1.
 pub(super) fn meissners_test(low: f64, damping: f64, period: f64) -> f64 {
     let matrix = half(low, damping, period).0 * half(3.0, damping, period).0;
     1.0 + matrix.trace() + matrix.determinant()
