@@ -9,11 +9,11 @@ use std::ffi::CString;
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
-use vibro_fmi::component::variables::reference;
-use vibro_fmi::fmi2::abi::*;
-use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi3::abi::*;
-use vibro_fmi::fmi3::description as description3;
+use vibro_paper_component::component::variables::reference;
+use vibro_paper_component::fmi2::abi::*;
+use vibro_paper_component::fmi2::description;
+use vibro_paper_component::fmi3::abi::*;
+use vibro_paper_component::fmi3::description as description3;
 
 const OUTPUTS: [&str; 10] = [
     "box.s",

@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
-use vibro_assembly::derivative::Gradient;
-use vibro_assembly::file::{no_records, parse};
-use vibro_assembly::{Assembly, Differentiated, Motion, Quantity, What};
+use vibro_machine::derivative::Gradient;
+use vibro_machine::file::{no_records, parse};
+use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 use vibro_impact::{Groups, Scales, Simulator, State};
 
 /// Rounds of each machine, of which the least time counts.

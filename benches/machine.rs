@@ -7,8 +7,8 @@ use fmu_build::{archive, assembly, host};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use vibro_assembly::Motion;
-use vibro_assembly_fmi::Plan;
+use vibro_machine::Motion;
+use vibro_machine_component::Plan;
 
 /// Rounds, in each of which every way runs once; the least time of each way counts.
 const ROUNDS: usize = 25;
@@ -90,7 +90,7 @@ fn main() {
     let folder = tempfile::tempdir().expect("a folder for such files");
     let source = folder.path().join("chain.toml");
     std::fs::write(&source, chain()).expect("a file there");
-    let plan = Plan::of(&vibro_assembly::file::read(&source).expect("a machine")).expect("a machine");
+    let plan = Plan::of(&vibro_machine::file::read(&source).expect("a machine")).expect("a machine");
     let kit = kit::own().expect("the library that serves all machines");
     let output = folder.path().join("Chain.fmu");
     let pack = || drop(assembly::write(&source, Some(&output), false, &kit).expect("archives"));

@@ -5,12 +5,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
-use vibro_analysis::assembly::Machine;
-use vibro_analysis::{ParameterSet, find_group};
-use vibro_assembly::Start;
-use vibro_assembly::file::no_records;
-use vibro_orbits::assembly::{Family, Kind, Orbit, TreeOptions, branch, tree};
-use vibro_orbits::{Label, PathOptions};
+use vibro_studies::Machine;
+use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_machine::Start;
+use vibro_machine::file::no_records;
+use vibro_orbits::{Family, Kind, Orbit, TreeOptions, branch, tree};
+use vibro_orbits::paper::{Label, PathOptions};
 
 /// Values at which a settled orbit is looked for on a branch.
 const ROWS: usize = 161;
@@ -72,14 +72,14 @@ fn settled_rows(family: &Family) -> Vec<Orbit> {
 fn main() {
     let paper = example("paper_machine.toml");
     let (time, points, events) = followed(&paper, "load.drive.amplitude", (0.1, 0.3));
-    let span = vibro_orbits::Span::new(find_group("f10").expect("a group"), 1.0, 3.0).expect("a range");
-    let family = vibro_orbits::Family::new(&ParameterSet::basic(), span).expect("a family");
+    let span = vibro_orbits::paper::Span::new(find_group("f10").expect("a group"), 1.0, 3.0).expect("a range");
+    let family = vibro_orbits::paper::Family::new(&ParameterSet::basic(), span).expect("a family");
     let system = family.system(&[1.5]).expect("a machine");
-    let word = vibro_orbits::OrbitWord::new("UL", 1, 2).expect("a word");
-    let orbit = vibro_orbits::Orbit::find(&system, &word, &[5.5, 8.6]).expect("an orbit");
+    let word = vibro_orbits::paper::OrbitWord::new("UL", 1, 2).expect("a word");
+    let orbit = vibro_orbits::paper::Orbit::find(&system, &word, &[5.5, 8.6]).expect("an orbit");
     let (core, core_points) = least(|| {
         let options = PathOptions::default();
-        let found = vibro_orbits::branch(&family, &word, orbit.phases(), 1.5, &options, &[]);
+        let found = vibro_orbits::paper::branch(&family, &word, orbit.phases(), 1.5, &options, &[]);
         found.expect("a branch").points.len()
     });
     let per = |time: f64, points: usize| 1e3 * time / points as f64;

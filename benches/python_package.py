@@ -3,9 +3,9 @@ fmpy.
 
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
 400 drive periods each, from the moving block on; DOP853 and fmpy do a part of it, since they take longer. The Rust library does the same
-work in a program of its own (`analysis/examples/many_motions.rs`, compiled first), in turns with the package. Least times of some
+work in a program of its own (`crates/studies/examples/many_motions.rs`, compiled first), in turns with the package. Least times of some
 rounds. `python benches/python_package.py assemblies` does so for machines of one's own: the impact damper with a rubber buffer of the gallery
-over 1000 gaps, 200 periods each (`analysis/examples/many_assemblies.rs`), and a bifurcation diagram of 200 values.
+over 1000 gaps, 200 periods each (`crates/studies/examples/many_assemblies.rs`), and a bifurcation diagram of 200 values.
 """
 
 import os
@@ -39,7 +39,7 @@ def least(work, rounds=ROUNDS):
 def beside_rust(example, work):
     """Least times of the package and of the Rust library, s, in turns; and the median of their ratios of processor time, all threads
     together, which other work on the machine disturbs little."""
-    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "vibro-analysis", "--example", example], cwd=ROOT, check=True)
+    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "vibro-studies", "--example", example], cwd=ROOT, check=True)
     program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / example
     with subprocess.Popen([program, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as rust:
 

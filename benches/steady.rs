@@ -4,8 +4,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use vibro_analysis::plane::{Method, ParameterAxis, plane};
-use vibro_analysis::{ParameterSet, find_group};
+use vibro_studies::paper::plane::{Method, ParameterAxis, plane};
+use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_impact::{Groups, Parameters};
 

@@ -85,7 +85,7 @@ def main():
     rows = [
         ("lines of Rust and Python", lines_of(both)),
         ("of these no tests, benches, examples (Rust)", lines_of(code)),
-        ("lines of doors/src, fmi/src, assembly-fmi/src", sum(lines_of(files(f"{d}/*.rs")) for d in ("doors/src", "fmi/src", "assembly-fmi/src"))),
+        ("lines of crates/doors/src, crates/paper-component/src, crates/machine-component/src", sum(lines_of(files(f"{d}/*.rs")) for d in ("crates/doors/src", "crates/paper-component/src", "crates/machine-component/src"))),
         ("Rust files beyond 400 lines", sum(t.count("\n") > 400 for t in rust.values())),
         (f"comment lines wider than {WIDTH} columns", len(wide_comments(both))),
         ('documentation that begins "The same"', same(rust)),
@@ -93,11 +93,11 @@ def main():
         ("files without tests that name frictions beside the other elements", len(lists)),
         (
             "functions of the doors' traits that a component is written by (Model, Hybrid)",
-            sum(functions_of_trait(both[f"doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
+            sum(functions_of_trait(both[f"crates/doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
         ),
         (
             "of these without a default",
-            sum(required_of_trait(both[f"doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
+            sum(required_of_trait(both[f"crates/doors/src/{name.lower()}.rs"], name) for name in ("Model", "Hybrid")),
         ),
         ("words of README.md", len((ROOT / "README.md").read_text().split())),
         ("packages in Cargo.lock", (ROOT / "Cargo.lock").read_text().count("[[package]]")),

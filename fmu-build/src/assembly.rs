@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::package::placed;
 use crate::version::Version;
 use std::path::{Path, PathBuf};
-use vibro_assembly_fmi::Plan;
+use vibro_machine_component::Plan;
 use vibro_pack::Kit;
 
 /// Content of a version's archive; for [`Version::Arrays`] `plan` must be the one with arrays.
@@ -27,7 +27,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
 /// [`Error::Machine`](crate::Error::Machine) for a machine that has no start,
 /// [`Error::File`](crate::Error::File).
 pub fn write(file: &Path, out: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
-    let mut plan = Plan::of(&vibro_assembly::file::read(file)?)?;
+    let mut plan = Plan::of(&vibro_machine::file::read(file)?)?;
     let output = placed(out, plan.name());
     let mut written = Vec::new();
     for version in Version::USUAL.into_iter().chain(arrays.then_some(Version::Arrays)) {

@@ -112,8 +112,8 @@ impl Product {
     /// The package from which it is compiled.
     pub fn package(self) -> &'static str {
         match self {
-            Self::Vibro => "vibro-fmi",
-            Self::Machine => "vibro-machine",
+            Self::Vibro => "vibro-paper-component",
+            Self::Machine => "vibro-machine-fmu",
             Self::CommandLine => PROGRAM,
         }
     }
@@ -121,8 +121,8 @@ impl Product {
     /// File name without the platform's prefix and extension.
     fn name(self) -> &'static str {
         match self {
-            Self::Vibro => "vibro_fmi",
-            Self::Machine => "vibro_machine",
+            Self::Vibro => "vibro_paper_component",
+            Self::Machine => "vibro_machine_fmu",
             Self::CommandLine => PROGRAM,
         }
     }

@@ -29,7 +29,7 @@ pub enum Error {
     #[error("modelDescription.xml: {0}")]
     Xml(String),
     /// The model description contradicts itself or the standard.
-    #[error("modelDescription.xml is not valid; correct the table in fmi/src/component/variables:\n  {}", .0.join("\n  "))]
+    #[error("modelDescription.xml is not valid; correct the table in crates/paper-component/src/component/variables:\n  {}", .0.join("\n  "))]
     Invalid(Vec<String>),
     /// An archive could not be written or read, or the archive of a machine could not be made.
     #[error(transparent)]
@@ -79,10 +79,10 @@ pub enum Error {
     },
     /// A machine's file is refused.
     #[error("{0}")]
-    Refusal(#[from] vibro_assembly::Refusal),
+    Refusal(#[from] vibro_machine::Refusal),
     /// The machine cannot be packed as an FMU.
     #[error("{0}")]
-    Machine(#[from] vibro_assembly_fmi::MachineProblem),
+    Machine(#[from] vibro_machine_component::MachineProblem),
     /// A picture could not be drawn.
     #[error(transparent)]
     Picture(#[from] vibro_figures::Error),

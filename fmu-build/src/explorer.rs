@@ -1,4 +1,4 @@
-//! The live page of the archives, made by the program `explorer-build`. A nested cargo compiles and
+//! The live page of the archives, made by the program `web-build`. A nested cargo compiles and
 //! runs this program. Its requirements (the target wasm32-unknown-unknown, node, the generator of
 //! WebAssembly bindings) therefore do not apply to an archive without the page.
 
@@ -17,7 +17,7 @@ pub fn page() -> Result<Vec<u8>, LeftOut> {
     let left_out = |reason: String| LeftOut { folder: PATH, reason, replaced: false };
     let file = target().join("explorer/explorer.html");
     let mut build = cargo();
-    build.args(["run", "--package", "explorer-build", "--release", "--locked", "--quiet", "--target-dir"]);
+    build.args(["run", "--package", "web-build", "--release", "--locked", "--quiet", "--target-dir"]);
     // The nested cargo has a separate target folder, so that it never waits for the lock of a cargo
     // that runs this program.
     build
@@ -28,8 +28,8 @@ pub fn page() -> Result<Vec<u8>, LeftOut> {
         build.stdin(Stdio::null()).output().map_err(|e| left_out(format!("cargo cannot be run: {e}")))?;
     if !output.status.success() {
         let told = String::from_utf8_lossy(&output.stderr);
-        let reason = told.lines().rev().find_map(|line| line.strip_prefix("explorer-build: "));
-        let reason = reason.map_or_else(|| format!("explorer-build failed:\n{told}"), str::to_owned);
+        let reason = told.lines().rev().find_map(|line| line.strip_prefix("web-build: "));
+        let reason = reason.map_or_else(|| format!("web-build failed:\n{told}"), str::to_owned);
         return Err(left_out(reason));
     }
     std::fs::read(&file).map_err(|e| left_out(format!("{}: {e}", file.display())))

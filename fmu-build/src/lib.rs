@@ -2,12 +2,12 @@
 //! `VibroImpact3DOF-FMI3.fmu`, runs them and draws what happened.
 //!
 //! ```text
-//!         table (vibro_fmi) ─▶ check (xml) ───────┐
+//!         table (vibro_paper_component) ─▶ check (xml) ───────┐
 //!  page (recipes), icon, terminals, reference ───┼─▶ package (version) ─▶ archive ─▶ .fmu
 //!          platforms (compile), licences, date ──┘                                     │
 //!         table ◀─ run (host: the packaged binaries; native library) ◀─────────────────┘
 //!       picture ◀──┘
-//! explorer (a nested cargo runs explorer-build) ─▶ the live page in package, where asked for
+//! explorer (a nested cargo runs web-build) ─▶ the live page in package, where asked for
 //! assembly: a user's own machine (vibro_pack), by a library that serves all (kit) ─▶ .fmu
 //! release: all of it with the Python package (maturin), checked (inspect), in one folder
 //! ```

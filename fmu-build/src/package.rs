@@ -9,7 +9,7 @@ use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::{date, explorer, icon, licences, page, reference, terminals};
 use std::path::{Path, PathBuf};
 use vibro_figures::canvas;
-use vibro_fmi::fmi2::description::MODEL_IDENTIFIER;
+use vibro_paper_component::fmi2::description::MODEL_IDENTIFIER;
 
 /// Path of an archive: `out` itself; if `out` is a folder, a file with the archive's name in it;
 /// without `out`, a file with that name in the current folder.

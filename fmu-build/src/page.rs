@@ -3,10 +3,10 @@
 use crate::recipes::recipes;
 use std::fmt::Write;
 use vibro_figures::html::escape;
-use vibro_fmi::component::units::{ENUMERATION_TYPES, EnumerationType};
-use vibro_fmi::component::variables::{Edition, Kind, SECTIONS, VARIABLES, Variable};
-use vibro_fmi::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
-use vibro_fmi::fmi3::description::start_settings;
+use vibro_paper_component::component::units::{ENUMERATION_TYPES, EnumerationType};
+use vibro_paper_component::component::variables::{Edition, Kind, SECTIONS, VARIABLES, Variable};
+use vibro_paper_component::fmi2::description::{MODEL_DESCRIPTION, MODEL_IDENTIFIER, MODEL_VERSION};
+use vibro_paper_component::fmi3::description::start_settings;
 
 static TEMPLATE: &str = include_str!("../../modelDescription/documentation/index.html");
 static RUN: &str = include_str!("../../modelDescription/documentation/run.svg");

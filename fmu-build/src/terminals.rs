@@ -7,7 +7,7 @@ use crate::icon::Icon;
 use std::fmt::Write;
 use vibro_figures::canvas::palette::{BLOCK, BOX, SECONDARY};
 use vibro_figures::canvas::{self, Canvas, Drawing};
-use vibro_fmi::component::variables::{Causality, VARIABLES, Variable};
+use vibro_paper_component::component::variables::{Causality, VARIABLES, Variable};
 
 /// Names of the terminals, which are the bodies' prefixes of variable names, and their positions on
 /// the icon's lower edge.

@@ -15,8 +15,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use vibro_assembly::{Assembly, Motion, file};
-use vibro_assembly_fmi::Plan;
+use vibro_machine::{Assembly, Motion, file};
+use vibro_machine_component::Plan;
 
 /// Machines that are run in every way: with a closed form, with every kind of element, with
 /// rotation, with friction of a changing level. All others are stepped.
@@ -30,7 +30,7 @@ fn example(name: &str) -> PathBuf {
 /// The library that cargo compiled for this test, without the optimisations of a release, on which
 /// no bit depends.
 fn kit() -> Kit {
-    let name = format!("{}vibro_machine{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX);
+    let name = format!("{}vibro_machine_fmu{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX);
     let library = std::env::current_exe().expect("a test has a file").with_file_name(name);
     Kit { binaries: Binaries::own(fs::read(library).expect("it lies beside the test")), ..Kit::default() }
 }

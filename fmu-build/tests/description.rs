@@ -7,8 +7,8 @@ use fmu_build::compile::workspace;
 use fmu_build::version::Version as Archive;
 use fmu_build::xml::Element;
 use fmu_build::{licences, package, terminals};
-use vibro_fmi::component::structure::{INDICATORS, STATES};
-use vibro_fmi::fmi3::description::instantiation_token;
+use vibro_paper_component::component::structure::{INDICATORS, STATES};
+use vibro_paper_component::fmi3::description::instantiation_token;
 
 #[test]
 fn committed_files_are_what_is_generated() {

@@ -36,7 +36,7 @@ fn chromium_plays_the_live_page_of_an_unpacked_archive() {
         assert!(!index.contains("<script"));
         // Opened as a file: it loads nothing, says what its motion is, moves, and has no error.
         let mut node = Command::new("node");
-        node.arg(compile::workspace().join("explorer/page/test/page.mjs"));
+        node.arg(compile::workspace().join("web/explorer/page/test/page.mjs"));
         node.arg(compile::target().join("explorer/npm")).arg(unpacked.join(explorer::PATH));
         let done = node.arg(folder.path().join("shown")).arg("opens from a file").output().unwrap();
         let printed = String::from_utf8_lossy(&done.stdout).into_owned();

@@ -9,8 +9,8 @@ use fmu_build::compile::{self, Product};
 use fmu_build::host;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use vibro_fmi::component::variables::reference;
-use vibro_fmi::fmi2::description;
+use vibro_paper_component::component::variables::reference;
+use vibro_paper_component::fmi2::description;
 
 /// Measured cycles, after warm-up cycles in which the allocator grows.
 const CYCLES: u32 = 200;

@@ -6,7 +6,7 @@ use quick_xml::events::Event;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use vibro_fmi::component::variables::{Kind, VARIABLES, find};
+use vibro_paper_component::component::variables::{Kind, VARIABLES, find};
 
 /// The page of an archive without the live page.
 fn page() -> String {

@@ -8,17 +8,17 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_analysis::basin::{self, InitialValueAxis};
-use vibro_analysis::bifurcation::{Sweep, SweepPoint, diagram};
-use vibro_analysis::lyapunov::{SpectrumOptions, spectrum};
-use vibro_analysis::maxima::Displacement;
-use vibro_analysis::motion::settled_simulator;
-use vibro_analysis::parts::Task;
-use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::start::StartRule;
-use vibro_analysis::stroboscopic::moving_block;
-use vibro_analysis::trajectories::{Start, propagate};
-use vibro_analysis::{ParameterSet, find_group};
+use vibro_studies::paper::basin::{self, InitialValueAxis};
+use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
+use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
+use vibro_studies::paper::maxima::Displacement;
+use vibro_studies::paper::motion::settled_simulator;
+use vibro_studies::parts::Task;
+use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::paper::start::StartRule;
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::trajectories::{Start, propagate};
+use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_figures::canvas;
 use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::{Event, Pause};
@@ -129,7 +129,7 @@ const SAMPLES: usize = 50;
 /// What `vibro run FILE` and `vibro draw FILE` and `fmu-build assembly` write of a machine.
 fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
-    let machine = vibro_assembly::file::read(&file).expect("an example");
+    let machine = vibro_machine::file::read(&file).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
     let times = vibro::assembly::even_times((0.0, until), SAMPLES).expect("some samples");
     let record = vibro::assembly::record(machine, &Default::default(), &times, &Arc::default(), &mut |_| ())

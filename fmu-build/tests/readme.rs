@@ -15,16 +15,16 @@ const RUN_ELSEWHERE: [(&str, &str); 10] = [
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
     ("derivatives.md", "tests/python/test_guide.py"),
-    ("orbits-of-your-machine.md", "vibro/tests/assembly_orbits.rs"),
-    ("fit.md", "vibro/tests/fit.rs"),
-    ("assemblies.md", "assembly/tests/file/examples.rs"),
-    ("machine-file.md", "assembly/tests/file/examples.rs"),
-    ("machine-studies.md", "assembly/tests/file/examples.rs"),
-    ("machine-fmu.md", "assembly/tests/file/examples.rs"),
+    ("orbits-of-your-machine.md", "crates/command-line/tests/assembly_orbits.rs"),
+    ("fit.md", "crates/command-line/tests/fit.rs"),
+    ("assemblies.md", "crates/machine/tests/file/examples.rs"),
+    ("machine-file.md", "crates/machine/tests/file/examples.rs"),
+    ("machine-studies.md", "crates/machine/tests/file/examples.rs"),
+    ("machine-fmu.md", "crates/machine/tests/file/examples.rs"),
 ];
 
 /// Pages outside docs/ that show commands.
-const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "explorer/README.md"];
+const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "web/explorer/README.md"];
 
 /// What stands below this heading of tests/README.md is run by hand, with what it found.
 const BY_HAND: &str = "\n## Memory and random input, by hand";
@@ -48,7 +48,7 @@ const COVERED: [(&str, &str); 13] = [
     ),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
     ("cargo run --bin fmu-build -- --explorer", "fmu-build/tests/live_page.rs, run by .ci/run"),
-    ("cargo run --release -p explorer-build", "explorer-build/tests/page.rs, run by .ci/run"),
+    ("cargo run --release -p web-build", "web/build/tests/page.rs, run by .ci/run"),
     (
         "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --bin fmu-build -- release --preview",
         "fmu-build/tests/release.rs, run by .ci/run",
@@ -145,12 +145,12 @@ fn wrong_in(call: &str) -> Option<String> {
 fn calls_of_cargo_test_are_checked() {
     assert_eq!(wrong_in("cargo test -p vibro-impact --test golden"), None);
     assert_eq!(wrong_in("cargo test --test golden --test repository"), None);
-    assert_eq!(wrong_in("cargo test -p vibro-assembly --test motions points::"), None);
+    assert_eq!(wrong_in("cargo test -p vibro-machine --test motions points::"), None);
     assert_eq!(wrong_in("cargo test -p fmu-build --test python_package -- --ignored"), None);
     for call in [
         "cargo test -p vibro-nothing",
-        "cargo test -p vibro-assembly --test second_method",
-        "cargo test -p vibro-fmi --test golden",
+        "cargo test -p vibro-machine --test second_method",
+        "cargo test -p vibro-paper-component --test golden",
         "cargo test -p vibro-impact --test golden -- --ignored",
     ] {
         assert!(wrong_in(call).is_some(), "{call}");
@@ -167,7 +167,7 @@ fn check_commands(page: &str, block: &str) {
         let installed = line.strip_prefix("pip install ").is_some_and(|list| {
             list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
         });
-        // Run by vibro/tests/readme.rs, whose program it is.
+        // Run by crates/command-line/tests/readme.rs, whose program it is.
         let of_vibro = (page == "README.md" || page.starts_with("docs/"))
             && line.starts_with("cargo run --release -p vibro -- ");
         // Run by tests/examples, which has what they need.
@@ -228,7 +228,7 @@ fn every_code_block_works() {
                         "README.md shows\n{block}\nbut the run gives\n{table}"
                     );
                 }
-                // Written and used by vibro/tests/readme.rs.
+                // Written and used by crates/command-line/tests/readme.rs.
                 ("toml damper.toml", "README.md") => {}
                 // Maps of the code.
                 ("text", "docs/design.md") => {}

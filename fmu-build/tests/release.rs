@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
-use vibro_fmi::component::identity::VERSION;
-use vibro_fmi::fmi2::description::guid;
-use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
+use vibro_paper_component::component::identity::VERSION;
+use vibro_paper_component::fmi2::description::guid;
+use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 
 /// Files of the workspace in which something must agree.
@@ -75,7 +75,7 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
     let other = "{00000000-0000-0000-0000-000000000000}";
     let alterations: [(&str, &str, &str, &str); 15] = [
         ("Cargo.toml", &version, "version = \"7.0.0\"", "was compiled from"),
-        ("fmi/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "fmi/Cargo.toml"),
+        ("crates/paper-component/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "crates/paper-component/Cargo.toml"),
         ("python/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "python/Cargo.toml"),
         ("python/pyproject.toml", "dynamic = [\"version\"]", "version = \"7.0.0\"", "python/pyproject.toml"),
         ("CITATION.cff", VERSION, "7.0.0", "CITATION.cff: version 7.0.0"),
@@ -367,7 +367,7 @@ fn every_example_machine_is_shipped_with_one_library_that_packs_it() {
     assert!(machines.len() > 25, "{machines:?}");
     // Records and matrices lie beside the machines that read them.
     for name in machines {
-        let machine = vibro_assembly::file::read(&folder.path().join(name)).unwrap();
+        let machine = vibro_machine::file::read(&folder.path().join(name)).unwrap();
         let packed = folder.path().join("machine.fmu");
         vibro_pack::write(&machine, fmi_doors::Version::Fmi3, &kit, &packed).unwrap();
         let content = archive::read_all(&packed).unwrap();

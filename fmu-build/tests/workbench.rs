@@ -8,8 +8,8 @@ use fmi_doors::Version;
 use fmu_build::compile;
 use std::path::Path;
 use std::process::Command;
-use vibro_assembly::file;
-use vibro_assembly_fmi::Plan;
+use vibro_machine::file;
+use vibro_machine_component::Plan;
 use vibro_pack::{Kit, archive, content, reference};
 
 const EXAMPLES: [&str; 3] = ["bouncing_ball", "damper_with_buffer", "gear_backlash"];
@@ -45,7 +45,7 @@ fn second_method_fmus_packed_in_the_page_are_the_packagers_and_run_in_fmpy() {
     let page = target.join("workbench/full.html");
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     build.current_dir(compile::workspace());
-    build.args(["run", "--quiet", "--locked", "--package", "explorer-build", "--target-dir"]);
+    build.args(["run", "--quiet", "--locked", "--package", "web-build", "--target-dir"]);
     build.arg(target.join("explorer/tool")).args(["--", "workbench", "--kit"]).arg(&kit);
     let built = build.arg("--out").arg(&page).output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
@@ -53,7 +53,7 @@ fn second_method_fmus_packed_in_the_page_are_the_packagers_and_run_in_fmpy() {
     let folder = target.join("workbench/fmus");
     std::fs::create_dir_all(&folder).unwrap();
     let mut node = Command::new("node");
-    node.arg(compile::workspace().join("workbench/page/test/fmu.mjs")).arg(target.join("explorer/npm"));
+    node.arg(compile::workspace().join("web/workbench/page/test/fmu.mjs")).arg(target.join("explorer/npm"));
     let done = node.arg(&page).arg(&folder).args(EXAMPLES).output().unwrap();
     let printed = String::from_utf8_lossy(&done.stdout).into_owned();
     println!("{printed}");

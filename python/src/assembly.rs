@@ -7,11 +7,11 @@ use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
 use crate::studies::{MeasureRow, in_parts, row};
 use pyo3::prelude::*;
-use vibro_analysis::assembly::diagram::{self, AssemblyPoint};
-use vibro_analysis::assembly::{Machine, Measure, measure};
-use vibro_analysis::bifurcation::Diagram;
-use vibro_analysis::measures::Measured;
-use vibro_analysis::plane::ParameterAxis;
+use vibro_studies::diagram::{self, AssemblyPoint};
+use vibro_studies::{Machine, Measure, measure};
+use vibro_studies::paper::bifurcation::Diagram;
+use vibro_studies::paper::measures::Measured;
+use vibro_studies::paper::plane::ParameterAxis;
 
 /// Measures of many machines' settled motions, each from its start or all from one, a row for each.
 #[pyfunction]
@@ -40,7 +40,7 @@ pub fn measure_assemblies(
         let own = machines.machine(index)?;
         let machine = Machine { section: rule.clone(), ..own.machine(None) };
         let (mut motion, section) = machine.motion(&own.start_of(start_of(&starts, index))?)?;
-        vibro_analysis::assembly::settle(&mut motion, &section, settle)?;
+        vibro_studies::settle(&mut motion, &section, settle)?;
         control.check()?;
         Ok(measure(&mut motion, &section, &measures, periods)?)
     };

@@ -8,10 +8,10 @@ use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibro_analysis::assembly::{NamedEvent, Start, named, values};
-use vibro_assembly::derivative::VariedObserver;
-use vibro_assembly::motion::Event;
-use vibro_assembly::{Differentiated, Motion};
+use vibro_studies::{NamedEvent, Start, named, values};
+use vibro_machine::derivative::VariedObserver;
+use vibro_machine::motion::Event;
+use vibro_machine::{Differentiated, Motion};
 
 /// A sampled motion with its events, as a dictionary.
 #[derive(IntoPyObject)]

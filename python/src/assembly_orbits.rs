@@ -6,13 +6,10 @@ use crate::described::{Described, Numbers, SectionChoice};
 use crate::failure::Failure;
 use nalgebra::Complex;
 use pyo3::prelude::*;
-use vibro_analysis::assembly::{Machine, Measure, named};
-use vibro_assembly::Start;
-use vibro_orbits::PathOptions;
-use vibro_orbits::assembly::{
-    Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    read_measure, tree,
-};
+use vibro_studies::{Machine, Measure, named};
+use vibro_machine::Start;
+use vibro_orbits::paper::PathOptions;
+use vibro_orbits::{Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, read_measure, tree};
 
 /// A periodic orbit of a described machine.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -46,7 +43,7 @@ impl AssemblyOrbit {
     #[getter]
     fn events(&self) -> Vec<(f64, &'static str, String)> {
         let assembly = &self.orbit.place().assembly;
-        let told = |event: &vibro_assembly::motion::Event| {
+        let told = |event: &vibro_machine::motion::Event| {
             let own = named(assembly, &event.kind);
             (event.time, own.kind, own.element)
         };
@@ -87,7 +84,7 @@ impl AssemblyOrbit {
     fn gradient(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Option<f64>, String)>> {
         let measure = read_measure(name, &self.machine.description).map_err(Failure::from)?;
         let found = py.detach(|| self.orbit.gradient(&measure)).map_err(Failure::from)?;
-        let row = |row: vibro_orbits::assembly::ParameterDerivative| match row.derivative {
+        let row = |row: vibro_orbits::ParameterDerivative| match row.derivative {
             Ok(derivative) => (row.parameter, Some(derivative), String::new()),
             Err(reason) => (row.parameter, None, reason),
         };
@@ -175,11 +172,11 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<As
     let points = &branch.points;
     let (values, starts): (Vec<_>, Vec<_>) = values.into_iter().unzip();
     let place = family.place(points[0].value).map_err(Failure::from)?;
-    let special = |of: fn(&vibro_orbits::assembly::Special) -> String| -> Vec<String> {
+    let special = |of: fn(&vibro_orbits::Special) -> String| -> Vec<String> {
         points.iter().map(|p| p.special.as_ref().map_or_else(String::new, of)).collect()
     };
     let numbers =
-        |of: fn(&vibro_orbits::assembly::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
+        |of: fn(&vibro_orbits::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
     let stable: Vec<bool> = points.iter().map(|p| p.stability == Stability::Stable).collect();
     Ok(AssemblyBranchArrays {
         parent: branch.parent,

@@ -5,10 +5,10 @@ use crate::background::compute;
 use crate::described::{Described, Numbers, SectionChoice};
 use crate::studies::in_parts;
 use pyo3::prelude::*;
-use vibro_analysis::assembly::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};
-use vibro_analysis::assembly::{Machine, PoincareRequest, columns, poincare, spectrum};
-use vibro_analysis::attractor::MotionClass;
-use vibro_orbits::assembly::Orbit;
+use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};
+use vibro_studies::{Machine, PoincareRequest, columns, poincare, spectrum};
+use vibro_studies::paper::attractor::MotionClass;
+use vibro_orbits::Orbit;
 
 /// An attractor.
 #[derive(IntoPyObject)]
@@ -120,7 +120,7 @@ pub fn assembly_section<'py>(
         control.check()?;
         Ok(points)
     })?;
-    let all = |of: fn(&vibro_analysis::assembly::SectionPoint) -> Option<f64>| -> Option<Vec<f64>> {
+    let all = |of: fn(&vibro_studies::SectionPoint) -> Option<f64>| -> Option<Vec<f64>> {
         found.iter().map(of).collect()
     };
     let times: Vec<f64> = found.iter().map(|point| point.time).collect();

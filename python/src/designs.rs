@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use vibro_analysis::Name;
-use vibro_analysis::assembly::{Measure, Section, SectionRule};
-use vibro_analysis::start::{Coordinate, StartRule};
-use vibro_assembly::Assembly;
+use vibro_studies::paper::Name;
+use vibro_studies::{Measure, Section, SectionRule};
+use vibro_studies::paper::start::{Coordinate, StartRule};
+use vibro_machine::Assembly;
 use vibro_impact::{Parameters, State};
 
 /// Described machines as Python gives them.
@@ -79,7 +79,7 @@ impl Assemblies {
     /// # Errors
     /// For a name that no machine has, that of the first machine.
     pub fn check(&self, measures: &[Measure], rule: &SectionRule) -> Result<(), Failure> {
-        let one = |machine: &Described| -> Result<(), vibro_analysis::Error> {
+        let one = |machine: &Described| -> Result<(), vibro_studies::Error> {
             let d = machine.description();
             if let SectionRule::Element(_) = rule {
                 Section::of(d, rule)?;

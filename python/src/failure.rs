@@ -3,7 +3,8 @@
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
-use vibro_analysis::{Error, physical_parameters};
+use vibro_studies::Error;
+use vibro_studies::paper::physical_parameters;
 
 /// Why a computation did not come to its end.
 #[derive(Debug)]
@@ -58,14 +59,14 @@ impl From<vibro_impact::Error> for Failure {
     }
 }
 
-impl From<vibro_assembly::Error> for Failure {
-    fn from(error: vibro_assembly::Error) -> Self {
+impl From<vibro_machine::Error> for Failure {
+    fn from(error: vibro_machine::Error) -> Self {
         Self::Library(Error::Assembly(error))
     }
 }
 
-impl From<vibro_assembly::Refusal> for Failure {
-    fn from(refusal: vibro_assembly::Refusal) -> Self {
+impl From<vibro_machine::Refusal> for Failure {
+    fn from(refusal: vibro_machine::Refusal) -> Self {
         Self::Library(Error::Refusal(refusal))
     }
 }
@@ -116,7 +117,7 @@ fn has_no_answer(error: &Error) -> bool {
     match error {
         Error::Model(error) => matches!(error, NoConvergence { .. } | WorkLimit { .. }),
         Error::Assembly(error) => {
-            use vibro_assembly::Error::{Jammed, Stuck, Violated};
+            use vibro_machine::Error::{Jammed, Stuck, Violated};
             matches!(error, Jammed { .. } | Stuck { .. } | Violated { .. })
         }
         Error::NoOrbit { .. } | Error::NoPeriodicMotion { .. } | Error::Store(_) => true,

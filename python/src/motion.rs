@@ -9,7 +9,7 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
-use vibro_analysis::trajectories::{Start, propagate};
+use vibro_studies::paper::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
 

@@ -7,22 +7,22 @@ use crate::system::{System, find};
 use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use vibro_analysis::ParameterSet;
-use vibro_orbits::{Branch, Family, OrbitWord, PathOptions, Span, TreeOptions};
+use vibro_studies::paper::ParameterSet;
+use vibro_orbits::paper::{Branch, Family, OrbitWord, PathOptions, Span, TreeOptions};
 
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
 pub struct Orbit {
     set: ParameterSet,
-    orbit: vibro_orbits::Orbit,
+    orbit: vibro_orbits::paper::Orbit,
     /// How often the word that was asked for passes it.
     passages: u32,
 }
 
 impl Orbit {
     /// An orbit that was found, in its shortest word.
-    fn shortest(set: &ParameterSet, found: &vibro_orbits::Orbit) -> Self {
+    fn shortest(set: &ParameterSet, found: &vibro_orbits::paper::Orbit) -> Self {
         let (orbit, passages) = found.shortest();
         Self { set: set.clone(), orbit, passages }
     }
@@ -40,8 +40,8 @@ impl Orbit {
         phases: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Self> {
         let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
-        let machine = vibro_orbits::System::new(system.parameters()).map_err(Failure::from)?;
-        let orbit = vibro_orbits::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
+        let machine = vibro_orbits::paper::System::new(system.parameters()).map_err(Failure::from)?;
+        let orbit = vibro_orbits::paper::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
         Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit, passages: 1 })
     }
 
@@ -142,7 +142,7 @@ pub fn orbit(
     let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
-        let found = vibro_orbits::search(&vibro_orbits::System::new(set.parameters())?, &word, tries)?;
+        let found = vibro_orbits::paper::search(&vibro_orbits::paper::System::new(set.parameters())?, &word, tries)?;
         Ok(found.iter().map(|orbit| Orbit::shortest(&set, orbit)).collect())
     })
 }
@@ -159,10 +159,10 @@ pub fn settled_orbit(
 ) -> PyResult<Orbit> {
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |control| {
-        let machine = vibro_orbits::System::new(set.parameters())?;
-        let settled = vibro_orbits::settle(&machine, &state(&start), discard)?;
+        let machine = vibro_orbits::paper::System::new(set.parameters())?;
+        let settled = vibro_orbits::paper::settle(&machine, &state(&start), discard)?;
         control.check()?;
-        Ok(Orbit { orbit: vibro_orbits::orbit_of(&machine, &settled)?, set, passages: 1 })
+        Ok(Orbit { orbit: vibro_orbits::paper::orbit_of(&machine, &settled)?, set, passages: 1 })
     })
 }
 
@@ -199,7 +199,7 @@ pub fn follow<'py>(
     let value = name.value(&set);
     let (branch, maxima) = compute(py, progress, move |_| {
         let family = Family::new(&set, span)?;
-        let found = vibro_orbits::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
+        let found = vibro_orbits::paper::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
         let maxima = maxima_of(&family, &found, weights)?;
         Ok((found, maxima))
     })?;
@@ -259,7 +259,7 @@ pub fn branches<'py>(
             control.add(1);
             control.expect(waiting);
         };
-        let found = vibro_orbits::tree(&family, &options, &told)?;
+        let found = vibro_orbits::paper::tree(&family, &options, &told)?;
         let maxima = |branch: Branch| Ok((maxima_of(&family, &branch, weights)?, branch));
         found.branches.into_iter().map(maxima).collect::<Result<Vec<_>, Failure>>()
     })?;

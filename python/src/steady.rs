@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use vibro_analysis::ParameterSet;
+use vibro_studies::paper::ParameterSet;
 use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::{self, ExactOrbit};
 use vibro_impact::steady::multiple_scales::{self, FixedPoint};

@@ -7,16 +7,16 @@ use crate::designs::{GivenStarts, GivenSystems};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
 use pyo3::prelude::*;
-use vibro_analysis::attractor::{Attractor, MotionClass};
-use vibro_analysis::basin::{self, Destination, InitialValueAxis};
-use vibro_analysis::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
-use vibro_analysis::lyapunov::{SpectrumOptions, convergence_while};
-use vibro_analysis::maxima::Displacement;
-use vibro_analysis::measures::{Measure, Measured, measure as measured};
-use vibro_analysis::motion::settled_simulator;
-use vibro_analysis::parts::{PartStore, Shard, Task};
-use vibro_analysis::plane::ParameterAxis;
-use vibro_analysis::start::{Coordinate, StartRule};
+use vibro_studies::paper::attractor::{Attractor, MotionClass};
+use vibro_studies::paper::basin::{self, Destination, InitialValueAxis};
+use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
+use vibro_studies::paper::lyapunov::{SpectrumOptions, convergence_while};
+use vibro_studies::paper::maxima::Displacement;
+use vibro_studies::paper::measures::{Measure, Measured, measure as measured};
+use vibro_studies::paper::motion::settled_simulator;
+use vibro_studies::parts::{PartStore, Shard, Task};
+use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::paper::start::{Coordinate, StartRule};
 use vibro_impact::{Parameters, Simulator, State};
 
 /// A store that keeps no parts and ends the study after the caller has stopped waiting.
@@ -39,12 +39,12 @@ impl PartStore for Cancelling<'_> {
         None
     }
 
-    fn save(&self, _: usize, _: &[u8]) -> vibro_analysis::Result<()> {
+    fn save(&self, _: usize, _: &[u8]) -> vibro_studies::Result<()> {
         self.go_on()
     }
 
-    fn go_on(&self) -> vibro_analysis::Result<()> {
-        if self.0.is_cancelled() { Err(vibro_analysis::Error::store(NobodyWaits)) } else { Ok(()) }
+    fn go_on(&self) -> vibro_studies::Result<()> {
+        if self.0.is_cancelled() { Err(vibro_studies::Error::store(NobodyWaits)) } else { Ok(()) }
     }
 }
 
@@ -52,7 +52,7 @@ impl PartStore for Cancelling<'_> {
 pub fn in_parts<T: Send>(
     control: &Control,
     parts: usize,
-    study: impl FnOnce(&Task) -> vibro_analysis::Result<Option<T>> + Send,
+    study: impl FnOnce(&Task) -> vibro_studies::Result<Option<T>> + Send,
 ) -> Result<T, Failure> {
     control.expect(parts);
     let done = |_| control.add(1);

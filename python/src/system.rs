@@ -6,7 +6,7 @@ use crate::failure::{Failure, in_python};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use vibro_analysis::{GROUPS, Name, ParameterSet, physical_parameters};
+use vibro_studies::paper::{GROUPS, Name, ParameterSet, physical_parameters};
 use vibro_impact::Parameters;
 use vibro_impact::load::{Body, Interpolation};
 use vibro_impact::parameters::{FIELDS, Field};
@@ -125,7 +125,7 @@ impl System {
         if coordinates[3..] != [0.0; 3] {
             self.set().map_err(Failure::from)?; // L ω10 is the unit of speeds
         }
-        let state = vibro_analysis::stroboscopic::dimensional(self.parameters(), &coordinates);
+        let state = vibro_studies::paper::stroboscopic::dimensional(self.parameters(), &coordinates);
         let ([x1, x2, x3], [v1, v2, v3]) = (state.x, state.v);
         Ok([x1, x2, x3, v1, v2, v3])
     }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Small changes of a package's source, each of which its tests should catch.
 
-    python3 tests/changes/run.py --package vibro-assembly --count 40 --seed 1
+    python3 tests/changes/run.py --package vibro-machine --count 40 --seed 1
 
 draws changes at random by a seed, or takes those of a file (`--named`), applies one at a time in a copy of the repository with a
 target folder of its own, and runs the package's test binaries until one fails. It prints a line a change: caught, SURVIVED,
@@ -27,21 +27,21 @@ ROOT = HERE.parent.parent
 
 # The files of each package from which changes are drawn where `--files` names none.
 FILES = {
-    "vibro-assembly": [
-        "assembly/src/law",
-        "assembly/src/motion",
-        "assembly/src/flow",
-        "assembly/src/flow.rs",
-        "assembly/src/energy",
-        "assembly/src/energy.rs",
-        "assembly/src/mode",
-        "assembly/src/mode.rs",
-        "assembly/src/rest",
-        "assembly/src/rest.rs",
-        "assembly/src/signals.rs",
+    "vibro-machine": [
+        "crates/machine/src/law",
+        "crates/machine/src/motion",
+        "crates/machine/src/flow",
+        "crates/machine/src/flow.rs",
+        "crates/machine/src/energy",
+        "crates/machine/src/energy.rs",
+        "crates/machine/src/mode",
+        "crates/machine/src/mode.rs",
+        "crates/machine/src/rest",
+        "crates/machine/src/rest.rs",
+        "crates/machine/src/signals.rs",
     ],
-    "vibro-analysis": ["analysis/src/assembly"],
-    "vibro-assembly-fmi": ["assembly-fmi/src"],
+    "vibro-studies": ["crates/studies/src"],
+    "vibro-machine-component": ["crates/machine-component/src"],
 }
 
 # A test binary may take this many times its time without a change, and this many seconds more,
@@ -347,7 +347,7 @@ def show(verdict, change, more):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--package", default="vibro-assembly", help="whose tests are run")
+    parser.add_argument("--package", default="vibro-machine", help="whose tests are run")
     parser.add_argument("--files", nargs="+", help="files or folders to change, from the repository's root")
     parser.add_argument("--count", type=int, default=40, help="changes that compile")
     parser.add_argument("--seed", type=int, default=1, help="by which they are drawn")

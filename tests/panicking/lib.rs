@@ -2,9 +2,9 @@
 //! packaged one cannot.
 #![allow(unsafe_code)] // exported by name
 
-use vibro_fmi::component;
-use vibro_fmi::ffi::panics::{guarded, silence};
-use vibro_fmi::fmi2::problem::CallProblem;
+use vibro_paper_component::component;
+use vibro_paper_component::ffi::panics::{guarded, silence};
+use vibro_paper_component::fmi2::problem::CallProblem;
 
 /// Returns `fmi2Fatal`.
 #[unsafe(no_mangle)]

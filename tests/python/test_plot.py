@@ -93,7 +93,7 @@ def test_portraits_are_interrupted_at_impacts():
 
 
 def test_colours_are_those_of_vibro():
-    palette = (ROOT / "figures/src/canvas/palette.rs").read_text()
+    palette = (ROOT / "crates/figures/src/canvas/palette.rs").read_text()
     for name, constant in {"x1": "BOX", "x2": "BLOCK", "x3": "SECONDARY", "w": "RELATIVE"}.items():
         parts = palette.split(f"pub const {constant}: Colour = Colour(")[1].split(")")[0].split(",")
         assert plot.COLOURS[name] == "#" + "".join(f"{int(part):02x}" for part in parts)

@@ -17,7 +17,7 @@ PAGE = ROOT / "docs" / "assembly-law.md"
 DEFINITIONS: Dict[int, str] = {
     1: "defines elongations",
     4: "defines the augmented state",
-    11: "says how a motion leaves zero; a second method in 50 digits chooses modes by it (assembly/tests/data)",
+    11: "says how a motion leaves zero; a second method in 50 digits chooses modes by it (crates/machine/tests/data)",
     12: "a choice of the law: what falls from its static level",
     14: "a choice of the code: what counts as zero",
     37: "says what a state of first order is",

@@ -7,9 +7,9 @@ use crate::xml::Element;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use toml::{Table, Value};
-use vibro_fmi::component::identity::VERSION;
-use vibro_fmi::fmi2::description::guid;
-use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
+use vibro_paper_component::component::identity::VERSION;
+use vibro_paper_component::fmi2::description::guid;
+use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 
 /// Request for a release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -15,8 +15,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
-use vibro_fmi::fmi2::description::{MODEL_IDENTIFIER, guid};
-use vibro_fmi::fmi3::description::{MAIN, instantiation_token};
+use vibro_paper_component::fmi2::description::{MODEL_IDENTIFIER, guid};
+use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 
 /// Path of a version's archive in the folder of a release.
 pub fn archive_of(dist: &Path, version: Version) -> PathBuf {

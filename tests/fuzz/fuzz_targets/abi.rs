@@ -17,10 +17,10 @@ use shared::{Buffer, Count, FATAL, GUARD, Number, ROOM, longest, mend, message};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
-use vibro_fmi::fmi2::abi::*;
-use vibro_fmi::fmi2::description;
-use vibro_fmi::fmi2::types::FmiEventInfo;
-use vibro_fmi::component::variables::{VARIABLES, reference};
+use vibro_paper_component::fmi2::abi::*;
+use vibro_paper_component::fmi2::description;
+use vibro_paper_component::fmi2::types::FmiEventInfo;
+use vibro_paper_component::component::variables::{VARIABLES, reference};
 
 /// Value references are taken modulo this, so that a new variable does not give the kept inputs
 /// another meaning; those beyond the table are bad references.

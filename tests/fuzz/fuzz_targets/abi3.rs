@@ -19,12 +19,12 @@ use shared::{Buffer, Count, FATAL, GUARD, Number, ROOM, longest, mend, message};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::LazyLock;
-use vibro_fmi::component::variables::{Base, VARIABLES, reference};
-use vibro_fmi::fmi2::abi::{
+use vibro_paper_component::component::variables::{Base, VARIABLES, reference};
+use vibro_paper_component::fmi2::abi::{
     fmi2DeSerializeFMUstate, fmi2DoStep, fmi2FreeInstance, fmi2GetReal, fmi2Instantiate, fmi2SetFMUstate,
 };
-use vibro_fmi::fmi3::abi::*;
-use vibro_fmi::fmi3::description::{CLOCKED, MAIN, instantiation_token, value_reference, variables};
+use vibro_paper_component::fmi3::abi::*;
+use vibro_paper_component::fmi3::description::{CLOCKED, MAIN, instantiation_token, value_reference, variables};
 
 const OK: c_int = 0;
 const ERROR: c_int = 3;
@@ -35,7 +35,7 @@ const _: () = assert!(VARIABLES.len() < REFERENCES as usize, "more variables tha
 static TOKENS: LazyLock<[CString; 2]> =
     LazyLock::new(|| [MAIN, CLOCKED].map(|edition| CString::new(instantiation_token(edition)).expect("no null byte")));
 static GUID: LazyLock<CString> =
-    LazyLock::new(|| CString::new(vibro_fmi::fmi2::description::guid()).expect("no null byte"));
+    LazyLock::new(|| CString::new(vibro_paper_component::fmi2::description::guid()).expect("no null byte"));
 
 #[derive(Arbitrary, Clone, Debug)]
 struct Call {

@@ -3,9 +3,9 @@
 #![no_main]
 #![allow(missing_docs)]
 
-#[path = "../../../doors/examples/bouncing_ball/main.rs"]
+#[path = "../../../crates/doors/examples/bouncing_ball/main.rs"]
 mod bouncing_ball;
-#[path = "../../../doors/tests/common/calls.rs"]
+#[path = "../../../crates/doors/tests/common/calls.rs"]
 mod calls;
 
 use bouncing_ball as component;

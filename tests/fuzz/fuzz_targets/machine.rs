@@ -3,14 +3,14 @@
 #![no_main]
 #![allow(missing_docs)]
 
-#[path = "../../../doors/tests/common/calls.rs"]
+#[path = "../../../crates/doors/tests/common/calls.rs"]
 mod calls;
-#[path = "../../../assembly-fmi/tests/common/machines.rs"]
+#[path = "../../../crates/machine-component/tests/common/machines.rs"]
 mod machines;
 
 /// The functions that the library of described machines exports.
 mod component {
-    use vibro_assembly_fmi::Machine;
+    use vibro_machine_component::Machine;
 
     fmi_doors::export!(Machine);
 }

@@ -13,7 +13,7 @@ use fmi_doors::log::{Category, Log};
 use fmi_doors::{Bases, Component, EventHandling, Interface, Life, Model};
 use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
-use vibro_assembly_fmi::{FILE, Machine, Plan};
+use vibro_machine_component::{FILE, Machine, Plan};
 
 /// Largest size of a file; longer files are no better test.
 const LONGEST: usize = 4096;

@@ -1,0 +1,377 @@
+//! The command line: commands, options and their help.
+//!
+//! A command is a variant of [`Command`], and its options are a struct of clap's. Some commands
+//! take either the machine of a FILE or the paper's machine:
+//!
+//! * An option of both is in the command's struct. Where the defaults differ, the second one is a
+//!   `default_value_if` on `file`, and the help text states both.
+//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`. The help shows the heading
+//!   of this struct, and by this heading [`check_options`] refuses the option for the other
+//!   machine.
+//! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
+//!   parse it, since its form depends on the machine.
+//!
+//! Identifiers of options are keys of manifests and are never changed; a new name is added as an
+//! alias.
+
+use crate::alias;
+use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
+use crate::fit_arguments::FitArguments;
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
+use crate::plane_arguments::{Basin, SectionOfFile};
+use crate::ranges::{in_option, texts};
+use crate::run::RunArguments;
+use crate::study_arguments::{
+    Bifurcation, Compare, Fmu, Isoperiodic, Lyapunov, Manifold, Merge, New, Plane, Reproduce, Response,
+    Stability, Template,
+};
+use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgMatches, CommandFactory, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use vibro::{Error, Result};
+use vibro_studies::paper::start::StartRule;
+
+const ABOUT: &str = "\
+Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
+`new` writes a machine's file to start from. `check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit`, `orbits`, `locus`, `fit` and `fmu` take a machine's FILE.
+Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+
+const PARAMETERS: &str = "\
+PARAMETERS of a machine's FILE are named in it (docs/machine-file.md). Those of the paper's machine:
+  Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
+  SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
+           stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
+  Loads:   load.box load.block load.secondary: constant forces in N, 0 unless set, for gravity or an off-centre gap
+  Symbols work as names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
+  Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
+  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
+  Where none was written, it is in SI; an angular frequency is then in rad/s. The rule holds in --set and on every axis (--vary,
+  --range, --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
+  more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
+  A parameter that is not set has its default, which is a reconstruction and not the paper's own data.
+  A parameter file is TOML with a table [si], a table [groups], or both; [groups] is applied after [si], and --set after the file.
+  `vibro template` writes a file with every parameter.
+
+EXAMPLES
+  vibro new damper && vibro draw damper.toml
+  vibro check machine.toml
+  vibro run machine.toml --until 2s --samples 1000 --out my-machine
+  vibro bifurcation machine.toml --vary stop.upper.gap=1mm:8mm:200 --of box.s
+  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  vibro response machine.toml --vary load.shaker.frequency=8Hz:12Hz --of amplitude.box.s
+  and of the paper's machine, whose parameters may be in a file too (--config):
+  vibro steady --set kappa=0.6 --set f10=2
+  vibro run --config parameters.toml --start x1=0.2,v2=1 --load box=record.csv
+  vibro response --values f10=1,1.5,2 --range sigma1=-1:1
+  vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
+  vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
+  vibro lyapunov --vary f10=1.9:4 --resolution 1051
+  vibro isoperiodic --pair sigma1,f10 --resolution 200
+  vibro template > parameters.toml    (fill it in; texts with a unit in quotation marks)
+  vibro bifurcation --config parameters.toml --vary drive.frequency=9Hz:11Hz:200
+  vibro plane --config parameters.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
+  vibro sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
+  vibro orbits --tree --vary f10=0.5:5
+  vibro bifurcation --orbits --vary f10=2:3:101
+  vibro orbit --word UUL --set f10=2.7
+  vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
+  vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
+  vibro merge one two";
+
+/// Limits of the paper's machine.
+const LIMITS: &str = "\
+LIMITS of the paper's machine, which is meant where no FILE is named; a FILE describes machines of any bodies, with friction, links
+and compliant stops
+  Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
+  No friction; springs and dampers are linear.";
+
+/// The command line as clap's command. The help of each command names the options of that command.
+/// It ends with the limits of the paper's machine if the command takes that machine.
+pub fn command() -> clap::Command {
+    let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
+    let shared: Vec<Arg> = all.get_arguments().cloned().collect();
+    let all = all.mut_subcommands(|command| {
+        let notes: &[&str] = match command.get_name() {
+            "check" | "draw" | "section" | "fit" | "fmu" => &[NUMBERS],
+            "new" => &[],
+            "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
+            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" | "locus" => {
+                &[NUMBERS, LIMITS]
+            }
+            _ => &[LIMITS],
+        };
+        with_notes(with_shared(command, &shared), notes)
+    });
+    let alias = alias::alias(&all);
+    all.subcommand(alias)
+}
+
+/// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
+/// refuses them. Only a study that is computed in parts can have unfinished parts.
+fn unused(command: &str) -> &'static [&'static str] {
+    match command {
+        "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
+        "draw" | "fmu" => &["config", "replace", "discard_unfinished", "threads"],
+        "section" | "fit" => &["config", "discard_unfinished", "threads"],
+        "template" | "new" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
+        "merge" => &["config", "set"],
+        "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
+        | "locus" => &["discard_unfinished"],
+        _ => &[],
+    }
+}
+
+/// A command with its shared options. An option without use for the command is hidden; an option
+/// that only the paper's machine has is under the heading of that machine. One motion of a
+/// machine's file has no use for threads.
+fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
+    let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
+    let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
+        id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
+        "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
+        "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
+        "set" if ["check", "draw", "section", "fmu"].contains(&name.as_str()) => {
+            Some(arg.clone().help(SET_OF_FILE))
+        }
+        "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
+        "set" => Some(arg.clone()),
+        _ => None,
+    });
+    own.fold(command, clap::Command::arg)
+}
+
+/// Help of `--set` for a machine's file, and for the paper's machine.
+const SET_OF_FILE: &str = "Set one parameter, e.g. stop.upper.gap=5mm. May be repeated";
+const SET_OF_PAPER: &str = "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated";
+
+/// The machine's file, if one was named.
+pub fn file(matches: &ArgMatches) -> Option<&Path> {
+    matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
+}
+
+/// Refuses a shared option for which the command has no use, an option of the paper's machine if a
+/// FILE is named, and an option of a FILE if none is named.
+///
+/// # Errors
+/// [`Error::Refused`] with the option and the allowed options.
+pub fn check_options(matches: &ArgMatches) -> Result<()> {
+    let (all, file) = (command(), file(matches));
+    let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
+    let Some(command) = all.find_subcommand(name) else { return Ok(()) };
+    let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
+    let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
+    let is_unused = |arg: &&Arg| unused(name).contains(&arg.get_id().as_str());
+    if let Some(given) = command.get_arguments().filter(is_unused).find(is_given) {
+        let taken = all.get_arguments().filter(|arg| !is_unused(arg) && arg.get_long() != Some("help"));
+        let taken: Vec<String> = taken.map(option).collect();
+        let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
+        let problem =
+            format!("`vibro {name}` has no use for it; of the options of all commands it takes {taken}");
+        return Err(Error::Refused { what: option(given), problem });
+    }
+    if !has_file(command) {
+        return Ok(());
+    }
+    let (refused, allowed) =
+        if file.is_some() { (WITHOUT_FILE, WITH_FILE) } else { (WITH_FILE, WITHOUT_FILE) };
+    let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
+    let Some(given) = under(refused).find(is_given) else { return Ok(()) };
+    let whose = match file {
+        Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
+        None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
+    };
+    let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
+    let problem = format!("is {whose}; of such options allowed here: {}", names.join(", "));
+    Err(Error::Refused { what: option(given), problem })
+}
+
+/// Reads numbers below zero as values, so that the error of an option that refuses them states what
+/// is allowed.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let taken = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values() && !arg.is_positional();
+        if takes { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(taken).mut_subcommands(with_negative_numbers)
+}
+
+/// The command line.
+#[derive(Debug, Parser)]
+#[command(name = "vibro", version, about = ABOUT, after_help = PARAMETERS, arg_required_else_help = true)]
+pub struct Arguments {
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Says what the machine of a FILE consists of: bodies, elements, degrees of freedom, modes at
+    /// the start, equilibrium, natural frequencies
+    Check {
+        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Draws the machine of a FILE as an engineer sketches it: bodies in a row, springs, dashpots,
+    /// stops, friction, loads, as SVG and PNG
+    Draw {
+        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+        #[arg(value_name = "FILE")]
+        file: PathBuf,
+    },
+    /// Writes the file of one of the gallery's machines, with its comments, to start from; without
+    /// a name lists them
+    New(New),
+    /// Packs the machine of a FILE as an FMU, for Co-Simulation and Model Exchange, around the
+    /// compiled library that is at hand
+    ///
+    /// The library, `machine-kit.zip`, is sought beside the program and above it, in the folder
+    /// that the environment variable VIBRO_IMPACT_ARCHIVES names, or by --kit. In the repository
+    /// `cargo run --bin fmu-build` makes it.
+    Fmu(Fmu),
+    /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
+    /// account of powers
+    Run(RunArguments),
+    /// Amplitudes, forces, impacts, losses and more of many designs: a grid, a list or a Sobol
+    /// sequence
+    ///
+    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
+    /// several motions: over a band such as that of the drive's frequency (--over), and from
+    /// several starts. The row then has the least, mean and largest values. A design that cannot be
+    /// simulated has a row with the reason.
+    Sweep(Box<Sweep>),
+    /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record does
+    /// not determine, the residuals and the fitted file
+    ///
+    /// Nonlinear least squares with exact derivatives through impacts and friction. The fit begins
+    /// with the time over which the motion keeps near the record, and goes on to longer ones.
+    Fit(FitArguments),
+    /// Bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
+    /// directions, with periods and classes (figure 14)
+    ///
+    /// Each value starts from the last state of the value before. This chain cannot be divided, so
+    /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
+    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the planes
+    /// gain from more.
+    ///
+    /// The motion of a FILE is looked at after each common period of what drives the machine;
+    /// --period and --section say otherwise.
+    Bifurcation(Bifurcation),
+    /// Bifurcation diagram with Lyapunov exponents (figure 14, table 2): all of them, or with FILE
+    /// the largest (--spectrum: all), and without --vary of the machine as it is
+    ///
+    /// With FILE one variation is carried exactly through flights and events (saltation matrices).
+    Lyapunov(Lyapunov),
+    /// All steady-state values of one parameter set, by three theories (figure 8)
+    Steady,
+    /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any of
+    /// its numbers; of the paper's machine by theory (figures 10, 11)
+    ///
+    /// With FILE motions are followed until they settle, rising and falling over the range, and
+    /// each orbit on which one settles is followed over the whole range, stable or not.
+    Response(Response),
+    /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
+    Manifold(Manifold),
+    /// Limits of stability of the periodic motion (figures 5, 6)
+    Stability(Stability),
+    /// Where a stable motion exists, over two parameters, by theory (figure 12)
+    Plane(Plane),
+    /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to
+    /// 19)
+    Compare(Compare),
+    /// Basins of attraction over two initial values: of a FILE over any two numbers of its starts
+    ///
+    /// With FILE attractors are told apart by class, period and states at the section, and named by
+    /// the events of their orbits. Motions without a period count as one attractor of their class.
+    Basin(Basin),
+    /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of
+    /// an element
+    Section(SectionOfFile),
+    /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
+    Isoperiodic(Isoperiodic),
+    /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations
+    ///
+    /// Without --tree it follows one branch, which begins at the settled motion or at the orbit
+    /// with a given word (--word). `special-points.csv` lists the special points of the branches:
+    /// LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP
+    /// end of the range, MX not followed further. `vibro locus` follows the first six over two
+    /// parameters. With --tree `orbits-search.csv` lists at which values, and from how many starts,
+    /// orbits were sought.
+    Orbits(Box<Orbits>),
+    /// One periodic orbit: impacts, multipliers, history, portrait, start values
+    Orbit(OneOrbit),
+    /// Curves of special points of `vibro orbits` over two parameters
+    Locus(Loci),
+    /// Draws a study whose parts were computed apart (--shard)
+    Merge(Merge),
+    /// Prints a parameter file to fill in: every parameter, its unit, range and default
+    Template(Template),
+    /// All figures of the paper, and a report that compares its statements with the results
+    Reproduce(Reproduce),
+}
+
+impl Command {
+    /// Parses the axes of a command without a file as parameters of the paper's machine.
+    ///
+    /// # Errors
+    /// An error if an axis is not valid.
+    pub fn read_axes(&mut self) -> Result<()> {
+        match self {
+            Self::Run(a) => a.of_paper.start = one_start(&a.start)?,
+            Self::Sweep(a) => {
+                a.of_paper.start = texts("--start", &a.start)?;
+                (a.of_paper.vary, a.of_paper.over) = (texts("--vary", &a.vary)?, texts("--over", &a.over)?);
+            }
+            Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
+                if a.vary.len() > 1 {
+                    let what = format!("--vary {}", a.vary.join(" --vary "));
+                    let problem = "allowed is one parameter; planes of two: `vibro isoperiodic`".into();
+                    return Err(Error::Refused { what, problem });
+                }
+                a.of_paper.range = texts("--vary", &a.vary)?.pop();
+                a.of_paper.start = one_start(&a.start)?.unwrap_or_default();
+            }
+            Self::Basin(a) => a.of_paper.start = one_start(&a.start)?,
+            Self::Response(a) => {
+                a.of_paper.range = texts("--range", &a.range)?;
+                let of = a.of.as_ref().map(|of| of.parse().map_err(in_option("--of")));
+                a.of_paper.of = of.transpose()?;
+            }
+            Self::Orbits(a) => {
+                if a.vary.len() > 1 {
+                    let what = format!("--vary {}", a.vary.join(" --vary "));
+                    return Err(Error::Refused { what, problem: "allowed is one parameter".into() });
+                }
+                a.range = texts("--vary", &a.vary)?.pop();
+            }
+            Self::Locus(a) => a.ranges = texts("--vary", &a.vary)?,
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// The start of the paper's machine, if it is given.
+fn one_start(given: &[String]) -> Result<Option<StartRule>> {
+    one_of(given)?;
+    Ok(texts("--start", given)?.pop())
+}
+
+/// Refuses several starts of one motion.
+pub fn one_of(given: &[String]) -> Result<Option<&String>> {
+    if given.len() > 1 {
+        let what = format!("--start {}", given.join(" --start "));
+        let problem = "allowed is one start, with commas between its numbers".into();
+        return Err(Error::Refused { what, problem });
+    }
+    Ok(given.first())
+}
+
+#[cfg(test)]
+mod tests;

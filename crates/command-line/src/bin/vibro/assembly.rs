@@ -1,0 +1,177 @@
+//! Commands with a machine's file: summary, sketch, motion.
+
+use crate::arguments::Command;
+use crate::assembly_studies::start_of;
+use crate::common_arguments::{Common, names};
+use crate::destination::{self, Destination};
+use crate::output;
+use crate::packing;
+use crate::progress::{Progress, TIME};
+use crate::run::RunArguments;
+use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro::assembly::{self, Chosen, DerivativeRecord, Ended, MotionRecord};
+use vibro::manifest::Manifest;
+use vibro::part_folder::write_whole;
+use vibro::{Error, Result};
+use vibro_studies::Machine;
+use vibro_machine::Start;
+use vibro_figures::canvas;
+use vibro_sketch::Sketch;
+
+/// Stem of the manifest of a motion.
+const RESULT: &str = "assembly-run";
+
+/// Carries out a command for the machine of a file. Returns `false` if it was interrupted;
+/// everything computed until then is written.
+///
+/// # Errors
+/// An error if the file, its parameters or its motion is not valid; [`Error::File`] if a file
+/// cannot be read or written.
+pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
+    match command {
+        Command::Draw { .. } => sketch(file, common)?,
+        Command::Fmu(a) => packing::pack(&read(file, common)?.description, a, common)?,
+        Command::Run(a) => return follow(file, a, common),
+        Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
+        Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
+        Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
+        Command::Basin(a) => assembly_basin::basin(file, common, a)?,
+        Command::Section(a) => assembly_studies::section(file, common, a)?,
+        Command::Response(a) => return assembly_orbits::response(file, common, a),
+        Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
+        Command::Fit(a) => return assembly_fit::run(common, a),
+        Command::Orbits(a) => return assembly_orbits::orbits(file, common, a),
+        Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
+        // `vibro check`: no other command takes a file.
+        _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
+    }
+    Ok(true)
+}
+
+/// The machine, with what `--set` changes.
+fn read(file: &Path, common: &Common) -> Result<Machine> {
+    assembly::read(file, &common.set, &mut |words| crate::note(&words))
+}
+
+/// Writes NAME.svg and NAME.png, regardless of the folder's other content.
+fn sketch(file: &Path, common: &Common) -> Result<()> {
+    let machine = read(file, common)?.description;
+    let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
+    std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
+    let stem = common.out.join(&machine.name);
+    write_whole(&stem.with_extension("svg"), svg.as_bytes())?;
+    write_whole(&stem.with_extension("png"), &png)?;
+    output::say(&format!("drawn in {}.svg and .png", stem.display()))
+}
+
+fn follow(
+    file: &Path,
+    RunArguments { samples, start, of_file: a, .. }: &RunArguments,
+    common: &Common,
+) -> Result<bool> {
+    // The machine is read first, since a file of another kind needs other options.
+    let machine = read(file, common)?;
+    let start = start_of(&machine, start)?;
+    let times = match (&a.times, a.until) {
+        (Some(path), until) => {
+            let mut times = assembly::times_of(path, start.time)?;
+            let (last, end) = (times.last().copied(), until.unwrap_or(f64::INFINITY));
+            if let Some(last) = last.filter(|last| *last > end) {
+                let problem = format!("has the time {last} s; allowed are times up to --until, {end} s");
+                return Err(Error::Refused { what: format!("--times {}", path.display()), problem });
+            }
+            times.extend(until.filter(|end| last.is_none_or(|last| last < *end)));
+            times
+        }
+        (None, Some(until)) => assembly::even_times((start.time, until), *samples as usize)?,
+        (None, None) => {
+            let problem = "needs the end of the motion, --until TIME, or --times FILE".into();
+            return Err(Error::Refused { what: format!("run {}", file.display()), problem });
+        }
+    };
+    let mut invocation = common.invocation.clone();
+    let ends = (times.len(), times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    invocation.options.insert("times".into(), format!("{} from {:?} to {:?} s", ends.0, ends.1, ends.2));
+    invocation.options.insert("knots".into(), a.knots.to_string());
+    if !a.columns.is_empty() {
+        invocation.options.insert("columns".into(), a.columns.join(","));
+    }
+    if !start.is_own() {
+        invocation.options.insert("start".into(), start.to_string());
+    }
+    let destination = Destination::new(common, &invocation, &machine);
+    let by = names(&a.derivatives);
+    assembly::check_parameters(&machine.description, &start, &by)?;
+    let columns = Chosen::of(&machine.description, &a.columns)?;
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result(RESULT)])?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
+    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let progress = Progress::new(0, TIME);
+    let what = (&times[..], &columns.further[..]);
+    let record = assembly::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
+        progress.part(part)
+    })?;
+    let derivatives = match by.is_empty() {
+        true => None,
+        false => Some(DerivativeRecord::new(&record, &by, &stop)?),
+    };
+    drop(progress);
+    let held = destination::hold(&out);
+    let manifest = Manifest::of_result(RESULT, &invocation, &machine);
+    let account = write((&record, derivatives.as_ref()), &out, &manifest, (a.knots, &columns.names))?;
+    drop(held);
+    let stem = out.join("motion");
+    output::say(&format!(
+        "followed {} up to {} s: {}, {}; drawn in {}.svg and .png\n{account}",
+        record.assembly.description.name,
+        record.motion.time(),
+        out.join("states.csv").display(),
+        out.join("events.csv").display(),
+        stem.display()
+    ))?;
+    match record.ended {
+        Some(Ended::Error(error)) => Err(error.into()),
+        Some(Ended::Stopped) => Ok(false),
+        None => Ok(!stop.load(Ordering::Relaxed)),
+    }
+}
+
+/// Writes tables, picture and account; returns the account.
+fn write(
+    (record, derivatives): (&MotionRecord, Option<&DerivativeRecord>),
+    out: &Path,
+    manifest: &Manifest,
+    (knots, columns): (bool, &[String]),
+) -> Result<String> {
+    std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
+    destination::write_manifest(out, manifest)?;
+    write_whole(&out.join("states.csv"), &record.states(columns)?)?;
+    write_whole(&out.join("events.csv"), &record.events(knots)?)?;
+    write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
+    write_whole(&out.join("end.toml"), Start::of(&record.motion).to_toml().as_bytes())?;
+    let mut lines = record.account(knots);
+    if let Some(derivatives) = derivatives {
+        write_whole(&out.join("derivatives.csv"), &derivatives.states(record)?)?;
+        write_whole(&out.join("event-derivatives.csv"), &derivatives.events(knots)?)?;
+        lines.extend_from_slice(derivatives.lost());
+    }
+    match &record.ended {
+        Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
+        Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),
+        None => {}
+    }
+    let account = lines.join("\n");
+    write_whole(&out.join("account.txt"), format!("{account}\n").as_bytes())?;
+    if let Some(figure) = assembly::figure(record, lines) {
+        let (svg, png) = canvas::svg_and_png(&figure)?;
+        write_whole(&out.join("motion.svg"), svg.as_bytes())?;
+        write_whole(&out.join("motion.png"), &png)?;
+    }
+    Ok(account)
+}

@@ -1,0 +1,70 @@
+//! `basin` with a machine's file: from arguments to the library's study.
+
+use crate::assembly_studies::{invocation, machine, start_of};
+use crate::common_arguments::Common;
+use crate::long::perform_as;
+use crate::plane_arguments::Basin;
+use std::path::Path;
+use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
+use vibro::{Error, Result, assembly};
+use vibro_studies::Machine;
+use vibro_studies::basin::{BasinRequest, StartAxis};
+use vibro_machine::Start;
+
+/// Largest number of cells on an axis.
+const MOST: usize = 5_000;
+const FORM: &str = "NAME=FROM:TO or NAME=FROM:TO:COUNT of a number of the start, e.g. block.s=-4mm:4mm:80";
+
+/// Whether a `--start` is an axis: a value with a colon.
+fn is_axis(text: &&String) -> bool {
+    text.split_once('=').is_some_and(|(_, values)| values.contains(':'))
+}
+
+/// An axis of a plane of starts.
+fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
+    let (name, values) = text.split_once('=').ok_or_else(|| Error::form(text, FORM))?;
+    let name = name.trim().strip_prefix("body.").unwrap_or(name.trim());
+    let (from, to, count) = match values.split(':').map(str::trim).collect::<Vec<_>>()[..] {
+        [from, to] => (from, to, usize::from(resolution)),
+        [from, to, count] => (from, to, count.parse().map_err(|_| Error::form(text, FORM))?),
+        _ => return Err(Error::form(text, FORM)),
+    };
+    if !(1..=MOST).contains(&count) {
+        let problem = format!("allowed are 1 to {MOST} cells");
+        return Err(Error::Refused { what: format!("--start {text}"), problem });
+    }
+    let end = |text: &str| -> Result<f64> {
+        let mut start = Start::default();
+        if let Some(unit) = machine.set_start(&mut start, name, text)? {
+            crate::note(&assembly::note_of_unit(&format!("--start {name}={text}"), unit));
+        }
+        let found = start.numbers().into_iter().find(|(own, _)| own == name);
+        found.map(|(_, value)| value).ok_or_else(|| Error::form(text, FORM))
+    };
+    Ok(StartAxis { name: name.into(), from: end(from)?, to: end(to)?, count })
+}
+
+/// The axis in SI, for manifests.
+fn in_words(axis: &StartAxis) -> String {
+    format!("{}={}:{}:{}", axis.name, axis.from, axis.to, axis.count)
+}
+
+/// Basins over a plane of starts.
+pub fn basin(file: &Path, common: &Common, a: &Basin) -> Result<()> {
+    let machine = machine(file, &a.section, common)?;
+    let (ranges, given): (Vec<&String>, Vec<&String>) = a.start.iter().partition(is_axis);
+    let [x, y] = ranges[..] else {
+        let problem = "allowed are two, e.g. --start block.s=-4mm:4mm --start block.v=-1:1".into();
+        return Err(Error::Refused { what: format!("{} ranges of --start", ranges.len()), problem });
+    };
+    let (x, y) = (axis(&machine, x, a.resolution)?, axis(&machine, y, a.resolution)?);
+    let given: Vec<String> = given.into_iter().cloned().collect();
+    let request = BasinRequest { x, y, start: start_of(&machine, &given)?, discard: a.discard };
+    let options = [
+        ("start", format!("{} {} {}", in_words(&request.x), in_words(&request.y), request.start)),
+        ("discard", a.discard.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::Basin(request), machine };
+    perform_as(&LongStudy::of("basin", work), common, &invocation, a.share.shard)
+}

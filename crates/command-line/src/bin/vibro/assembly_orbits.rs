@@ -1,0 +1,322 @@
+//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's
+//! studies.
+
+use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
+use crate::common_arguments::{Common, SectionArguments, time};
+use crate::destination::{self, Destination};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile};
+use crate::output;
+use crate::progress::Progress;
+use crate::ranges::in_option;
+use crate::study_arguments::Response;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro::part_folder::write_whole;
+use vibro::special_points::PointOfFile;
+use vibro::studies::{self, CurveOfFile, Study};
+use vibro::{Error, Result};
+use vibro_studies::{Machine, Measure};
+use vibro_machine::{Assembly, Start};
+use vibro_orbits::paper::PathOptions;
+use vibro_orbits::{Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, check_second, locus, read_measure, tree_on};
+
+/// Longest period in common periods of the drive.
+const MOST_PERIODS: u32 = 32;
+
+/// The measure of `--of`: a measure, or the largest value of a quantity.
+fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
+    match of {
+        Some(of) => Ok(read_measure(of, &machine.description)?),
+        None => Ok(Measure::Amplitude(default_quantity(machine)?)),
+    }
+}
+
+fn written(studies: &[Study], machine: &Machine, destination: &Destination, common: &Common) -> Result<()> {
+    let held = destination::hold(&common.out);
+    let out = destination.write(studies)?;
+    drop(held);
+    output::print(studies, machine, &out, common)
+}
+
+/// The period of `--period`: `2T`, or a time.
+fn period(text: &String) -> Result<WantedPeriod> {
+    let turns = text.trim().strip_suffix('T').map(|n| n.trim().parse::<u32>());
+    match turns {
+        Some(Ok(n @ 1..=MOST_PERIODS)) => Ok(WantedPeriod::Drive(n)),
+        None => time(text).map(WantedPeriod::Time).map_err(in_option("--period")),
+        Some(_) => {
+            let problem = format!("allowed are 1T to {MOST_PERIODS}T, or a time, e.g. 0.1s");
+            Err(Error::Refused { what: format!("--period {text}"), problem })
+        }
+    }
+}
+
+/// What is asked of an orbit; `None` for that of the settled motion.
+fn wanted(machine: &Machine, a: &OneOrbit, start: &Start) -> Result<Option<WordSearch>> {
+    if a.word.is_none() && a.period.is_none() {
+        return Ok(None);
+    }
+    let assembly = Assembly::new(machine.description.clone())?;
+    let word = a.word.as_ref().map(|word| WantedWord::parse(word, &assembly)).transpose()?;
+    let period = a.period.as_ref().map(period).transpose()?;
+    let (start, starts, discard) = (start.clone(), a.starts, a.settling.discard);
+    Ok(Some(WordSearch { start, word, period, starts, discard }))
+}
+
+/// One orbit: that on which a motion settles, or one with a given word or period.
+pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
+    let settling = &a.settling;
+    let machine = machine(file, &settling.section(), common)?;
+    let start = start_of(&machine, &settling.start)?;
+    let of = a.gradient.as_ref().map(|of| measure(&machine, Some(of))).transpose()?;
+    let wanted = wanted(&machine, a, &start)?;
+    let mut options = vec![("start", start.to_string()), ("discard", settling.discard.to_string())];
+    options.extend(of.as_ref().map(|of| ("gradient", of.to_string())));
+    if let Some(WordSearch { word, period, starts, .. }) = &wanted {
+        options.extend(word.as_ref().map(|word| ("word", word.to_string())));
+        options.extend(period.map(|period| ("period", format!("{period:?}"))));
+        options.push(("starts", starts.to_string()));
+    }
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result("orbit")])?;
+    let orbit = match &wanted {
+        None => Orbit::settled(&machine, &start, settling.discard)?,
+        Some(wanted) => {
+            let progress = Progress::new(wanted.most_returns(), "returns at most");
+            Orbit::search(&machine, wanted, &|| {
+                progress.step();
+                true
+            })?
+        }
+    };
+    let mut study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
+    if let Some(of) = of {
+        studies::add_gradient(&mut study, &machine, &orbit, &of)?;
+    }
+    written(&[study], &machine, &destination, common)?;
+    write_whole(&out.join("start.toml"), orbit.start().to_toml().as_bytes())
+}
+
+/// The family of the one parameter of `--vary`.
+fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
+    let [vary] = vary else {
+        let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
+        return Err(Error::Refused { what: format!("{} --vary", vary.len()), problem });
+    };
+    family_over(machine, vary)
+}
+
+/// The family over a range of a parameter.
+fn family_over(machine: &mut Machine, vary: &str) -> Result<Family> {
+    let axis = read_axis(machine, vary)?;
+    let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
+    let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
+    Ok(Family::new(machine, &range.name, range.ends)?)
+}
+
+/// The family's parameter and its range, for manifests.
+fn in_words(family: &Family) -> String {
+    format!("{}={}:{}", family.parameter, family.range.0, family.range.1)
+}
+
+/// A folder of paths, a file each.
+struct FolderOfPaths(PathBuf);
+
+impl FolderOfPaths {
+    fn file(&self, key: u64) -> PathBuf {
+        self.0.join(format!("{key:016x}.txt"))
+    }
+}
+
+impl KeptPaths for FolderOfPaths {
+    fn find(&self, key: u64) -> Option<String> {
+        std::fs::read_to_string(self.file(key)).ok()
+    }
+
+    fn keep(&self, key: u64, text: &str) {
+        // A path that is not kept is followed anew.
+        let _ = std::fs::create_dir_all(&self.0);
+        let _ = write_whole(&self.file(key), text.as_bytes());
+    }
+}
+
+/// The branches of a tree, and whether all were followed; Ctrl-C ends the growth, and paths kept in
+/// a folder let it go on.
+fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<Branch>, bool)> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
+    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let progress = Progress::new(0, "branches");
+    let kept = FolderOfPaths(paths);
+    let found = tree_on(family, options, &kept, &mut |found, all| {
+        progress.at(found.len(), all);
+        !stop.load(Ordering::Relaxed)
+    })?;
+    let is_whole = !stop.load(Ordering::Relaxed);
+    if is_whole {
+        // Absent where nothing was followed.
+        let _ = std::fs::remove_dir_all(&kept.0);
+    }
+    Ok((found, is_whole))
+}
+
+/// The remark of a study whose growth was interrupted.
+fn remark(is_whole: bool) -> Option<String> {
+    (!is_whole).then(|| "interrupted: further branches were not followed; the same command goes on".into())
+}
+
+/// The branches over a parameter: that of the settled motion, or all. Returns whether all were
+/// followed.
+pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
+    let settling = &a.of_file.settling;
+    let mut machine = machine(file, &settling.section(), common)?;
+    let family = family(&mut machine, &a.vary)?;
+    let start = start_of(&machine, &settling.start)?;
+    let measure = measure(&machine, a.of_file.of.as_ref())?;
+    let options = [
+        ("vary", in_words(&family)),
+        ("of", measure.to_string()),
+        ("tree", a.tree.to_string()),
+        ("start", start.to_string()),
+        ("discard", settling.discard.to_string()),
+        ("step", a.step.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result("orbits")])?;
+    let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
+    let (branches, is_whole) = if a.tree {
+        let (seeds, discard) = (a.seeds as usize, settling.discard);
+        let options = TreeOptions { start, seeds, discard, depth: a.depth, path };
+        grown(&family, &options, out.join("orbits-paths"))?
+    } else {
+        let orbit = Orbit::settled(&machine, &start, settling.discard)?;
+        (vec![branch(&family, &orbit, &path)?], true)
+    };
+    let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
+    study.remarks.extend(remark(is_whole));
+    written(&[study], &machine, &destination, common).map(|()| is_whole)
+}
+
+/// The response: the branches of the orbits on which motions settle, rising and falling. Returns
+/// whether all were followed.
+pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
+    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+    let mut machine = machine(file, &settling.section(), common)?;
+    let family = family(&mut machine, &a.range)?;
+    let start = start_of(&machine, &settling.start)?;
+    let measure = measure(&machine, a.of.as_ref())?;
+    let options = [
+        ("range", in_words(&family)),
+        ("of", measure.to_string()),
+        ("start", start.to_string()),
+        ("discard", settling.discard.to_string()),
+        ("seeds", seeds.to_string()),
+        ("depth", depth.to_string()),
+        ("step", step.to_string()),
+    ];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result("response")])?;
+    let path = PathOptions { longest_step: *step, ..PathOptions::default() };
+    let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
+    let options = TreeOptions { start, seeds, discard, depth, path };
+    let (branches, is_whole) = grown(&family, &options, out.join("response-paths"))?;
+    let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
+    study.remarks.extend(remark(is_whole));
+    written(&[study], &machine, &destination, common).map(|()| is_whole)
+}
+
+/// Curves of special points over two parameters.
+pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
+    let mut machine = machine(file, &SectionArguments { period: None, section: None }, common)?;
+    let [first, second] = &a.vary[..] else {
+        let problem = "allowed are two parameters, the first that of the special points, e.g. --vary load.shaker.amplitude=1N:9N --vary \
+                       stop.steel.gap=1mm:8mm"
+            .into();
+        return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
+    };
+    let families = [family_over(&mut machine, first)?, family_over(&mut machine, second)?];
+    let [over, second] = &families;
+    check_second(over, second)?;
+    let number = |text: &str| Ok(machine.quantity(&over.parameter, text)?.value);
+    let mut points: Vec<(String, PointOfFile)> = Vec::new();
+    for selection in &a.from {
+        let chosen = selection.points_of_file(&over.parameter, &number).map_err(in_option("--from"))?;
+        let of_kind = |p: &PointOfFile| a.label.as_ref().is_none_or(|label| label == p.special.kind.name());
+        let told = |p: PointOfFile| (format!("{}:{}", selection.path.display(), p.row), p);
+        points.extend(chosen.into_iter().filter(of_kind).map(told));
+    }
+    if points.is_empty() {
+        let what = format!("--label {}", a.label.as_deref().unwrap_or_default());
+        return Err(Error::Refused { what, problem: "none of the points has this label".into() });
+    }
+    let from: Vec<&str> = points.iter().map(|(from, _)| from.as_str()).collect();
+    let options = [("vary", format!("{} {}", in_words(over), in_words(second))), ("from", from.join(" "))];
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &machine);
+    // The folder is checked before work begins.
+    destination.place(&[destination.result("locus")])?;
+    let told = |from: &str, point: &PointOfFile, error: Error| {
+        format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value)
+    };
+    let found: Vec<_> = points.par_iter().map(|(_, point)| start(over, point)).collect();
+    let (mut starts, mut problems) = (Vec::<Row>::new(), Vec::new());
+    for ((from, point), found) in points.into_iter().zip(found) {
+        match found {
+            Ok((start, shortest)) => match starts.iter_mut().find(|row| row.shortest.is_same(&shortest)) {
+                Some(same) => same.also.push(point.row),
+                None => starts.push(Row { from, point, start, shortest, also: Vec::new() }),
+            },
+            Err(error) => problems.push(told(&from, &point, error)),
+        }
+    }
+    let progress = Progress::new(starts.len(), "curves");
+    let followed = starts.par_iter().map(|row| {
+        let found = locus(&row.start, second);
+        progress.step();
+        found
+    });
+    let followed: Vec<_> = followed.collect();
+    drop(progress);
+    let mut curves = Vec::new();
+    for (Row { from, point, shortest, also, .. }, found) in starts.into_iter().zip(followed) {
+        match found {
+            Ok(points) => curves.push(CurveOfFile { from, point, start: shortest, points, also }),
+            Err(error) => problems.push(told(&from, &point, error.into())),
+        }
+    }
+    if curves.is_empty() {
+        return Err(Error::Refused { what: "--from".into(), problem: problems.join("; ") });
+    }
+    let study = studies::assembly_loci(&machine, [over, second], &curves, &problems)?;
+    written(&[study], &machine, &destination, common)
+}
+
+/// A row with its special point, and further rows of that point.
+struct Row {
+    from: String,
+    point: PointOfFile,
+    start: LocusStart,
+    /// The start in the shortest word.
+    shortest: LocusStart,
+    also: Vec<usize>,
+}
+
+/// The special point of a row, sought on the branch of the orbit beside it, also in its shortest
+/// word.
+fn start(
+    over: &Family,
+    PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
+) -> Result<(LocusStart, LocusStart)> {
+    let start = LocusStart::from_beside(over, (special, *value), (*at, *period, start))?;
+    let shortest = start.shortest();
+    Ok((start, shortest))
+}

@@ -1,0 +1,83 @@
+//! Arguments of `vibro fit`.
+
+use crate::common_arguments::{START_VALUE, start_help};
+use crate::ranges::whole;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use vibro_studies::fit::{Loss, Segments};
+use vibro_impact::quantities::quantity_in;
+
+/// Arguments of `fit`.
+#[derive(Args, Debug)]
+pub struct FitArguments {
+    /// The machine's file (TOML); its numbers, with --set, are the values from which the fit begins
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The record: a table whose first line names `time` and columns such as box.s, SI
+    #[arg(long, value_name = "TABLE", required_unless_present = "events")]
+    pub data: Option<PathBuf>,
+    /// Times of impacts and first touches of stops: a table with the columns `element` and `time`
+    #[arg(long, value_name = "TABLE")]
+    pub events: Option<PathBuf>,
+    /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
+    /// start.box.s), record.shift, record.offset.COLUMN
+    #[arg(long, required = true, value_name = "NAME,…")]
+    pub free: Vec<String>,
+    /// Range of a free number [default: what it may be]. May be repeated
+    #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
+    pub within: Vec<String>,
+    /// Standard deviation of the noise: a number for each column in the record's order, then one
+    /// for the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms` [default: by the
+    /// residuals]
+    #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
+    pub sigma: Vec<String>,
+    /// How residuals count
+    #[arg(long, value_name = "LOSS", default_value = "linear")]
+    pub loss: LossArgument,
+    /// Segments of the motion with starts of their own, each continuing the one before: where one
+    /// motion does not lead to the record (auto), about every so many seconds (1s), or none
+    #[arg(long, value_name = "auto|none|TIME", default_value = "auto", value_parser = segments)]
+    pub segments: Segments,
+    /// Number of further starts of the fit, spread over --within
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=10_000))]
+    pub starts: u32,
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
+}
+
+/// The value of --segments.
+fn segments(text: &str) -> Result<Segments, String> {
+    let time = || text.parse::<f64>().ok().or_else(|| Some(quantity_in("s", text)?.value));
+    match text {
+        "auto" => Ok(Segments::Auto),
+        "none" => Ok(Segments::None),
+        _ => time()
+            .filter(|length| *length > 0.0 && length.is_finite())
+            .map(Segments::Length)
+            .ok_or_else(|| "allowed are auto, none, and a time above 0 such as 1s".into()),
+    }
+}
+
+/// How residuals count.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum LossArgument {
+    /// By their squares
+    Linear,
+    /// Large ones by their size, smoothly
+    #[value(name = "soft_l1")]
+    SoftL1,
+    /// Large ones by their size
+    Huber,
+}
+
+impl From<LossArgument> for Loss {
+    fn from(loss: LossArgument) -> Self {
+        match loss {
+            LossArgument::Linear => Self::Linear,
+            LossArgument::SoftL1 => Self::SoftL1,
+            LossArgument::Huber => Self::Huber,
+        }
+    }
+}

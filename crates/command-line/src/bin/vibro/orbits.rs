@@ -1,0 +1,166 @@
+//! `vibro orbits`, `vibro orbit`, `vibro locus`: from their arguments to the library's studies.
+
+use crate::common_arguments::Common;
+use crate::long::perform_as;
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
+use crate::ranges::{ParameterRange, in_option, shown};
+use vibro::long_study::{LongStudy, StudyKind};
+use vibro::special_points::SpecialPoint;
+use vibro::studies::{self, LocusCurve, Study};
+use vibro::{Error, Result};
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{Name, ParameterSet, find_group, numbers};
+use vibro_orbits::paper::{Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of, search, settle};
+
+/// Number of guesses of the phases from which the orbits of a word are sought.
+const TRIES: u32 = 400;
+/// Drive periods discarded before the orbit of a settled motion is sought.
+const SETTLE: u32 = 2000;
+
+impl Which {
+    /// The orbits of the word; first those without a shorter word, nearest to stability first.
+    /// Without a word, the orbit of the settled motion.
+    fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
+        let Some(text) = &self.word else {
+            let state = settle(system, &moving_block(system.parameters()), SETTLE)?;
+            return Ok(vec![orbit_of(system, &state)?]);
+        };
+        let word = match text.strip_suffix('-') {
+            Some(half) => OrbitWord::new(half, -1, self.period)?,
+            None => OrbitWord::new(text.strip_suffix('+').unwrap_or(text), 1, 2 * self.period)?,
+        };
+        if word.closing() < 0 && !system.is_symmetric() {
+            let problem = "a symmetric orbit needs a machine without loads; give the whole word";
+            return Err(Error::Refused { what: format!("--word {text}"), problem: problem.into() });
+        }
+        let mut found = search(system, &word, TRIES)?;
+        found.sort_by(|a, b| a.spectral_radius().total_cmp(&b.spectral_radius()));
+        found.sort_by_key(|orbit| !orbit.is_shortest());
+        Ok(found)
+    }
+}
+
+fn span(range: &ParameterRange) -> Result<Span> {
+    if range.count.is_some() {
+        let expected =
+            "name=from:to without a count: branches are followed and have no fixed number of values";
+        return Err(Error::form(range.name.name(), expected));
+    }
+    Ok(Span::new(range.name, range.ends.0, range.ends.1)?)
+}
+
+/// The family over the parameter of the command.
+fn family(set: &ParameterSet, a: &Orbits) -> Result<Family> {
+    let default = || Ok::<_, Error>(shown(set, Name::from(find_group("f10")?), (0.5, 5.0)));
+    let range = a.range.map_or_else(default, Ok)?;
+    Ok(Family::new(set, span(&range)?)?)
+}
+
+/// Values at which branches get a point.
+fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
+    let texts: Vec<&str> = a.of_paper.mark.iter().map(String::as_str).collect();
+    let (marks, _) = numbers(along.name, &texts).map_err(in_option("--mark"))?;
+    marks.iter().try_for_each(|mark| along.name.check(*mark)).map_err(in_option("--mark"))?;
+    match marks.iter().find(|mark| !(along.from..=along.to).contains(*mark)) {
+        None => Ok(marks),
+        Some(mark) => {
+            let what = format!("--mark {mark}");
+            let problem = format!("must lie in the range {} to {}", along.from, along.to);
+            Err(Error::Refused { what, problem })
+        }
+    }
+}
+
+/// Computes all branches, in parts that are kept until the study is finished.
+fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
+    let family = family(set, a)?;
+    let span = *family.span();
+    let options = TreeOptions {
+        seeds: a.seeds as usize,
+        starts: a.of_paper.starts as usize,
+        depth: a.depth,
+        most_letters: a.of_paper.letters as usize,
+        longest_step: a.step,
+        repetitions: a.of_paper.repetitions,
+        marks: marks(a, &span)?,
+        ..TreeOptions::default()
+    };
+    let kind = StudyKind::Orbits { span, options };
+    perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
+}
+
+/// The branches of single orbits; `None` with `--tree`, whose branches [`whole_tree`] computes and
+/// writes.
+pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<Study>> {
+    if a.tree {
+        return whole_tree(set, common, a).map(|()| None);
+    }
+    let family = family(set, a)?;
+    let span = *family.span();
+    let value = span.name.value(set);
+    if !(span.from..=span.to).contains(&value) {
+        let what = format!("{} = {value}", span.name.name());
+        let problem =
+            format!("the branch begins here, so it must lie in the range {} to {}", span.from, span.to);
+        return Err(Error::Refused { what, problem });
+    }
+    let orbits = a.of_paper.which.orbits(&family.system(&[value])?)?;
+    let options = PathOptions { longest_step: a.step, ..PathOptions::default() };
+    let marks = marks(a, &span)?;
+    let mut branches: Vec<Branch> = Vec::new();
+    for orbit in &orbits {
+        if !branches.iter().any(|b| b.holds(&family, orbit, value)) {
+            let mut found = branch(&family, orbit.word(), orbit.phases(), value, &options, &marks)?;
+            found.id = branches.len();
+            branches.push(found);
+        }
+    }
+    studies::orbits(set, &family, &branches, None).map(Some)
+}
+
+pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
+    let system = System::new(set.parameters())?;
+    studies::orbit(set, &a.which()?.orbits(&system)?)
+}
+
+pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
+    let [first, second] = a.ranges[..] else {
+        return Err(Error::form(
+            format!("{} --vary", a.vary.len()),
+            "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
+        ));
+    };
+    let family = Family::over_two(set, span(&first)?, span(&second)?)?;
+    let held = second.name.value(set);
+    let (mut curves, mut problems) = (Vec::new(), Vec::new());
+    for selection in &a.from {
+        let points = selection.points(first.name, held).map_err(in_option("--from"))?;
+        for SpecialPoint { row, start, .. } in points {
+            if a.label.as_ref().is_some_and(|label| label != start.label.name()) {
+                continue;
+            }
+            let from = format!("{}:{row}", selection.path.display());
+            let what = format!("{from} ({} of {} at {})", start.label, start.word, start.values[0]);
+            let known = |curve: &&LocusCurve| curve.start.is_same(&start, &family).unwrap_or(false);
+            if let Some(same) = curves.iter_mut().find(|c: &&mut LocusCurve| known(&&**c)) {
+                same.also.push(row);
+                continue;
+            }
+            let found = start.shortest(&family).and_then(|start| Ok((locus(&family, &start)?, start)));
+            match found {
+                Ok((points, start)) => curves.push(LocusCurve { from, row, start, points, also: Vec::new() }),
+                Err(error) => problems.push(format!("{what}: {error}")),
+            }
+        }
+    }
+    if curves.is_empty() {
+        return Err(match (problems.is_empty(), &a.label) {
+            (false, _) => Error::Refused { what: "--from".into(), problem: problems.join("; ") },
+            (true, label) => {
+                let what = format!("--label {}", label.as_deref().unwrap_or_default());
+                Error::Refused { what, problem: "none of the points has this label".into() }
+            }
+        });
+    }
+    studies::loci(set, &family, &curves, &problems)
+}

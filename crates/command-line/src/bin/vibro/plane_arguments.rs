@@ -1,0 +1,91 @@
+//! Arguments of `basin` and `section`: where motions from many starts settle, and the points of
+//! one.
+
+use crate::common_arguments::{
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, angle, start_help,
+};
+use crate::ranges::{Share, whole};
+use clap::Args;
+use clap::builder::ArgPredicate::IsPresent;
+use std::path::PathBuf;
+use vibro_studies::paper::basin::InitialValueRange;
+use vibro_studies::paper::start::StartRule;
+
+/// Arguments of `basin`.
+#[derive(Args, Debug)]
+pub struct Basin {
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// With FILE two ranges of numbers of the starts, each as NAME=FROM:TO[:COUNT], such as
+    /// block.s=-4mm:4mm and block.v=-1:1, the first across; time is one, too, and stands for the
+    /// drive's phase. A further --start has the other numbers, as of `vibro run`. Without FILE
+    /// initial values that are on no axis, e.g. block.s=5mm,v1=1; zero unless named
+    #[arg(long, value_name = "NAME=VALUE|FROM:TO", allow_hyphen_values = true)]
+    pub start: Vec<String>,
+    /// Cells on each axis [default: 100; with FILE 60]
+    #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "60"))]
+    #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=5_000))]
+    pub resolution: u16,
+    /// Periods discarded; with FILE, unless the motion has settled before. A motion that is
+    /// undecided then is followed for up to 8192 more
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
+    pub discard: u32,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+    /// Of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub section: SectionArguments,
+    /// Of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: BasinOfPaper,
+}
+
+/// Options of basins of the paper's machine.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct BasinOfPaper {
+    /// Initial value on the horizontal axis: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s
+    /// secondary.s box.v block.v secondary.v in SI; each also with a unit (block.s=-20mm:20mm)
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "x1=-1:1", allow_hyphen_values = true)]
+    pub x: InitialValueRange,
+    /// Initial value on the vertical axis
+    #[arg(long, value_name = "NAME=FROM:TO", default_value = "v2=-2:2", allow_hyphen_values = true)]
+    pub y: InitialValueRange,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
+    /// The parsed start.
+    #[arg(skip)]
+    pub start: Option<StartRule>,
+}
+
+/// Arguments of `section`.
+#[derive(Args, Debug)]
+pub struct SectionOfFile {
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Start of the motion.
+    #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
+    pub start: Vec<String>,
+    /// Where the motion is looked at.
+    #[command(flatten)]
+    pub section: SectionArguments,
+    /// Look at the motion at this phase of each period, in rad or with a unit, e.g. 90deg
+    #[arg(long, value_name = "ANGLE", default_value = "0", value_parser = angle, allow_hyphen_values = true)]
+    pub phase: f64,
+    /// Periods discarded, unless the motion has settled before
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
+    pub discard: u32,
+    /// Points of the section
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(1..=10_000_000))]
+    pub keep: u32,
+    /// What is drawn across and up: two of the columns, such as box.s,box.v, of time and phase, and
+    /// at an element's events of speed, with which it closes
+    /// [default: the first free body's place and rate; at an element's events phase,speed]
+    #[arg(long, value_name = "NAME,NAME")]
+    pub of: Option<String>,
+}

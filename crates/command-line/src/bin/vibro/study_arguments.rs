@@ -1,0 +1,354 @@
+//! Arguments of diagrams, and of the studies of the paper's machine that have no module of their
+//! own.
+
+use crate::common_arguments::{
+    ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
+};
+use crate::orbits_arguments::ResponseOfFile;
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
+use clap::builder::ArgPredicate::IsPresent;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use vibro_studies::paper::maxima::Displacement;
+use vibro_studies::paper::plane::Method;
+use vibro_studies::paper::start::StartRule;
+
+/// Arguments of `bifurcation`.
+#[derive(Args, Debug)]
+pub struct Bifurcation {
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.upper.gap=1mm:8mm:200. Repeated
+    /// for planes [default without FILE: f10=0.5:5]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
+    #[arg(allow_hyphen_values = true)]
+    pub vary: Vec<String>,
+    /// Values in a range without a count [default: 451; with FILE 200, of a plane 60]
+    #[arg(long, value_name = "N", default_value = "451")]
+    #[arg(default_value_ifs = [("pair", IsPresent, "60"), ("file", IsPresent, "200")])]
+    #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=20_000))]
+    pub resolution: u16,
+    /// Periods discarded at each value; with FILE, unless the motion has settled before
+    /// [default: 400; with FILE 300]
+    #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
+    #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
+    pub discard: u32,
+    /// Periods kept at each value [default: 800; with FILE 100]
+    #[arg(long, value_name = "N", default_value = "800", default_value_if("file", IsPresent, "100"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    pub keep: u32,
+    /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
+    /// box.v, box.a, upper.e, upper.rate, upper.f
+    /// [default: x2; with FILE the first free body's coordinate]
+    #[arg(long, value_name = "NAME", default_value = "x2")]
+    #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
+    pub of: Option<String>,
+    /// Start of the motion at the first value of either direction, of all with --anew and --pair.
+    #[arg(long, help = start_help!("Start of the motion at the first value of either direction, and of every motion that has its own"), value_name = START_VALUE, allow_hyphen_values = true)]
+    #[arg(default_value = "v2=1", default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
+    pub start: Vec<String>,
+    /// Also draw the exact branches of periodic orbits, stable and unstable, with their
+    /// bifurcations, and list which rows of the diagram lie on them. `vibro orbits --tree` draws
+    /// the branches alone and has more options
+    #[arg(long, conflicts_with_all = ["pair", "at_section"])]
+    pub orbits: bool,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+    /// Options of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: DiagramOfFile,
+    /// Options of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: DiagramOfPaper,
+}
+
+/// Options of a diagram of a machine's file.
+#[derive(Args, Debug)]
+pub struct DiagramOfFile {
+    /// Where motions are looked at.
+    #[command(flatten)]
+    pub section: SectionArguments,
+    /// Draw the values where the motion is looked at (a Poincaré section) instead of local maxima
+    #[arg(long)]
+    pub at_section: bool,
+    /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the
+    /// ranges: stop.upper.gap,body.block.mass. Each motion has the same start. May be repeated
+    #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
+    pub pair: Vec<String>,
+    /// Start each value as the file or --start says, and not from the last state of the value
+    /// before: for a machine with steps or records that go on. There is then one direction
+    #[arg(long, conflicts_with = "pair")]
+    pub anew: bool,
+}
+
+/// Options of a diagram of the paper's machine.
+#[derive(Args, Debug)]
+pub struct DiagramOfPaper {
+    /// The parsed start.
+    #[arg(skip)]
+    pub start: StartRule,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
+    /// The parsed range of --vary.
+    #[arg(skip)]
+    pub range: Option<ParameterRange>,
+}
+
+/// Arguments of `lyapunov`.
+#[derive(Args, Debug)]
+pub struct Lyapunov {
+    /// Most periods over which exponents are computed; with FILE 8 to 1000000, after 32 in which
+    /// the variation turns into its direction [default: 1500; with FILE 400]
+    #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
+    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    pub periods: u32,
+    /// The diagram.
+    #[command(flatten)]
+    pub sweep: Bifurcation,
+    /// Tell all exponents of the machine as it is: every variation is carried through flights and
+    /// events, over --periods returns
+    #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
+    pub spectrum: bool,
+    /// End a spectrum once the standard deviation of the running exponents over 200 periods is
+    /// below this, per unit of tau
+    #[arg(long, value_name = "X", default_value_t = 0.0)]
+    #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
+    pub threshold: f64,
+    /// Values at which spectra are listed and running exponents shown
+    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the
+    /// quarters of the range]
+    #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(help_heading = WITHOUT_FILE)]
+    pub at: Vec<String>,
+}
+
+/// Arguments of `isoperiodic`.
+#[derive(Args, Debug)]
+pub struct Isoperiodic {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
+    /// Values on each axis
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=3_000))]
+    pub resolution: u16,
+    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
+    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
+    /// named is zero. "orbit" starts on the exact orbit where it is stable
+    #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
+    pub start: StartRule,
+    /// Drive periods discarded. A motion that has settled earlier is not simulated further
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
+    pub discard: u32,
+    /// Most drive periods over which the largest exponent of a motion without a period is computed
+    /// at a time. The computation ends once the class is decided. 0 leaves the exponents out
+    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = whole(0..=u32::MAX))]
+    pub periods: u32,
+    /// Constant loads.
+    #[command(flatten)]
+    pub loads: ConstantLoads,
+    /// For many machines.
+    #[command(flatten)]
+    pub share: Share,
+}
+
+/// Arguments of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// The folders given to the shards as --out
+    #[arg(required = true, value_name = "FOLDER")]
+    pub folders: Vec<PathBuf>,
+}
+
+/// Arguments of `template`.
+#[derive(Args, Debug)]
+pub struct Template {
+    /// The machine in SI (the default)
+    #[arg(long, conflicts_with = "groups")]
+    pub si: bool,
+    /// The dimensionless groups
+    #[arg(long)]
+    pub groups: bool,
+}
+
+/// Arguments of `new`.
+#[derive(Args, Debug)]
+pub struct New {
+    /// The machine: damper, gears, brake and others; without it all are listed
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+    /// The file to write, which must not be there [default: NAME.toml]
+    #[arg(value_name = "TO")]
+    pub to: Option<PathBuf>,
+}
+
+/// Arguments of `fmu`.
+#[derive(Args, Debug)]
+pub struct Fmu {
+    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Version of FMI: 2 writes NAME.fmu, 3 writes NAME-FMI3.fmu
+    #[arg(long, value_name = "2|3", default_value = "3", value_parser = ["2", "3"])]
+    pub fmi: String,
+    /// The compiled library of described machines (machine-kit.zip)
+    #[arg(long, value_name = "FILE")]
+    pub kit: Option<PathBuf>,
+}
+
+/// Arguments of `reproduce`.
+#[derive(Args, Debug)]
+pub struct Reproduce {
+    /// Fewer values and periods: a first look within a minute
+    #[arg(long)]
+    pub quick: bool,
+}
+
+/// Arguments of `response`.
+#[derive(Args, Debug)]
+pub struct Response {
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
+    /// paper's machine
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Range of the parameter along which the response is drawn: with FILE any of its numbers, such
+    /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
+    /// response) or another parameter
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub range: Vec<String>,
+    /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
+    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude
+    /// of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the
+    /// first free body; without, the paper's C and A3]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<String>,
+    /// Of a machine's file.
+    #[command(flatten, next_help_heading = WITH_FILE)]
+    pub of_file: ResponseOfFile,
+    /// Of the paper's machine.
+    #[command(flatten, next_help_heading = WITHOUT_FILE)]
+    pub of_paper: ResponseOfPaper,
+}
+
+/// Options of a response of the paper's machine.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub struct ResponseOfPaper {
+    /// Which curves
+    #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
+    pub kind: ResponseKind,
+    /// Values that differ between curves: of f10 and gamma1 for the frequency response, of sigma1
+    /// for the force response, of any parameter along another one. A value that was set is added;
+    /// without a list it is the only one
+    #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
+    pub values: Vec<ParameterValues>,
+    /// The parsed ranges.
+    #[arg(skip)]
+    pub range: Vec<ParameterRange>,
+    /// The parsed coordinate.
+    #[arg(skip)]
+    pub of: Option<Displacement>,
+}
+
+/// Kinds of response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResponseKind {
+    /// Over sigma1 (figure 10)
+    Frequency,
+    /// Over f10 (figure 11)
+    Force,
+    /// Both
+    Both,
+}
+
+/// Arguments of `manifold`.
+#[derive(Args, Debug)]
+pub struct Manifold {
+    /// What is drawn: the manifold (2), its admissible part (7), its fixed points (9), by the
+    /// paper's figure numbers [default: all]
+    #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
+    pub figure: Vec<String>,
+    /// The parameter that differs between the panels of the fixed points (figure 9), and its values
+    /// [default: f10=0.6,1.2,1.5,2.5, or the f10 that was set]
+    #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
+    pub values: Option<ParameterValues>,
+}
+
+/// Arguments of `stability`.
+#[derive(Args, Debug)]
+pub struct Stability {
+    /// What is drawn: limits over restitution and mass ratio (5), Masri's plane (6), by the paper's
+    /// figure numbers [default: both]
+    #[arg(long, value_name = "N", value_parser = ["5", "6"])]
+    pub figure: Vec<String>,
+}
+
+/// Planes of two parameters.
+#[derive(Args, Debug)]
+pub struct Planes {
+    /// Two parameters, horizontal first, e.g. sigma1,f10 or block.m,stop.gap
+    /// [default: the six pairs of figure 12]
+    #[arg(long, value_name = "X,Y")]
+    pub pair: Vec<ParameterPair>,
+    /// Range of a parameter on its axis
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Vec<ParameterRange>,
+}
+
+/// Arguments of `plane`.
+#[derive(Args, Debug)]
+pub struct Plane {
+    /// The planes.
+    #[command(flatten)]
+    pub planes: Planes,
+    /// Values on each axis
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole::<u16>(2..=10_000))]
+    pub resolution: u16,
+    /// Theory that decides existence and stability
+    #[arg(long, value_enum, default_value_t = MethodName::MultipleScales)]
+    pub method: MethodName,
+}
+
+/// Theories.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum MethodName {
+    /// Approximation for small mass ratios (paper, section 3)
+    MultipleScales,
+    /// Approximation for strong coupling (paper, section 5)
+    StrongCoupling,
+    /// Exact closed form, without a small parameter
+    ExactOrbit,
+}
+
+impl From<MethodName> for Method {
+    fn from(theory: MethodName) -> Self {
+        match theory {
+            MethodName::MultipleScales => Self::MultipleScales,
+            MethodName::StrongCoupling => Self::StrongCoupling,
+            MethodName::ExactOrbit => Self::ExactOrbit,
+        }
+    }
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// What is compared, by the paper's figure numbers: histories and phase portraits (8), the
+    /// force response with simulated maxima (16), errors over the mass ratio (17), strong coupling
+    /// (19, with 18) [default: all]. Numbers that are not set for 19 are chosen here
+    #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
+    pub figure: Vec<String>,
+    /// Range of the force f10 for the simulated maxima (figure 16) [default: f10=0.5:3]
+    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    pub range: Option<ParameterRange>,
+    /// Number of values of f10 for the simulated maxima (figure 16)
+    #[arg(long, value_name = "N", default_value_t = 251, value_parser = whole::<u16>(2..=10_000))]
+    pub resolution: u16,
+    /// Mass ratios for the errors (figure 17)
+    /// [default: epsilon=0.1,0.05,0.02,0.01,0.005, or the epsilon that was set]
+    #[arg(long, value_name = "NAME=V,V,…")]
+    pub values: Option<ParameterValues>,
+}

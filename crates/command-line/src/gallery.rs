@@ -1,0 +1,84 @@
+//! The gallery's machines as files to start from (`vibro new`).
+
+use crate::part_folder::write_whole;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// A machine of the gallery.
+#[derive(Debug)]
+pub struct Example {
+    /// The word for it.
+    pub name: &'static str,
+    /// Its file.
+    pub text: &'static str,
+    /// Records and matrices that the file names, with their names.
+    beside: &'static [(&'static str, &'static str)],
+}
+
+macro_rules! examples {
+    ($($name:literal $file:literal $($beside:literal)*,)+) => {
+        &[$(Example {
+            name: $name,
+            text: include_str!(concat!("../../../examples/assembly/", $file, ".toml")),
+            beside: &[$(($beside, include_str!(concat!("../../../examples/assembly/", $beside))),)*],
+        },)+]
+    };
+}
+
+/// All of them, in the gallery's order.
+pub static EXAMPLES: &[Example] = examples! {
+    "damper" "damper_with_buffer",
+    "gears" "gear_backlash",
+    "brake" "brake_squeal",
+    "clutches" "msl_coupled_clutches",
+    "valve-train" "valve_train" "cam_lift.csv",
+    "conveyor" "vibratory_conveyor",
+    "pipe" "pipe_supports",
+    "drill" "percussion_drill",
+    "servo" "servo",
+    "relay" "relay_bounce",
+    "beads" "bead_column",
+    "blocks" "two_blocks",
+    "paper" "paper_machine",
+    "cantilever" "cantilever" "cantilever_mass.mtx" "cantilever_stiffness.mtx",
+    "mesh" "gear_mesh",
+    "joint" "iwan_joint",
+    "shock" "shaken_rig" "shaken_rig.csv",
+    "run-up" "run_up",
+};
+
+impl Example {
+    /// The machine with a name.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for another name, with all of them.
+    pub fn find(name: &str) -> Result<&'static Self> {
+        EXAMPLES.iter().find(|example| example.name == name).ok_or_else(|| {
+            let names: Vec<&str> = EXAMPLES.iter().map(|example| example.name).collect();
+            let problem =
+                format!("no machine of the gallery has this name; allowed are {}", names.join(", "));
+            Error::Refused { what: format!("new {name}"), problem }
+        })
+    }
+
+    /// What it is: the file's first line.
+    pub fn about(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
+    }
+
+    /// Writes its file, and what it names beside it. Nothing is overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] where a file is there already; [`Error::File`].
+    pub fn write(&self, path: &Path) -> Result<Vec<PathBuf>> {
+        let beside = self.beside.iter().map(|(name, text)| (path.with_file_name(name), *text));
+        let files: Vec<(PathBuf, &str)> =
+            std::iter::once((path.to_owned(), self.text)).chain(beside).collect();
+        if let Some((there, _)) = files.iter().find(|(path, _)| path.exists()) {
+            let problem = "is there already and is not overwritten; allowed is another name".into();
+            return Err(Error::Refused { what: there.display().to_string(), problem });
+        }
+        files.iter().try_for_each(|(path, text)| write_whole(path, text.as_bytes()))?;
+        Ok(files.into_iter().map(|(path, _)| path).collect())
+    }
+}

@@ -1,0 +1,292 @@
+//! Finished parts of a long study in a folder on disk, so that an interrupted study continues and
+//! several machines can share one.
+//!
+//! The folder holds `manifest.toml`, which says what is computed, a file for each finished part,
+//! and `lock`, which the program at work holds. A file is written under a temporary name and then
+//! renamed, so that a part is either complete or absent. Parts of another study are kept unless the
+//! user asks to discard them; other files are never removed.
+
+use crate::long_study::FORMAT;
+use crate::manifest::Manifest;
+use crate::{Error, Result};
+use std::fs::{File, TryLockError};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock};
+use vibro_studies::parts::PartStore;
+
+const MANIFEST: &str = "manifest.toml";
+const LOCK: &str = "lock";
+/// Ending of a part's file.
+const PART: &str = "part";
+/// Ending of a file that is being written.
+const WRITING: &str = "writing";
+
+/// Content of a folder with respect to a study.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Occupancy {
+    /// Nothing.
+    Free,
+    /// Parts of this study.
+    Own,
+    /// Parts of another study, which the manifest describes.
+    Foreign(Box<Manifest>),
+}
+
+/// A folder of finished parts, locked while this value lives.
+#[derive(Debug)]
+pub struct PartFolder {
+    folder: PathBuf,
+    /// The lock ends when the file is closed. The system closes the file if the program is killed.
+    _lock: File,
+}
+
+impl PartFolder {
+    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it. Parts
+    /// of another study are refused, or removed if `discard` says so.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if another program works in the folder, if `discard` is false and the
+    /// folder holds parts of another study or of another [form](FORMAT), if the parts of `manifest`
+    /// have another form, or if the folder's manifest is damaged, or missing although there are
+    /// other files; [`Error::File`] and [`Error::Output`] if a file cannot be read or written.
+    pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
+        // A study read from shards may have parts of another form.
+        if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
+            return Err(other_format(folder, format));
+        }
+        // Refused before the folder is created.
+        if let (Occupancy::Foreign(there), false) = (Self::occupancy(folder, manifest)?, discard) {
+            return Err(other_study(folder, &there, manifest));
+        }
+        std::fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
+        let opened = Self { folder: folder.into(), _lock: lock(folder)? };
+        // Checked again: another program may have used the folder until it was locked.
+        match Self::occupancy(folder, manifest)? {
+            Occupancy::Own => opened.remove_files(&[WRITING])?,
+            Occupancy::Free => write_whole(&folder.join(MANIFEST), manifest.text()?.as_bytes())?,
+            Occupancy::Foreign(there) if !discard => return Err(other_study(folder, &there, manifest)),
+            Occupancy::Foreign(_) => {
+                opened.remove_files(&[WRITING, PART])?;
+                write_whole(&folder.join(MANIFEST), manifest.text()?.as_bytes())?;
+            }
+        }
+        Ok(opened)
+    }
+
+    /// Content of a folder with respect to the study that `manifest` describes.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if the manifest is damaged or is not a manifest of parts, or if the folder
+    /// has files but no manifest; [`Error::File`] if the folder cannot be read.
+    pub fn occupancy(folder: &Path, manifest: &Manifest) -> Result<Occupancy> {
+        let path = folder.join(MANIFEST);
+        if path.exists() {
+            let there = Self::manifest(folder)?;
+            let same = there.describes_same(manifest);
+            return Ok(if same { Occupancy::Own } else { Occupancy::Foreign(Box::new(there)) });
+        }
+        let foreign = |p: &&PathBuf| p.file_name().is_some_and(|n| n != LOCK) && !has_ending(p, WRITING);
+        match entries(folder)?.iter().find(foreign) {
+            None => Ok(Occupancy::Free),
+            Some(file) => {
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                let problem = format!(
+                    "holds `{name}` but no {MANIFEST}, so it is no folder of parts, and is left as it is; give another --out"
+                );
+                Err(Error::Config { path: folder.into(), problem })
+            }
+        }
+    }
+
+    /// Reads the manifest of a folder of parts.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the manifest cannot be read; [`Error::Config`] if it is not a manifest of
+    /// parts.
+    pub fn manifest(folder: &Path) -> Result<Manifest> {
+        let path = folder.join(MANIFEST);
+        let found = Manifest::read(&path)?;
+        if found.long_study.is_none() {
+            let problem =
+                "has no table [long_study], so it is no manifest of parts, and is left as it is".into();
+            return Err(Error::Config { path, problem });
+        }
+        Ok(found)
+    }
+
+    /// Number of finished parts in a folder.
+    pub fn kept(folder: &Path) -> usize {
+        entries(folder).map_or(0, |all| all.iter().filter(|p| has_ending(p, PART)).count())
+    }
+
+    fn path(&self, index: usize) -> PathBuf {
+        self.folder.join(format!("{index:05}.{PART}"))
+    }
+
+    /// Copies the finished parts of another folder that are missing in this one.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn take_over(&self, other: &Path) -> Result<()> {
+        for path in entries(other)?.iter().filter(|p| has_ending(p, PART)) {
+            let own = self.folder.join(path.file_name().unwrap_or_default());
+            if !own.exists() {
+                let bytes = std::fs::read(path).map_err(Error::file("reading", path))?;
+                write_whole(&own, &bytes)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes parts and manifest of a finished study, and the folder if nothing else is in it.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn remove(self) -> Result<()> {
+        self.remove_files(&[PART, WRITING])?;
+        for name in [MANIFEST, LOCK] {
+            let path = self.folder.join(name);
+            std::fs::remove_file(&path).map_err(Error::file("writing", &path))?;
+        }
+        // Files of other programs are kept.
+        let _ = std::fs::remove_dir(&self.folder);
+        Ok(())
+    }
+
+    fn remove_files(&self, endings: &[&str]) -> Result<()> {
+        for path in entries(&self.folder)?.iter().filter(|p| endings.iter().any(|e| has_ending(p, e))) {
+            std::fs::remove_file(path).map_err(Error::file("writing", path))?;
+        }
+        Ok(())
+    }
+}
+
+/// Read lock: a part is being written. Write lock: no further part may be completed.
+static SAVING: RwLock<()> = RwLock::new(());
+
+/// Prevents the completion of further parts while the returned guard lives, so that a program can
+/// count its parts and exit.
+pub fn stop_saving() -> impl Drop {
+    SAVING.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl PartStore for PartFolder {
+    fn load(&self, index: usize) -> Option<Vec<u8>> {
+        std::fs::read(self.path(index)).ok()
+    }
+
+    fn save(&self, index: usize, bytes: &[u8]) -> vibro_studies::Result<()> {
+        let _saving = SAVING.read();
+        write_whole(&self.path(index), bytes).map_err(vibro_studies::Error::store)
+    }
+
+    fn contains(&self, index: usize) -> bool {
+        self.path(index).exists()
+    }
+}
+
+/// The files in a folder; an empty list if the folder does not exist.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let all = match std::fs::read_dir(folder) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.map_err(Error::file("reading", folder))?,
+    };
+    all.map(|e| e.map(|e| e.path()).map_err(Error::file("reading", folder))).collect()
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|e| e == ending)
+}
+
+/// Locks a folder for this program.
+fn lock(folder: &Path) -> Result<File> {
+    let path = folder.join(LOCK);
+    let mut options = File::options();
+    let file = options.create(true).truncate(false).write(true).open(&path);
+    let file = file.map_err(Error::file("writing", &path))?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let problem =
+                "another vibro is computing parts in this folder; wait for it, give another --out, or share \
+                           the study with --shard and an --out for each share"
+                    .into();
+            Err(Error::Config { path: folder.into(), problem })
+        }
+        // The file system has no locks. Parts are still complete, and two programs compute equal
+        // parts.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// `3 of 8 parts`; without the total if it is unknown (`count` is 0). What is kept beyond the total
+/// are branches.
+pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
+    match (kept.checked_sub(count), count) {
+        (_, 0) => format!("{kept} {parts}"),
+        (Some(behind), _) if behind > 0 => format!("all {count} {parts} and {behind} of branches"),
+        _ => format!("{kept} of {count} {parts}"),
+    }
+}
+
+/// Error for parts of another study; `there` is in the folder and `here` is asked for.
+pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
+    if let Some(format) = format_of(there).filter(|format| *format != FORMAT) {
+        return other_format(folder, format);
+    }
+    let count = there.long_study.as_ref().map_or(0, |s| s.count());
+    let problem = format!(
+        "holds {} of another run; they differ in\n{}\n  begun by: {} (version {})\n  allowed: \
+         another --out; to finish that run first by its command line; `vibro merge` if it is a share of a study; or \
+         --discard-unfinished, which deletes its parts",
+        parts_in_words(PartFolder::kept(folder), count, "finished parts"),
+        there.differences_in_lines(here),
+        there.invocation.command_line,
+        there.version
+    );
+    Error::Config { path: folder.into(), problem }
+}
+
+/// Form of a study's parts.
+fn format_of(manifest: &Manifest) -> Option<u32> {
+    manifest.long_study.as_ref().map(|study| study.format)
+}
+
+/// Error for parts that were made by a build with another [form](FORMAT).
+fn other_format(folder: &Path, format: u32) -> Error {
+    let problem = format!(
+        "holds {} finished parts in form {format}, and this vibro reads and writes form {FORMAT}\n  allowed: another --out; to finish \
+         that run first by the vibro that began it; or --discard-unfinished, which deletes its parts",
+        PartFolder::kept(folder)
+    );
+    Error::Config { path: folder.into(), problem }
+}
+
+/// Writes a file atomically: even after a power failure it is either complete or absent.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_whole_by(path, |file| file.write_all(bytes).map_err(Error::file("writing", path)))
+}
+
+/// Writes a file atomically, as [`write_whole`], from pieces that `fill` writes.
+///
+/// # Errors
+/// [`Error::File`] if the file cannot be written; the errors of `fill`.
+pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
+    // The whole name is kept: files that differ only in their ending may be written at the same
+    // time.
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.{WRITING}", std::process::id()));
+    let beside = path.with_file_name(name);
+    let failed = || Error::file("writing", &beside);
+    let mut file = BufWriter::new(File::create(&beside).map_err(failed())?);
+    fill(&mut file)?;
+    file.flush().map_err(failed())?;
+    file.get_ref().sync_all().map_err(failed())?;
+    std::fs::rename(&beside, path).map_err(Error::file("writing", path))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,272 @@
+//! Tables of special points, as `vibro orbits` writes them, and the choice of rows from which
+//! curves in two parameters start.
+//!
+//! ```text
+//! special-points.csv          every row that starts a curve
+//! special-points.csv:12       row 12, counted from 1
+//! special-points.csv:LP       every fold
+//! special-points.csv:LP@2.3   every fold whose value, rounded to one decimal, is 2.3
+//! special-points.csv:@2.3     every special point at that value
+//! ```
+
+mod of_file;
+
+pub use of_file::PointOfFile;
+
+use crate::{Error, Result, table};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use vibro_studies::paper::{Name, number};
+use vibro_orbits::paper::{Label, LocusStart, OrbitWord};
+
+/// Tolerance of a value in units of its last digit: one half, and a little more for ties.
+const LAST_DIGIT: f64 = 0.51;
+
+/// Labels that only points of described machines have.
+const FURTHER: [&str; 3] = ["ST", "CC", "SA"];
+
+/// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// The table.
+    pub path: PathBuf,
+    /// Which rows.
+    rows: ChosenRows,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum ChosenRows {
+    All,
+    Row(usize),
+    Kind { label: Option<&'static str>, value: Option<String> },
+}
+
+/// A special point with its row, counted from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpecialPoint {
+    /// The row.
+    pub row: usize,
+    /// The parameter along whose branch it lies.
+    pub along: Name,
+    /// Where a curve starts. The second parameter is not in the table; it has the machine's value.
+    pub start: LocusStart,
+}
+
+impl FromStr for Selection {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let all = || Self { path: text.into(), rows: ChosenRows::All };
+        let form =
+            || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
+        let (path, choice) = match text.rsplit_once(':') {
+            None if text.trim().is_empty() => return Err(form()),
+            None => return Ok(all()),
+            Some((path, _)) if path.trim().is_empty() => return Err(form()),
+            Some(parts) => parts,
+        };
+        let rows = if let Ok(row) = choice.parse::<usize>() {
+            if row == 0 {
+                return Err(form());
+            }
+            ChosenRows::Row(row)
+        } else {
+            let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
+            let label = label.trim();
+            let mut labels = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
+            let known = labels.find(|name| name.eq_ignore_ascii_case(label));
+            // A colon may belong to the path.
+            if known.is_none() && !(label.is_empty() && value.is_some()) {
+                return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
+            }
+            ChosenRows::Kind { label: known, value: value.map(|v| v.trim().to_owned()) }
+        };
+        Ok(Self { path: path.into(), rows })
+    }
+}
+
+impl Selection {
+    /// The chosen points of the table, with the machine's value `held` of the second parameter.
+    ///
+    /// # Errors
+    /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if no
+    /// curve starts from the row, or if no row meets the choice. If rows have the chosen label but
+    /// not the chosen value, the error names the nearest row.
+    pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
+        let table = Table::read(&self.path)?;
+        let rows = table.rows();
+        if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
+            return Err(rows[0].other_parameter(other.name(), along.name()));
+        }
+        let seen =
+            |p: &SpecialPoint| Seen { row: p.row, label: p.start.label.name(), value: p.start.values[0] };
+        self.chosen(&rows, &|row| row.point(along, held), &seen, &|text| Ok(number(along, text)?))
+    }
+
+    /// The points that the rows of the choice are read as.
+    fn chosen<P>(
+        &self,
+        rows: &[PointRow],
+        read: &dyn Fn(&PointRow) -> Result<Option<P>>,
+        seen: &dyn Fn(&P) -> Seen,
+        number: &dyn Fn(&str) -> Result<f64>,
+    ) -> Result<Vec<P>> {
+        let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
+        let (label, value) = match &self.rows {
+            ChosenRows::Row(number) => {
+                let row = rows
+                    .get(number - 1)
+                    .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
+                let label = row.cell("label")?;
+                let starts = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
+                let starts: Vec<&str> = starts.collect();
+                return Ok(vec![read(row)?.ok_or_else(|| {
+                    wrong(match starts.contains(&label) {
+                        true => format!(
+                            "row {number} is {label} without an orbit beside it that a motion leads to: no \
+                             curve starts here; allowed is a row of another branch at this value"
+                        ),
+                        false => format!("row {number} is {label}; curves start from {}", starts.join(", ")),
+                    })
+                })?]);
+            }
+            ChosenRows::All => (None, None),
+            ChosenRows::Kind { label, value } => (*label, value.as_deref()),
+        };
+        let all = rows.iter().map(read).collect::<Result<Vec<_>>>()?;
+        let mut found: Vec<P> =
+            all.into_iter().flatten().filter(|p| label.is_none_or(|label| seen(p).label == label)).collect();
+        let what = label.unwrap_or("point from which a curve starts");
+        if found.is_empty() {
+            return Err(wrong(format!("has no {what}")));
+        }
+        if let Some(text) = value {
+            let wanted = number(text)?;
+            let room = last_digit(text, wanted);
+            let distance = |p: &P| (seen(p).value - wanted).abs();
+            let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(seen);
+            found.retain(|p| distance(p) <= room);
+            if let (true, Some(Seen { row, value, .. })) = (found.is_empty(), nearest) {
+                return Err(wrong(format!("has no {what} at {text}; the nearest is row {row} at {value}")));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// What a choice sees of a point.
+struct Seen {
+    row: usize,
+    label: &'static str,
+    value: f64,
+}
+
+/// A table as it was read.
+struct Table<'a> {
+    path: &'a Path,
+    header: csv::StringRecord,
+    records: Vec<csv::StringRecord>,
+}
+
+impl<'a> Table<'a> {
+    fn read(path: &'a Path) -> Result<Self> {
+        let allowed = "a table of special points, as `vibro orbits` writes it";
+        let (header, records) = table::read(path, allowed)?;
+        Ok(Self { path, header, records })
+    }
+
+    fn rows(&self) -> Vec<PointRow<'_>> {
+        let numbered = self.records.iter().zip(1..);
+        numbered
+            .map(|(record, number)| PointRow { number, record, header: &self.header, path: self.path })
+            .collect()
+    }
+}
+
+/// Tolerance of a value that is given as text: half of the text's last digit, in SI.
+fn last_digit(text: &str, value: f64) -> f64 {
+    let mantissa = text.trim().trim_start_matches(['+', '-']);
+    let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
+    let digits = plain.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    let written: f64 = plain.parse().unwrap_or(0.0);
+    let unit = if written == 0.0 { 1.0 } else { (value / written).abs() };
+    LAST_DIGIT * unit / 10f64.powi(i32::try_from(digits).unwrap_or(i32::MAX))
+}
+
+/// A row of a table.
+struct PointRow<'a> {
+    number: usize,
+    record: &'a csv::StringRecord,
+    header: &'a csv::StringRecord,
+    path: &'a Path,
+}
+
+impl PointRow<'_> {
+    fn wrong(&self, problem: String) -> Error {
+        Error::Config { path: self.path.into(), problem }
+    }
+
+    fn other_parameter(&self, own: &str, along: &str) -> Error {
+        self.wrong(format!("has points over {own}, but the first --vary is of {along}"))
+    }
+
+    fn cell(&self, name: &str) -> Result<&str> {
+        let index = self.header.iter().position(|h| h == name);
+        let missing = || self.wrong(format!("has no column `{name}`: is it special-points.csv?"));
+        index.and_then(|i| self.record.get(i)).ok_or_else(missing)
+    }
+
+    fn number(&self, text: &str) -> Result<f64> {
+        let finite = text.parse::<f64>().ok().filter(|x| x.is_finite());
+        finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is no number", self.number)))
+    }
+
+    fn along(&self) -> Result<Name> {
+        Ok(Name::find(self.cell("parameter")?)?)
+    }
+
+    /// The point; `None` for a row from which no curve starts: an end of the range, a branch that
+    /// was not followed further, or a marked value.
+    fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
+        let name = self.cell("label")?;
+        let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
+        let phases =
+            self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
+        let closing: i8 = if self.cell("closing")? == "-" { -1 } else { 1 };
+        let period: Option<u32> = self.cell("period")?.parse().ok();
+        let half = period.and_then(|period| if closing < 0 { Some(period) } else { period.checked_mul(2) });
+        let half = half.ok_or_else(|| self.wrong(format!("row {}: no period", self.number)))?;
+        let word = OrbitWord::new(self.cell("word")?, closing, half)?;
+        let values = [self.number(self.cell("value")?)?, held];
+        Ok(Some(SpecialPoint { row: self.number, along, start: LocusStart { label, word, phases, values } }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn selections_are_read_as_they_are_written() {
+        let rows = |text: &str| text.parse::<Selection>().unwrap().rows;
+        let kind = |label, value: Option<&str>| ChosenRows::Kind { label, value: value.map(str::to_owned) };
+        assert_eq!(rows("a.csv"), ChosenRows::All);
+        assert_eq!(rows("a.csv:3"), ChosenRows::Row(3));
+        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some("LP"), None));
+        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some("PD"), Some("2.3041")));
+        assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));
+        for text in ["a.csv:0", "a.csv:XX", "a.csv:XX@2", "a.csv:"] {
+            assert!(text.parse::<Selection>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn closed_form_room_of_a_value_as_it_is_written() {
+        let [f10, frequency] = ["f10", "drive.frequency"].map(|name| Name::find(name).unwrap());
+        let room = |name: Name, text: &str| last_digit(text, number(name, text).unwrap());
+        assert_eq!(room(f10, "2.30"), LAST_DIGIT / 100.0);
+        assert_eq!(room(f10, "-2"), LAST_DIGIT);
+        let hertz = room(frequency, "10.6Hz");
+        assert!((hertz - LAST_DIGIT * 0.1 * std::f64::consts::TAU).abs() < 1e-12, "{hertz}");
+    }
+}

@@ -1,0 +1,280 @@
+//! The branches of periodic orbits over a bifurcation diagram of a described machine, and the rows
+//! of the diagram that lie on them.
+
+use super::Study;
+use super::assembly_orbits::{marks, shown_axis, special_table, words};
+use super::design_sweep::Labelled;
+use super::diagram::{DIRECTIONS, reach, shaded};
+use super::orbits::{DrawnBranch, branch_layers};
+use crate::Result;
+use crate::table::{CsvRows, exact};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::{Machine, Maxima, Settled, Watcher, settled};
+use vibro_studies::paper::bifurcation::Diagram;
+use vibro_figures::chart::{Axis, Figure, Panel};
+use vibro_orbits::paper::PathOptions;
+use vibro_orbits::{Branch, Family, KeptPaths, Orbit, OrbitPoint, Stability, TreeOptions, tree_on};
+
+/// Least and largest number of values, in each direction, at which settled motions start branches.
+const SEEDS: (usize, usize) = (24, 200);
+/// Largest number of uncovered rows that are listed on the screen.
+const LISTED: usize = 12;
+
+/// The family of machines over the axis of a diagram.
+///
+/// # Errors
+/// As [`Family::new`], for machines and parameters that orbits cannot be followed over.
+pub fn diagram_family(machine: &Machine, request: &DiagramRequest) -> Result<Family> {
+    Ok(Family::new(machine, &request.axis.name, (request.axis.from, request.axis.to))?)
+}
+
+/// A periodic row of a diagram, with the branch on which it lies.
+struct Row {
+    direction: usize,
+    value: f64,
+    class: String,
+    branch: Option<usize>,
+}
+
+/// A stable orbit at a value, as the diagram sees its motion.
+struct Seen {
+    branch: usize,
+    settled: Settled,
+}
+
+/// The branches over the axis of a diagram, on the paths that are kept. `told` receives the number
+/// of branches, and that with the starts still known.
+///
+/// # Errors
+/// As [`diagram_family`].
+pub fn diagram_branches(
+    machine: &Machine,
+    request: &DiagramRequest,
+    kept: &dyn KeptPaths,
+    told: &dyn Fn(usize, usize),
+) -> Result<(Family, Vec<Branch>)> {
+    let family = diagram_family(machine, request)?;
+    let options = TreeOptions {
+        start: request.start.clone(),
+        seeds: request.axis.count.clamp(SEEDS.0, SEEDS.1),
+        discard: request.discard,
+        path: PathOptions::default(),
+        ..TreeOptions::default()
+    };
+    let branches = tree_on(&family, &options, kept, &mut |found, all| {
+        told(found.len(), all);
+        true
+    })?;
+    Ok((family, branches))
+}
+
+/// The study of the branches over a diagram: tables of the drawn curves, of special points and of
+/// the diagram's periodic rows, and a picture.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn assembly_diagram_orbits(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    (family, branches): (&Family, &[Branch]),
+    name: &str,
+) -> Result<Study> {
+    let rows = rows(family, branches, diagram);
+    let maxima = maxima(machine, request, branches)?;
+    let parameter = &request.axis.name;
+    let (of, what) = (request.of.to_string(), "branches of periodic orbits over the local maxima of");
+    let what = format!("{} {what} {of} over {parameter}", branches.len());
+    let figure = Figure {
+        title: format!("{}: periodic orbits over the maxima of {of} over {parameter}", machine.description.name),
+        caption: vec![
+            "Orbits: full where stable, dashed where unstable; one colour for each period. Cells: motions of the diagram.".into(),
+            format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter))),
+        ],
+        panels: vec![panel(machine, request, diagram, (branches, &maxima))?],
+        columns: 1,
+        panel: (2900, 1700),
+        shared_legend: false,
+    };
+    Ok(Study {
+        tables: vec![
+            (name.into(), curve_table(family, &of, branches, &maxima)?),
+            (format!("{name}-special-points"), special_table(family, branches)?),
+            (format!("{name}-rows"), row_table(family, branches, &rows)?),
+        ],
+        figure: Some(figure),
+        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
+        ..Study::without_figure(name, what).with_remarks(remarks(machine, parameter, &rows))
+    })
+}
+
+/// The periodic rows of both directions with their branches.
+fn rows(family: &Family, branches: &[Branch], diagram: &Diagram<AssemblyPoint>) -> Vec<Row> {
+    let mut at: BTreeMap<u64, Vec<(usize, &AssemblyPoint)>> = BTreeMap::new();
+    for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
+        for point in points.iter().flatten().filter(|point| point.settled.class.is_periodic()) {
+            at.entry(point.value.to_bits()).or_default().push((direction, point));
+        }
+    }
+    let of = |points: &Vec<(usize, &AssemblyPoint)>| -> Vec<Row> {
+        let seen = seen(family, branches, points[0].1.value);
+        let row = |(direction, point): &(usize, &AssemblyPoint)| {
+            let covers = |seen: &&Seen| seen.settled.differs(&point.settled) == Some(false);
+            let branch = seen.iter().find(covers).map(|seen| seen.branch);
+            Row { direction: *direction, value: point.value, class: point.settled.class.name(), branch }
+        };
+        points.iter().map(row).collect()
+    };
+    let all: Vec<&Vec<(usize, &AssemblyPoint)>> = at.values().collect();
+    let mut rows: Vec<Row> = all.into_par_iter().flat_map_iter(of).collect();
+    rows.sort_by(|a, b| a.direction.cmp(&b.direction).then(a.value.total_cmp(&b.value)));
+    rows
+}
+
+/// The stable orbits of all branches at a value, as motions that begin on them.
+fn seen(family: &Family, branches: &[Branch], value: f64) -> Vec<Seen> {
+    let of = |branch: &Branch, orbit: Orbit| {
+        let (mut motion, section) = family.at(value).and_then(|m| m.motion(&orbit.start())).ok()?;
+        Some(Seen { branch: branch.id, settled: settled(&mut motion, &section, None).ok()? })
+    };
+    let stable = |orbit: &Orbit| orbit.stability() == Stability::Stable;
+    let on = |branch: &&Branch| branch.points.iter().any(|p| p.stability == Stability::Stable);
+    branches
+        .iter()
+        .filter(on)
+        .flat_map(|branch| {
+            let orbits = branch.orbits_at(value).into_iter().filter(stable);
+            orbits.filter_map(|orbit| of(branch, orbit)).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// The local maxima of the diagram's quantity along each branch, the largest first.
+fn maxima(machine: &Machine, request: &DiagramRequest, branches: &[Branch]) -> Result<Vec<Vec<Vec<f64>>>> {
+    let quantity = request.of.find(&machine.description)?.quantity;
+    let of = |orbit: Orbit| -> Vec<f64> {
+        let mut watcher = Watcher::of(&[], orbit.place().assembly.system().stops.len());
+        watcher.maxima = Some(Maxima::new(quantity));
+        // The first period shows whether the quantity rises where the second begins.
+        orbit.observe(&mut [&mut watcher]);
+        watcher.maxima.iter_mut().for_each(|m| m.found.clear());
+        orbit.observe(&mut [&mut watcher]);
+        let mut found = watcher.maxima.map_or(Vec::new(), |m| m.found);
+        found.sort_by(|a, b| b.total_cmp(a));
+        found
+    };
+    let along = |branch: &Branch| -> Vec<Vec<f64>> {
+        let point = |point: &OrbitPoint| branch.orbit(point).map_or(Vec::new(), of);
+        branch.points.iter().map(point).collect()
+    };
+    Ok(branches.par_iter().map(along).collect())
+}
+
+/// The curve of a branch's maximum number `k`; NaN where its maxima are others than at a neighbour.
+fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
+    maxima.iter().map(|all| all.get(k).copied().unwrap_or(f64::NAN)).collect()
+}
+
+fn panel(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    (branches, maxima): (&[Branch], &[Vec<Vec<f64>>]),
+) -> Result<Panel> {
+    let axis = &request.axis;
+    let apart = diagram.apart();
+    let range = reach(diagram, &|_, value| value, 0.0);
+    let unit = request.of.find(&machine.description)?.unit;
+    let mut layers = shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value));
+    let curves: Vec<(&Branch, Vec<f64>)> = branches
+        .iter()
+        .zip(maxima)
+        .flat_map(|(branch, all)| {
+            let most = all.iter().map(Vec::len).max().unwrap_or(0);
+            (0..most).map(move |k| (branch, curve(all, k)))
+        })
+        .collect();
+    let drawn: Vec<DrawnBranch> = curves
+        .iter()
+        .map(|(branch, tops)| DrawnBranch {
+            period: branch.word().periods.unwrap_or(1),
+            points: branch.points.iter().map(|p| (p.value, p.stability == Stability::Stable)).collect(),
+            tops,
+        })
+        .collect();
+    layers.extend(branch_layers(&drawn));
+    let tops: Vec<Vec<f64>> = maxima.iter().map(|all| curve(all, 0)).collect();
+    layers.extend(marks(branches, &tops).layers);
+    Ok(Panel {
+        title: String::new(),
+        x: Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) },
+        y: Axis {
+            range: Some(range),
+            ..shown_axis(&request.of.to_string(), unit, range.0.abs().max(range.1.abs()))
+        },
+        layers,
+    })
+}
+
+/// Table of the curves: the maxima of each orbit.
+fn curve_table(family: &Family, of: &str, branches: &[Branch], maxima: &[Vec<Vec<f64>>]) -> Result<Vec<u8>> {
+    let (parameter, column) = (family.parameter.as_str(), format!("{of}_maxima"));
+    let header = ["branch", "point", "label", parameter, "periods", "stability", column.as_str()];
+    let mut table = CsvRows::new(header)?;
+    for (branch, maxima) in branches.iter().zip(maxima) {
+        for (i, (point, maxima)) in branch.points.iter().zip(maxima).enumerate() {
+            let all: Vec<String> = maxima.iter().map(|x| exact(*x)).collect();
+            table.push([
+                branch.id.to_string(),
+                i.to_string(),
+                point.special.as_ref().map_or("", |s| s.kind.name()).into(),
+                exact(point.value),
+                branch.word().periods.map_or(String::new(), |n| n.to_string()),
+                point.stability.to_string(),
+                all.join(" "),
+            ])?;
+        }
+    }
+    table.text()
+}
+
+/// Table of the periodic rows with their branches.
+fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u8>> {
+    let header = [family.parameter.as_str(), "direction", "class", "branch", "word", "not_covered"];
+    let mut table = CsvRows::new(header)?;
+    for row in rows {
+        let branch = row.branch.map(|id| &branches[id]);
+        table.push([
+            exact(row.value),
+            DIRECTIONS[row.direction].into(),
+            row.class.clone(),
+            row.branch.map_or(String::new(), |id| id.to_string()),
+            branch.map_or(String::new(), |branch| words(family, branch)),
+            if row.branch.is_some() { String::new() } else { "no branch".into() },
+        ])?;
+    }
+    table.text()
+}
+
+/// How many rows are explained, and which are not.
+fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
+    let missing: Vec<&Row> = rows.iter().filter(|row| row.branch.is_none()).collect();
+    let covered = rows.len() - missing.len();
+    let mut words =
+        vec![format!("{covered} of {} periodic rows of both directions lie on a stable branch", rows.len())];
+    if !missing.is_empty() {
+        let told = |row: &&Row| {
+            format!("{} {} ({})", machine.told(parameter, row.value), DIRECTIONS[row.direction], row.class)
+        };
+        let listed: Vec<String> = missing.iter().take(LISTED).map(told).collect();
+        let more = if missing.len() > LISTED { ", …" } else { "" };
+        words.push(format!(
+            "{} lie on no branch that was followed: {}{more}",
+            missing.len(),
+            listed.join(", ")
+        ));
+    }
+    words
+}

@@ -1,0 +1,278 @@
+//! Names and units of parameters and measures in tables and pictures of a sweep.
+
+use crate::studies::lengths::LengthUnit;
+use crate::subject::Subject;
+use vibro_studies::design_sweep::DesignMachine;
+use vibro_studies::paper::measures::{Coordinate, Measure};
+use vibro_studies::paper::{Name, ParameterSet};
+use vibro_studies;
+use vibro_studies::significant;
+use vibro_figures::canvas::palette::{
+    BLACK, BLOCK, BLUE, BOX, GREEN, GREY, ORANGE, PURPLE, RELATIVE, SECONDARY, VERMILLION,
+};
+use vibro_figures::chart::{Axis, Colour};
+
+/// A machine with names, units and colours of its parameters and measures for tables and pictures.
+pub trait Labelled: DesignMachine + Subject {
+    /// A parameter's symbol in pictures.
+    fn symbol(&self, name: &Self::Name) -> String;
+    /// A parameter's axis, over the range of the data.
+    fn axis(&self, name: &Self::Name) -> Axis;
+    /// Factor from SI to the unit in which a parameter is shown.
+    fn shown(&self, name: &Self::Name) -> f64;
+    /// A parameter's SI unit.
+    fn si_unit(&self, name: &Self::Name) -> String;
+    /// A value of a parameter with its symbol: `L = 4 mm`.
+    fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
+    /// The machine's parameters in one line, except `names`.
+    fn caption_but(&self, names: &[Self::Name]) -> String;
+    /// Description in one line of the machine with varying parameters `names`; `None` if the
+    /// machine's own caption is right for it.
+    fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
+    /// A measure in words.
+    fn words(measure: &Self::Measure) -> String;
+    /// A measure's SI unit; `1` if it has none.
+    fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
+    /// The unit in which pictures show a measure.
+    fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;
+    /// Whether a measure is a text, not a number.
+    fn is_class(measure: &Self::Measure) -> bool;
+    /// Whether a measure does not depend on the motion.
+    fn is_closed_form(measure: &Self::Measure) -> bool;
+    /// Colour of a measure.
+    fn colour(&self, measure: &Self::Measure) -> Colour;
+    /// Name of the periods in which motions are counted.
+    fn periods() -> &'static str;
+}
+
+impl Labelled for ParameterSet {
+    fn symbol(&self, name: &Name) -> String {
+        self.symbol(*name)
+    }
+
+    fn axis(&self, name: &Name) -> Axis {
+        crate::studies::parameter_axis(self, *name, (0.0, 1.0))
+    }
+
+    fn shown(&self, name: &Name) -> f64 {
+        self.unit(*name).map_or(1.0, |unit| unit.number(1.0))
+    }
+
+    fn si_unit(&self, name: &Name) -> String {
+        name.unit().into()
+    }
+
+    fn symbol_is(&self, name: &Name, value: f64) -> String {
+        self.told(*name, value)
+    }
+
+    fn caption_but(&self, names: &[Name]) -> String {
+        self.caption_but(names)
+    }
+
+    fn caption_of_all(&self, _: &[Name]) -> Option<String> {
+        None
+    }
+
+    fn words(measure: &Measure) -> String {
+        words(*measure)
+    }
+
+    fn measure_unit(&self, measure: &Measure) -> &'static str {
+        measure.unit()
+    }
+
+    fn measure_shown(&self, measure: &Measure) -> MeasureUnit {
+        MeasureUnit::of(self, *measure)
+    }
+
+    fn is_class(measure: &Measure) -> bool {
+        *measure == Measure::Class
+    }
+
+    fn is_closed_form(measure: &Measure) -> bool {
+        *measure == Measure::AmplitudeWithoutBlock
+    }
+
+    /// Colour of the measure's body.
+    fn colour(&self, measure: &Measure) -> Colour {
+        use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
+        match measure {
+            Measure::Amplitude(c) | Measure::Rms(c) | Measure::PeakToPeak(c) | Measure::Maximum(c) => match c
+            {
+                X1 | V1 => BOX,
+                X2 | V2 => BLOCK,
+                X3 | V3 => SECONDARY,
+                W | Dw => RELATIVE,
+            },
+            Measure::PowerBoxDamper => BOX,
+            Measure::PowerSecondaryDamper => SECONDARY,
+            Measure::PowerImpact | Measure::ImpactSpeed | Measure::ImpactImpulse => RELATIVE,
+            Measure::ImpactsUpper => BLUE,
+            Measure::ImpactsLower => BLOCK,
+            Measure::AmplitudeWithoutBlock => GREY,
+            _ => BLACK,
+        }
+    }
+
+    fn periods() -> &'static str {
+        "drive periods"
+    }
+}
+
+/// Lengths below this, m, are shown in mm.
+const SMALL: f64 = 0.1;
+/// Colours of bodies and elements by index.
+const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
+
+impl Labelled for assembly::Machine {
+    fn symbol(&self, name: &String) -> String {
+        name.clone()
+    }
+
+    fn axis(&self, name: &String) -> Axis {
+        let (factor, symbol) = self.unit(name);
+        let label = if symbol.is_empty() { name.clone() } else { format!("{name} ({symbol})") };
+        Axis::over(label, 0.0, 1.0).times(factor)
+    }
+
+    fn shown(&self, name: &String) -> f64 {
+        self.unit(name).0
+    }
+
+    fn si_unit(&self, name: &String) -> String {
+        self.si_unit(name).into()
+    }
+
+    fn symbol_is(&self, name: &String, value: f64) -> String {
+        format!("{name} = {}", self.told(name, value))
+    }
+
+    fn caption_but(&self, names: &[String]) -> String {
+        format!("as in the file of {}", self.caption_of_all(names).unwrap_or_else(|| self.caption()))
+    }
+
+    fn caption_of_all(&self, names: &[String]) -> Option<String> {
+        let is_frequency = |name: &String| self.si_unit(name) == "Hz" || name.ends_with(".repeat");
+        let section = assembly::Section::of(&self.description, &self.section);
+        let varies = self.section == assembly::SectionRule::Auto
+            && matches!(section, Ok(assembly::Section::Period(_)))
+            && names.iter().any(is_frequency);
+        let name = self.name_with_changes();
+        let what = crate::subject::periodic_parts(&self.description);
+        varies.then(|| format!("{name}, looked at after each common period of its {what}, which varies"))
+    }
+
+    fn words(measure: &assembly::Measure) -> String {
+        match measure {
+            assembly::Measure::Power(name) => format!("mean power of {name}"),
+            other => other.description(),
+        }
+    }
+
+    fn measure_unit(&self, measure: &assembly::Measure) -> &'static str {
+        measure.unit(&self.description)
+    }
+
+    fn measure_shown(&self, measure: &assembly::Measure) -> MeasureUnit {
+        let gaps = self.description.stops.iter().map(|s| s.gap.abs());
+        let small = gaps.fold(0.0, f64::max) < SMALL;
+        match self.measure_unit(measure) {
+            "m" if small => MeasureUnit { factor: 1e3, symbol: "mm".into() },
+            "1" => MeasureUnit { factor: 1.0, symbol: String::new() },
+            unit => MeasureUnit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
+        }
+    }
+
+    fn is_class(measure: &assembly::Measure) -> bool {
+        *measure == assembly::Measure::Class
+    }
+
+    fn is_closed_form(_: &assembly::Measure) -> bool {
+        false
+    }
+
+    fn colour(&self, measure: &assembly::Measure) -> Colour {
+        let all = assembly::Measure::all(&self.description);
+        let of = |m: &assembly::Measure| m.to_string().rsplit('.').next().map(str::to_owned);
+        let body = measure.quantity().map(|q| q.of.clone()).or_else(|| of(measure));
+        let bodies = self.description.bodies.iter().map(|b| &b.name);
+        let names: Vec<&String> = bodies.chain(self.description.stops.iter().map(|s| &s.name)).collect();
+        let place = names.iter().position(|name| Some(*name) == body.as_ref());
+        let place = place.or_else(|| all.iter().position(|m| m == measure)).unwrap_or(0);
+        COLOURS[place % COLOURS.len()]
+    }
+
+    fn periods() -> &'static str {
+        "periods"
+    }
+}
+
+/// A measure in words, for pictures.
+fn words(measure: Measure) -> String {
+    match measure {
+        Measure::Amplitude(c) => format!("amplitude of {}", c.symbol()),
+        Measure::Rms(c) => format!("rms of {}", c.symbol()),
+        Measure::PeakToPeak(c) => format!("{} peak to peak", c.symbol()),
+        Measure::Maximum(c) => format!("largest {}", c.symbol()),
+        Measure::ImpactSpeed => "largest impact speed".into(),
+        Measure::ImpactImpulse => "largest impulse of an impact".into(),
+        Measure::Impacts => "impacts per drive period".into(),
+        Measure::ImpactsUpper => "impacts per drive period, upper stop".into(),
+        Measure::ImpactsLower => "impacts per drive period, lower stop".into(),
+        Measure::PowerInput => "power of the drive".into(),
+        Measure::PowerImpact => "power lost at impacts".into(),
+        Measure::PowerBoxDamper => "power lost in c₁".into(),
+        Measure::PowerSecondaryDamper => "power lost in c₃".into(),
+        Measure::Exponent => "largest Lyapunov exponent".into(),
+        Measure::AmplitudeWithoutBlock => "amplitude of x₁ without the block".into(),
+        Measure::Class => measure.name(),
+    }
+}
+
+/// Unit in which a picture shows a measure, with its factor from SI.
+#[derive(Clone, Debug)]
+pub struct MeasureUnit {
+    factor: f64,
+    symbol: String,
+}
+
+impl MeasureUnit {
+    /// The unit of the machine's lengths for a length, the unit of its speeds for a speed, and SI
+    /// for all other measures.
+    fn of(set: &ParameterSet, measure: Measure) -> Self {
+        let (p, lengths) = (set.parameters(), LengthUnit::of(set));
+        match measure.unit() {
+            "m" => Self { factor: lengths.per_metre, symbol: lengths.symbol },
+            "m/s" => {
+                let unit = lengths.of_rates(p.stop_gap * p.drive_frequency);
+                Self { factor: unit.per_metre, symbol: format!("{}/s", unit.symbol) }
+            }
+            "1" => Self { factor: 1.0, symbol: String::new() },
+            unit => Self { factor: 1.0, symbol: unit.replace('.', "·") },
+        }
+    }
+
+    /// A value in this unit, from one in SI.
+    pub fn number(&self, si: f64) -> f64 {
+        si * self.factor
+    }
+
+    /// Symbol with a space before it, for legends.
+    pub fn spaced(&self) -> String {
+        if self.symbol.is_empty() { String::new() } else { format!(" {}", self.symbol) }
+    }
+
+    /// A value, given in SI, with this unit.
+    pub fn told(&self, si: f64) -> String {
+        format!("{}{}", significant(self.number(si)), self.spaced())
+    }
+
+    /// Axis in this unit for data in SI.
+    pub fn axis(&self, name: &str) -> Axis {
+        match self.symbol.as_str() {
+            "" => Axis::new(name),
+            unit => Axis::new(format!("{name} ({unit})")).times(self.factor),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Runs the real `vibro new` and `vibro fmu`.
+
+#[path = "common/mod.rs"]
+mod command;
+
+use command::{drawn, folder, refused};
+use std::fs;
+use std::process::Command;
+use vibro::gallery::EXAMPLES;
+use vibro_pack::{Binaries, KIT_FILE, Kit, archive};
+
+#[test]
+fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_nothing() {
+    let out = folder("new");
+    fs::create_dir_all(&out).unwrap();
+    let list = drawn(&out, &["new"]);
+    let page = include_str!("../../../docs/gallery/README.md");
+    assert_eq!(EXAMPLES.len(), page.matches("alt=\"sketch\"").count(), "the gallery's machines");
+    for example in EXAMPLES {
+        assert!(list.contains(example.name) && list.contains(example.about()), "{list}");
+        let path = out.join(format!("{}.toml", example.name));
+        let told = drawn(&out, &["new", example.name, &path.display().to_string()]);
+        assert!(told.contains(&path.display().to_string()), "{told}");
+        assert!(fs::read_to_string(&path).unwrap() == example.text && example.text.starts_with("# "));
+        assert!(drawn(&out, &["check", &path.display().to_string()]).contains("degree"), "{}", example.name);
+        let (code, told) = refused(&["new", example.name, &path.display().to_string()]);
+        assert!(code == 2 && told.contains("is there already and is not overwritten"), "{told}");
+    }
+    // Without a second name it is in the present folder; a record beside it is not overwritten.
+    let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    assert!(vibro.args(["new", "damper"]).current_dir(&out).output().unwrap().status.code() == Some(2));
+    let (code, told) = refused(&["new", "valve-train", &out.join("other.toml").display().to_string()]);
+    assert!(code == 2 && told.contains("cam_lift.csv") && !out.join("other.toml").exists(), "{told}");
+    let (code, told) = refused(&["new", "dampr"]);
+    assert!(
+        code == 2 && told.contains("new dampr") && told.contains("allowed are damper, gears, brake"),
+        "{told}"
+    );
+}
+
+#[test]
+fn fmu_packs_around_the_library_that_is_named_and_says_how_to_get_one() {
+    let out = folder("packed");
+    fs::create_dir_all(&out).unwrap();
+    let damper = format!("{}/../../examples/assembly/damper_with_buffer.toml", env!("CARGO_MANIFEST_DIR"));
+    let kit = out.join(KIT_FILE);
+    Kit { binaries: Binaries::own(b"a library".to_vec()), ..Kit::default() }.write(&kit).unwrap();
+    let kit = kit.display().to_string();
+    let archives = [("2", "DamperWithBuffer.fmu"), ("3", "DamperWithBuffer-FMI3.fmu")];
+    for again in [false, true] {
+        for (fmi, name) in archives {
+            let told =
+                drawn(&out, &["fmu", &damper, "--fmi", fmi, "--kit", &kit, "--set", "stop.steel.gap=5mm"]);
+            assert!(told.contains(&format!("{name} (FMI {fmi}.0)")), "{told}");
+            assert_eq!(told.contains("in place of the file that was there"), again, "{told}");
+        }
+    }
+    // Neither version has replaced the other.
+    for (fmi, name) in archives {
+        let entries = archive::read_all(&out.join(name)).unwrap();
+        let description = String::from_utf8(entries["modelDescription.xml"].clone()).unwrap();
+        assert!(description.contains(&format!("fmiVersion=\"{fmi}.0\"")), "{description}");
+        assert!(description.contains("0.005") && entries.values().any(|bytes| bytes == b"a library"));
+    }
+    let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    vibro.args(["fmu", &damper]).env("VIBRO_IMPACT_ARCHIVES", out.join("nowhere"));
+    let told = String::from_utf8(vibro.output().unwrap().stderr).unwrap();
+    assert!(
+        told.is_empty() || told.contains("cargo run --bin fmu-build") && told.contains("--kit"),
+        "{told}"
+    );
+    let (code, told) = refused(&["fmu", &damper, "--kit", &damper]);
+    assert!(code == 2 && told.contains("--kit"), "{told}");
+}

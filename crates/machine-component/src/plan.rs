@@ -1,0 +1,178 @@
+//! The plan of a machine: its file, its checked assembly, its variables and its instantiation
+//! token.
+
+use crate::problem::MachineProblem;
+use crate::table::VariableTable;
+use fmi_doors::identifier::identifier;
+use fmi_doors::{Instantiation, Version};
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_machine::file::{no_records, parse};
+use vibro_machine::{Assembly, Description};
+
+/// Name of the machine's file in the FMU's `resources` folder. Records stand within it: no other
+/// file is read.
+pub const FILE: &str = "machine.toml";
+
+/// Largest size of the file, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// A machine that is ready to be instantiated, with its variables.
+#[derive(Debug)]
+pub struct Plan {
+    /// The variables.
+    pub table: VariableTable,
+    /// The machine with all parameters at their start values.
+    pub assembly: Arc<Assembly>,
+    /// Nominal values of the continuous states.
+    pub nominals: Vec<f64>,
+    /// The continuous states with their rates, in order. States and outputs of sampled blocks are
+    /// part of the assembly's state, but not continuous.
+    pub states: Vec<[vibro_machine::Quantity; 2]>,
+    /// The place of each continuous state among the assembly's states.
+    pub(crate) places: Vec<usize>,
+    /// The number of the assembly's states.
+    pub(crate) size: usize,
+    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2,
+    /// 2.4.8).
+    pub(crate) knows_parameters: bool,
+    token: String,
+    text: String,
+}
+
+impl Plan {
+    /// The plan of the machine in the text of a [`FILE`]; messages call the file `file`.
+    ///
+    /// # Errors
+    /// [`MachineProblem::Machine`] with every problem found; [`MachineProblem::Motion`] for a
+    /// machine that cannot start.
+    pub fn new(text: String, file: &str) -> Result<Self, MachineProblem> {
+        let machine = parse(&text, file, &no_records)?;
+        let assembly = Arc::new(Assembly::new(machine)?);
+        let token = token(&text);
+        let table = VariableTable::new(&assembly.description);
+        let (nominals, states) = (assembly.nominals(), assembly.state_quantities());
+        let size = states.len();
+        let moves = |place: &usize| assembly.description.sampled_block(states[*place][0]).is_none();
+        let places: Vec<usize> = (0..size).filter(moves).collect();
+        let nominals = places.iter().map(|&place| nominals[place]).collect();
+        let states = places.iter().map(|&place| states[place]).collect();
+        Ok(Self { table, assembly, nominals, states, places, size, knows_parameters: true, token, text })
+    }
+
+    /// The plan of a description, written as a file with its records included.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(machine: &Description) -> Result<Self, MachineProblem> {
+        Self::new(machine.to_toml(), FILE)
+    }
+
+    /// Adds the matrices of derivatives over a step. They have a model description of their own,
+    /// for FMI 3.0 only, since several importers cannot read arrays.
+    #[must_use]
+    pub fn with_arrays(mut self) -> Self {
+        self.token = token_with_arrays(&self.text);
+        self.table.add_matrices(self.size);
+        self
+    }
+
+    /// The plan that an instantiation asks for: of the file in its resources, whose token must be
+    /// the given one.
+    ///
+    /// # Errors
+    /// [`MachineProblem::File`] where the file is neither in the host's folder nor beside the
+    /// library; [`MachineProblem::Door`] where the host names no folder; [`MachineProblem::Text`]
+    /// where the token is of another text; else as [`new`](Self::new).
+    pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
+        let places = request.resource_folders();
+        let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
+        let found = read.by_ref().find_map(|(read, file)| Some((read.ok()?, file.display().to_string())));
+        let Some((text, name)) = found else {
+            // The reason is that of the host's folder, or that it named none.
+            let file = request.resource_folder()?.join(FILE);
+            let problem = self::read(&file).err().unwrap_or_default();
+            return Err(MachineProblem::File { file: file.display().to_string(), problem });
+        };
+        if request.version == Version::Fmi3 && request.token == token_with_arrays(&text) {
+            return Ok(Self::new(text, &name)?.with_arrays());
+        }
+        request.check_token(&token(&text)).map_err(|token| {
+            // A damaged file is refused with a line; the file of another machine parses.
+            let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
+            MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
+        })?;
+        Ok(Self { knows_parameters: request.version == Version::Fmi3, ..Self::new(text, &name)? })
+    }
+
+    /// The instantiation token of the machine whose [`FILE`] has this text.
+    pub fn token_of(text: &str) -> String {
+        token(text)
+    }
+
+    /// The instantiation token, which depends on the file, the library's version and the arrays.
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// The token without arrays, common to both model descriptions of a machine.
+    pub(crate) fn machine_token(&self) -> String {
+        token(&self.text)
+    }
+
+    /// The continuous states among the states of an assembly, or their derivatives.
+    pub(crate) fn continuous(&self, all: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|&place| all[place]).collect()
+    }
+
+    /// The text of the [`FILE`].
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The machine's name, also that of the model and of the library's file.
+    pub fn name(&self) -> &str {
+        &self.assembly.description.name
+    }
+
+    /// The machine with these values of all parameters, in the table's order. `under_way` leaves
+    /// the start values unchecked, since the motion has begun.
+    ///
+    /// # Errors
+    /// [`MachineProblem::Machine`] and [`MachineProblem::Motion`] for values that together are no
+    /// machine.
+    pub(crate) fn machine(&self, values: &[f64], under_way: bool) -> Result<Arc<Assembly>, MachineProblem> {
+        let start = self.table.parameters.iter().map(|parameter| parameter.value);
+        if start.eq(values.iter().copied()) {
+            return Ok(self.assembly.clone());
+        }
+        let parameters = self.table.parameters.iter().zip(values);
+        let changed = parameters.filter(|(parameter, value)| parameter.value != **value);
+        let changed = changed.map(|(parameter, value)| (parameter.name.as_str(), *value));
+        let own = &self.assembly.description;
+        let machine = if under_way { own.under_way(changed) } else { own.with(changed) };
+        Ok(Arc::new(Assembly::new(machine?)?))
+    }
+}
+
+/// Hash of a file's text and of the library's version, on which the numbering of variables depends.
+fn token(text: &str) -> String {
+    identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
+}
+
+/// The token of the model description with arrays.
+fn token_with_arrays(text: &str) -> String {
+    identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
+}
+
+fn read(file: &Path) -> Result<String, String> {
+    let mut text = String::new();
+    let opened = std::fs::File::open(file);
+    let read = opened.and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+    match read {
+        Ok(_) if text.len() as u64 > MOST_BYTES => Err(format!("it has more than {MOST_BYTES} bytes")),
+        Ok(_) => Ok(text),
+        Err(error) => Err(error.to_string()),
+    }
+}

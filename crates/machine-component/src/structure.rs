@@ -1,0 +1,383 @@
+//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8), from the machine's
+//! topology and never from its numbers, which a host may change.
+//!
+//! Between events every coordinate, elongation and force is linear in states and inputs, with
+//! factors that depend on the mode. Bodies that links, rigid stops or friction may hold together
+//! make a group: a force on one of them accelerates all.
+
+mod blocks;
+mod energy;
+mod groups;
+mod indicators;
+mod initial;
+mod knowns;
+mod signals;
+
+use crate::plan::Plan;
+use crate::table::{Quantity, Role, slides};
+use fmi_doors::DependencyKind;
+use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
+use fmi_doors::description::Unknown;
+use groups::{Group, bodies_of, groups, holds, is_free};
+use knowns::{Knowns, join, put};
+use std::collections::HashMap;
+use vibro_machine::description::{Arms, BodyKind, Description, Spring, Stop};
+use vibro_machine::elements::Action;
+use vibro_machine::system::Part;
+use vibro_machine::{Element, Owner, What};
+
+/// Most entries of all dependency lists of one kind together, at about 10 bytes each. Beyond it the
+/// longest lists are left out, which by FMI means a dependency on every known.
+const ENTRIES: usize = 200_000;
+
+/// The dependencies of a machine's variables.
+pub(crate) struct Structure<'a> {
+    plan: &'a Plan,
+    machine: &'a Description,
+    elements: Vec<Element<'a>>,
+    /// By section and name, such as `body.box`: value references of parameters and the rest of
+    /// their names.
+    parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
+    references: HashMap<Quantity, u32>,
+    inputs: HashMap<&'a str, u32>,
+    group_of: Vec<usize>,
+    /// By body: its group under links alone.
+    linked: Vec<usize>,
+    groups: HashMap<usize, Group>,
+}
+
+impl<'a> Structure<'a> {
+    pub(crate) fn new(plan: &'a Plan) -> Self {
+        let machine = &plan.assembly.description;
+        let (mut parameters, mut inputs) = (HashMap::<_, Vec<_>>::new(), HashMap::new());
+        let mut references = HashMap::new();
+        for (reference, row) in (1..).zip(&plan.table.rows) {
+            references.insert(row.quantity, reference);
+            match row.quantity {
+                Quantity::Parameter(place) => {
+                    let own = plan.table.parameters[place].name.as_str();
+                    // A named parameter stands for the numbers that follow from it.
+                    for name in std::iter::once(own).chain(machine.named.numbers_of(own)) {
+                        let second = name.match_indices('.').nth(1).map_or(name.len(), |dot| dot.0);
+                        let (section, rest) = name.split_at(second);
+                        parameters.entry(section).or_default().push((reference, rest));
+                    }
+                }
+                Quantity::Input(_) => _ = inputs.insert(row.name.as_str(), reference),
+                _ => {}
+            }
+        }
+        let elements: Vec<Element> = machine.elements().collect();
+        let arms = |is: &dyn Fn(Action) -> bool| -> Vec<&Arms> {
+            elements
+                .iter()
+                .filter(|element| is(element.action()))
+                .filter_map(|element| element.arms())
+                .collect()
+        };
+        let linked = groups(machine, &arms(&|action| action == Action::Tying));
+        let group_of = groups(machine, &arms(&holds));
+        let groups = HashMap::new();
+        let mut structure =
+            Self { plan, machine, elements, parameters, references, inputs, group_of, linked, groups };
+        structure.find_groups();
+        structure
+    }
+
+    /// The dependency lists of unknowns, `initially` those of initialization; where all together
+    /// exceed [`ENTRIES`], lists longer than the share of each are left out.
+    pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
+        let list = |&(reference, quantity): &(u32, Quantity)| {
+            let knowns =
+                if initially { self.initially(quantity) } else { self.as_of_a_solver(self.of(quantity)) };
+            (reference, knowns)
+        };
+        let lists: Vec<(u32, Knowns)> = unknowns.iter().map(list).collect();
+        let total: usize = lists.iter().map(|(_, knowns)| knowns.len()).sum();
+        let most = if total > ENTRIES { ENTRIES / unknowns.len() } else { total };
+        let unknown = |(reference, knowns): (u32, Knowns)| Unknown {
+            reference,
+            dependencies: (knowns.len() <= most).then(|| knowns.into_iter().collect()),
+        };
+        lists.into_iter().map(unknown).collect()
+    }
+
+    /// Knowns of a solver: time replaces the states and outputs of sampled blocks, which are not
+    /// continuous states.
+    fn as_of_a_solver(&self, mut knowns: Knowns) -> Knowns {
+        let before = knowns.len();
+        knowns.retain(|known, _| self.plan.table.rows[*known as usize - 1].role != Role::Discrete);
+        if knowns.len() < before {
+            put(&mut knowns, self.references[&Quantity::Time], Dependent);
+        }
+        knowns
+    }
+
+    /// Adds the parameters of a section except start values.
+    fn of_section(&self, section: &str, into: &mut Knowns) {
+        let all = self.parameters.get(section).into_iter().flatten();
+        all.filter(|(_, rest)| !rest.starts_with(".start") && *rest != ".slider")
+            .for_each(|(reference, _)| put(into, *reference, Dependent));
+    }
+
+    /// The section of a body's numbers.
+    fn section_of(&self, body: usize) -> String {
+        let body = &self.machine.bodies[body];
+        match body.name.split_once('.') {
+            Some((of, _)) if body.is_inner() => format!("modal.{of}"),
+            _ => format!("body.{}", body.name),
+        }
+    }
+
+    fn of_body_section(&self, body: usize, into: &mut Knowns) {
+        self.of_section(&self.section_of(body), into);
+        if is_free(self.machine, body) {
+            self.of_section("gravity", into);
+        }
+    }
+
+    /// The knowns of a body's coordinate (`order` 0) or rate (1).
+    fn coordinate(&self, body: usize, order: usize) -> Knowns {
+        if let BodyKind::Node(_) = self.machine.bodies[body].kind {
+            return self.of_node(body, |coordinate| self.coordinate(coordinate, order));
+        }
+        if !is_free(self.machine, body) {
+            return self.prescribed(body, order);
+        }
+        let mut knowns = Knowns::new();
+        let states = self.plan.assembly.states();
+        if states.contains(&body) {
+            put(&mut knowns, self.references[&Quantity::of_body(body, order)], Constant);
+        } else {
+            self.by_links(body, order, &mut knowns);
+        }
+        if let Some(group) = self.groups.get(&self.group_of[body]).filter(|g| order == 1 || g.is_tied) {
+            join(&mut knowns, &group.jumps, Dependent);
+        }
+        knowns
+    }
+
+    /// The knowns of a node's quantity by those of the coordinates behind it.
+    fn of_node(&self, node: usize, of: impl Fn(usize) -> Knowns) -> Knowns {
+        let mut knowns = Knowns::new();
+        for coordinate in self.machine.behind(node) {
+            join(&mut knowns, &of(coordinate), Constant);
+        }
+        knowns
+    }
+
+    /// Adds the knowns of the coordinate or rate of a body that follows from others by links.
+    fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
+        let own = self.linked[body];
+        for &state in self.plan.assembly.states().iter().filter(|&&state| self.linked[state] == own) {
+            put(knowns, self.references[&Quantity::of_body(state, order)], Fixed);
+        }
+        for &link in self.elements.iter().filter(|element| element.action() == Action::Tying) {
+            let Some(arms) = link.arms() else { continue };
+            let mut bodies = bodies_of(self.machine, arms);
+            if bodies.any(|body| is_free(self.machine, body) && self.linked[body] == own) {
+                self.of_section(&link.dotted(), knowns);
+                let all = bodies_of(self.machine, arms);
+                for other in all.filter(|&body| !is_free(self.machine, body)) {
+                    join(knowns, &self.prescribed(other, order), Fixed);
+                }
+            }
+        }
+    }
+
+    /// Adds the knowns of an element's elongation (`order` 0) or its rate (1).
+    fn elongation(&self, element: Element, order: usize, knowns: &mut Knowns) {
+        let Some(arms) = element.arms() else { return };
+        for &(body, _) in &arms.terms {
+            let times = if arms.levers { Fixed } else { Constant };
+            join(knowns, &self.coordinate(body, order), times);
+        }
+        let parameters = self.parameters.get(element.dotted().as_str()).into_iter().flatten();
+        let levers = parameters.filter(|(_, rest)| rest.starts_with(".arms."));
+        levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
+    }
+
+    /// The knowns of an element's force.
+    fn force(&self, element: Element) -> Knowns {
+        match element.action() {
+            Action::Linear if slides(&element.series().copied()) => self.elastic(element, Discrete),
+            Action::Linear => self.elastic(element, Tunable),
+            Action::Switching => {
+                let mut knowns = self.elastic(element, Discrete);
+                self.steps(element, &mut knowns);
+                knowns
+            }
+            Action::Hitting => self.holding(element),
+            Action::Rubbing => {
+                let mut knowns = self.holding(element);
+                join(&mut knowns, &self.signals(element), Discrete);
+                knowns
+            }
+            Action::Driving => self.driving(element),
+            Action::Flexing | Action::Tying | Action::Giving | Action::Computing => self.signals(element),
+        }
+    }
+
+    /// The knowns of a force that is linear in elongation and rate, with factors of a kind.
+    fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
+        let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+        // The force of a damper does not depend on its elongation.
+        let first = usize::from(matches!(element, Element::Damper(_)));
+        (first..2).for_each(|order| self.elongation(element, order, &mut own));
+        self.slider(element, &mut own);
+        join(&mut knowns, &own, times);
+        self.of_section(&element.dotted(), &mut knowns);
+        knowns
+    }
+
+    /// Adds what tells the stiffness that steps, which is the time.
+    fn steps(&self, element: Element, knowns: &mut Knowns) {
+        if let Element::Spring(Spring { stepped: Some(_), .. })
+        | Element::Stop(Stop { stepped: Some(_), .. }) = element
+        {
+            put(knowns, self.references[&Quantity::Time], Dependent);
+        }
+    }
+
+    /// Adds the inner place of a spring in series.
+    fn slider(&self, element: Element, knowns: &mut Knowns) {
+        let place = self.elements.iter().position(|own| *own == element);
+        if let (Some(i), true) = (place, element.series().is_some()) {
+            put(knowns, self.references[&slider_of(i)], Constant);
+        }
+    }
+
+    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a
+    /// slider those of e', which it follows where it slips.
+    fn slider_rate(&self, element: Element) -> Knowns {
+        let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
+        if slides(&element.series().copied()) {
+            self.elongation(element, 1, &mut own);
+            join(&mut knowns, &own, Discrete);
+            // They decide whether it slips.
+            self.of_section(&element.dotted(), &mut knowns);
+            return knowns;
+        }
+        self.elongation(element, 0, &mut own);
+        self.slider(element, &mut own);
+        join(&mut knowns, &own, Tunable);
+        self.of_section(&element.dotted(), &mut knowns);
+        knowns
+    }
+
+    /// The knowns of a constraint force: those of the accelerations of the bodies on which it acts.
+    fn holding(&self, element: Element) -> Knowns {
+        let mut knowns = Knowns::new();
+        for body in element.arms().into_iter().flat_map(|arms| bodies_of(self.machine, arms)) {
+            match self.groups.get(&self.group_of[body]) {
+                Some(group) => join(&mut knowns, &group.forces, Discrete),
+                None => join(&mut knowns, &self.prescribed(body, 2), Discrete),
+            }
+        }
+        self.of_section(&element.dotted(), &mut knowns);
+        knowns
+    }
+
+    /// The knowns of an element's elongation, rate and force, for `order` 0, 1 and 2.
+    fn of_element(&self, element: Element, order: usize) -> Knowns {
+        if order > 1 {
+            return self.force(element);
+        }
+        let mut knowns = Knowns::new();
+        self.elongation(element, order, &mut knowns);
+        knowns
+    }
+
+    /// The i-th element that satisfies a condition.
+    fn nth(&self, is: fn(&Element) -> bool, i: usize) -> Option<Element<'a>> {
+        self.elements.iter().copied().filter(is).nth(i)
+    }
+
+    /// The knowns of a variable.
+    pub(crate) fn of(&self, quantity: Quantity) -> Knowns {
+        let mut knowns = Knowns::new();
+        match quantity {
+            Quantity::Column(column) => return self.column(column),
+            Quantity::StopState(i) | Quantity::Impacts(i) | Quantity::Impulse(i) => {
+                let place = self.plan.assembly.system().element_of(Part::Stop(i));
+                let stop = self.elements.get(place).copied();
+                let all = stop.into_iter().flat_map(|stop| (0..3).map(move |k| self.of_element(stop, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
+            }
+            Quantity::FrictionState(i) => {
+                let friction = self.nth(|element| matches!(element, Element::Friction(_)), i);
+                let all = friction.into_iter().flat_map(|own| (1..3).map(move |k| self.of_element(own, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
+            }
+            Quantity::Line(i) => {
+                (0..2).for_each(|k| join(&mut knowns, &self.of_element(self.elements[i], k), Dependent));
+                self.of_section(&self.elements[i].dotted(), &mut knowns);
+            }
+            Quantity::SliderState(i) => {
+                let spring = self.nth(|element| element.series().is_some(), i);
+                let all = spring.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
+                all.for_each(|of| join(&mut knowns, &of, Dependent));
+            }
+            Quantity::Energy(energy) => self.energy(energy, &mut knowns),
+            Quantity::Indicator(place) => self.indicator(place, &mut knowns),
+            Quantity::Following(i) => {
+                for name in self.machine.named.sources_of(&self.plan.table.following[i].name) {
+                    let source = self.plan.table.reference(name);
+                    source.into_iter().for_each(|source| put(&mut knowns, source, Dependent));
+                }
+            }
+            Quantity::Time
+            | Quantity::Parameter(_)
+            | Quantity::Input(_)
+            | Quantity::Transition
+            | Quantity::Response
+            | Quantity::ByParameters => {}
+        }
+        knowns
+    }
+
+    fn column(&self, column: vibro_machine::Quantity) -> Knowns {
+        match (column.owner, column.what) {
+            (Owner::Body(body), What::A) if is_free(self.machine, body) => {
+                self.groups[&self.group_of[body]].forces.clone()
+            }
+            (Owner::Body(body), What::A) => match self.machine.bodies[body].kind {
+                BodyKind::Node(_) => {
+                    self.of_node(body, |own| self.groups[&self.group_of[own]].forces.clone())
+                }
+                _ => self.prescribed(body, 2),
+            },
+            (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
+            (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
+            (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
+            (Owner::Element(i), What::Slider) => {
+                let mut knowns = Knowns::new();
+                self.slider(self.elements[i], &mut knowns);
+                knowns
+            }
+            (Owner::Element(i), What::SliderRate) => self.slider_rate(self.elements[i]),
+            (Owner::Element(i), What::Value) => self.signals(self.elements[i]),
+            (Owner::Element(i), What::Output(_) | What::State(_) | What::StateRate(_)) => {
+                self.of_block(i, column.what)
+            }
+            (Owner::Element(i), _) => self.of_element(self.elements[i], 2),
+        }
+    }
+
+    /// Adds the inputs and all parameters except start values.
+    fn anything_set(&self, knowns: &mut Knowns) {
+        self.inputs.values().for_each(|&input| put(knowns, input, Dependent));
+        self.parameters.keys().for_each(|section| self.of_section(section, knowns));
+    }
+}
+
+/// The inner place of an element, by its index.
+fn slider_of(i: usize) -> Quantity {
+    Quantity::Column(vibro_machine::Quantity::of_element(i, What::Slider))
+}
+
+/// The variables of some roles, in the table's order.
+pub(crate) fn of_roles(plan: &Plan, roles: &[Role]) -> Vec<(u32, Quantity)> {
+    let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| roles.contains(&row.role));
+    rows.map(|(reference, row)| (reference, row.quantity)).collect()
+}

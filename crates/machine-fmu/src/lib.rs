@@ -1,0 +1,7 @@
+//! Shared library that hosts load for a described machine: the functions of FMI 2.0 and 3.0, one
+//! library for all machines. The packager puts it into an archive under the machine's name, with
+//! the machine's file beside it; see `vibro_machine_component`.
+
+use vibro_machine_component::Machine;
+
+fmi_doors::export!(Machine);

@@ -1,0 +1,365 @@
+//! Checks of a whole description. The file's reader and the setting of parameters both end here.
+
+mod blocks;
+mod flexible;
+mod links;
+mod names;
+mod starts;
+mod stepped;
+
+pub(crate) use flexible::MOST_COORDINATES;
+pub(crate) use names::problem_of as problem_of_name;
+
+use crate::description::{
+    Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,
+    StopLaw, Sweep, SweepLaw,
+};
+use crate::elements::Element;
+use crate::polyline::slopes;
+use crate::refusal::{Problem, Refusal};
+use crate::slots::{of_sweep, slots};
+
+/// Most bodies, most elements, and most harmonics and steps of a machine, checked before memory is
+/// taken for them.
+pub(crate) const MOST: usize = 10_000;
+
+/// Most turns of a sweep that is integrated.
+const MOST_TURNS: f64 = 100_000.0;
+
+/// Least time between knots of a record with slopes, s.
+const LEAST_APART: f64 = 1e-12;
+
+/// Most knots of a record.
+pub(crate) const MOST_KNOTS: usize = 1_000_000;
+
+impl Description {
+    /// Checks a description that a program has put together, as strictly as a file.
+    ///
+    /// ```
+    /// let machine = vibro_machine::Description { name: "Nothing".into(), ..Default::default() };
+    /// let refused = machine.check().unwrap_err();
+    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
+    /// ```
+    ///
+    /// # Errors
+    /// A [`Refusal`] with every problem found.
+    pub fn check(&self) -> Result<(), Refusal> {
+        match check(self) {
+            problems if problems.is_empty() => Ok(()),
+            problems => Err(Refusal { file: String::new(), problems }),
+        }
+    }
+}
+
+/// All problems of a machine. Problems of names, numbers and structure come first; those that would
+/// follow from them are not sought.
+pub(crate) fn check(machine: &Description) -> Vec<Problem> {
+    let mut problems = check_under_way(machine);
+    if problems.is_empty() {
+        starts::check(machine, &mut problems);
+    }
+    problems
+}
+
+/// All problems of a machine whose motion has begun: those of [`check`] without those of the start.
+pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
+    let mut problems = check_structure(machine);
+    if !problems.is_empty() {
+        return problems;
+    }
+    if machine.starts_at_rest {
+        blocks::at_rest(machine, &mut problems);
+    }
+    for slot in slots(&mut machine.clone()) {
+        if !slot.kind.contains(*slot.value) {
+            problems.push(refused(slot.name, *slot.value, slot.kind.allowed_instead_of(*slot.value)));
+        }
+    }
+    for element in machine.elements() {
+        if let Some(arms) = element.arms() {
+            check_arms(machine, &element.dotted(), arms, &mut problems);
+        }
+    }
+    machine.springs.iter().for_each(|spring| check_points(spring, &mut problems));
+    machine.signals().for_each(|of| check_signal(&of.name, of.signal, &mut problems));
+    check_integrated(machine, &mut problems);
+    loads(machine, &mut problems);
+    series(machine, &mut problems);
+    stepped::check(machine, &mut problems);
+    blocks::check(machine, &mut problems);
+    if !problems.is_empty() {
+        return problems;
+    }
+    levels(machine, &mut problems);
+    bodies(machine, &mut problems);
+    links::check(machine, &mut problems);
+    problems
+}
+
+/// Problems of names and structure, which no numbers mend.
+pub(crate) fn check_structure(machine: &Description) -> Vec<Problem> {
+    let mut problems = names::check(machine);
+    if problems.is_empty() {
+        flexible::check(machine, &mut problems);
+    }
+    problems
+}
+
+/// The problem of a number, with its value.
+fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
+    Problem::new(name, Some(format!("{value:?}")), text)
+}
+
+fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec<Problem>) {
+    if arms.terms.is_empty() {
+        problems.push(Problem::new(
+            format!("{name}.arms"),
+            None,
+            "names no body; allowed are one body or more",
+        ));
+    }
+    let signs: Vec<_> = arms.terms.iter().map(|term| term.1).collect();
+    if !arms.levers && ![&[-1.0][..], &[1.0], &[-1.0, 1.0]].contains(&&signs[..]) {
+        let text = "allowed without levers are the arms -1 of the first end and 1 of the second";
+        problems.push(Problem::new(format!("{name}.arms"), Some(format!("{signs:?}")), text));
+    }
+    let mut seen = vec![false; machine.bodies.len()];
+    for &(body, arm) in &arms.terms {
+        let of = |body: &Body| format!("{name}.arms.{}", body.name);
+        match machine.bodies.get(body) {
+            None => {
+                problems.push(Problem::new(name, None, format!("there is no body {body}, counted from 0")))
+            }
+            Some(found) if std::mem::replace(&mut seen[body], true) => {
+                problems.push(refused(of(found), arm, "the body is named twice"));
+            }
+            Some(found) if !arms.levers && found.dimension != arms.dimension => {
+                problems.push(refused(
+                    of(found),
+                    arm,
+                    "allowed without levers is a body of the element's dimension",
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    for (i, pair) in signal.steps.windows(2).enumerate() {
+        if pair[1].time <= pair[0].time {
+            let text = format!("allowed is a time after {:?} s, that of the step before", pair[0].time);
+            problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
+        }
+    }
+    for (i, sweep) in signal.sweeps.iter().enumerate() {
+        check_sweep(&of_sweep(name, i, signal.sweeps.len()), sweep, problems);
+    }
+    let Some(record) = &signal.table else {
+        check_repeat(name, signal, problems);
+        return;
+    };
+    let table = format!("{name}.table");
+    if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
+        let text = format!("has {} knots; allowed are 2 to {MOST_KNOTS}", record.knots.len());
+        problems.push(Problem::new(&table, None, text));
+    }
+    if let Some(i) = record.knots.iter().position(|k| !(k.0.is_finite() && k.1.is_finite())) {
+        let knot = format!("[{:?}, {:?}]", record.knots[i].0, record.knots[i].1);
+        problems.push(Problem::new(format!("{table}[{i}]"), Some(knot), "allowed are finite numbers"));
+    } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
+        let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
+        problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    } else if let Some(i) = too_near(record) {
+        let text = format!(
+            "allowed without \"hold\" is a time {LEAST_APART:e} s or more after {:?} s, that of the knot before",
+            record.knots[i].0
+        );
+        problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
+    } else if record.knots.len() > 1 {
+        check_repeat(name, signal, problems);
+    }
+}
+
+/// The knot whose slope to the next is not to be told from a step.
+fn too_near(record: &Record) -> Option<usize> {
+    let has_slopes = record.interpolation != Interpolation::Hold;
+    let near = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 < LEAST_APART;
+    record.knots.windows(2).position(near).filter(|_| has_slopes)
+}
+
+/// Problems of a sweep: logarithms are of frequencies above 0, and there is a frequency.
+fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
+    for (key, frequency) in [("from", sweep.from), ("to", sweep.to)] {
+        if frequency == 0.0 && sweep.law == SweepLaw::Logarithmic {
+            let text = "allowed in a logarithmic sweep is a frequency above 0 Hz";
+            problems.push(refused(format!("{name}.{key}"), frequency, text));
+        }
+    }
+    if sweep.from.max(sweep.to) == 0.0 && sweep.law == SweepLaw::Linear {
+        let text = "from and to are 0 Hz; allowed is a frequency above 0 Hz at one end";
+        problems.push(refused(format!("{name}.to"), sweep.to, text));
+    }
+}
+
+/// Problems of a sweep that is integrated, whose cells are summed up before the motion begins.
+fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
+    for named in machine.signals().filter(|named| named.motion.is_some_and(|order| order > 0)) {
+        for (i, sweep) in named.signal.sweeps.iter().enumerate() {
+            let name = of_sweep(&named.name, i, named.signal.sweeps.len());
+            if sweep.turns() > MOST_TURNS {
+                let text = format!(
+                    "it makes {:.0} turns; allowed below a rate or an acceleration are {MOST_TURNS:.0}",
+                    sweep.turns()
+                );
+                problems.push(refused(format!("{name}.duration"), sweep.duration, text));
+            }
+        }
+    }
+}
+
+/// Problems of a period: steps and knots lie in it, and a record's ends have one value.
+fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+    let Some(period) = signal.repeat else { return };
+    for (i, step) in signal.steps.iter().enumerate() {
+        if !(0.0..period).contains(&step.time) {
+            let text = format!("allowed is a time from 0 s to before repeat = {period:?} s");
+            problems.push(refused(format!("{name}.steps[{i}].time"), step.time, text));
+        }
+    }
+    let Some(record) = &signal.table else { return };
+    let outside = |knot: &(f64, f64)| !(0.0..=period).contains(&knot.0);
+    if let Some(i) = record.knots.iter().position(outside) {
+        let text = format!("allowed is a time from 0 s to repeat = {period:?} s");
+        problems.push(refused(format!("{name}.table[{i}]"), record.knots[i].0, text));
+        return;
+    }
+    let (first, last) = (record.knots[0], record.knots[record.knots.len() - 1]);
+    if first.0 == 0.0 && last.0 == period && first.1 != last.1 {
+        let text = format!("at repeat = {period:?} s allowed is the value at 0 s, {:?}", first.1);
+        problems.push(refused(format!("{name}.table[{}]", record.knots.len() - 1), last.1, text));
+    }
+}
+
+/// Problems of the points of a spring's force: two or more at rising e, with finite slopes.
+fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
+    let (name, points) = (format!("spring.{}.points", spring.name), &spring.points);
+    if points.is_empty() {
+        return;
+    }
+    if points.len() < 2 {
+        problems.push(Problem::new(&name, None, "allowed are two points or more"));
+    }
+    if let Some(i) = points.windows(2).position(|pair| pair[1].e <= pair[0].e) {
+        let text = format!("allowed is an e above {:?}, that of the point before", points[i].e);
+        problems.push(refused(format!("{name}[{}].e", i + 1), points[i + 1].e, text));
+    } else if let Some(i) = slopes(points).iter().position(|slope| !slope.is_finite()) {
+        let text = "allowed is a finite slope from the point before";
+        problems.push(refused(format!("{name}[{}].f", i + 1), points[i + 1].f, text));
+    }
+    if (spring.stiffness, spring.preload) != (0.0, 0.0) {
+        problems.push(refused(
+            format!("spring.{}.stiffness", spring.name),
+            spring.stiffness,
+            "allowed beside points is 0, and 0 for preload",
+        ));
+    }
+}
+
+/// Problems of loads: each acts on a free body.
+fn loads(machine: &Description, problems: &mut Vec<Problem>) {
+    for load in &machine.loads {
+        let name = format!("load.{}.on", load.name);
+        match machine.bodies.get(load.body) {
+            None => problems.push(Problem::new(
+                name,
+                None,
+                format!("there is no body {}, counted from 0", load.body),
+            )),
+            Some(Body { name: body, kind, .. }) if kind.is_prescribed() => {
+                let text = "the motion of this body is prescribed; allowed is a body with mass or inertia";
+                problems.push(Problem::new(name, Some(format!("{body:?}")), text));
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// Problems of springs in series: their inner place at time 0 says what a preload would.
+fn series(machine: &Description, problems: &mut Vec<Problem>) {
+    for spring in machine.springs.iter().filter(|own| own.series.is_some() && own.preload != 0.0) {
+        let text = "allowed is 0 of a spring in series";
+        problems.push(refused(format!("spring.{}.preload", spring.name), spring.preload, text));
+    }
+}
+
+/// Problems of friction levels: a static level is at least the sliding level, where both are
+/// constants.
+fn levels(machine: &Description, problems: &mut Vec<Problem>) {
+    for friction in &machine.frictions {
+        if let Some(follows) = &friction.follows {
+            check_follows(machine, &format!("friction.{}", friction.name), follows, problems);
+            continue;
+        }
+        let Some(largest) = &friction.static_force else { continue };
+        let force = friction.force.constant;
+        if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
+            let text = format!("allowed is a number >= friction.{}.force = {force:?}", friction.name);
+            problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
+        }
+    }
+}
+
+/// Problems of levels that follow a stop: it is compliant, and the static coefficient is at least
+/// that of sliding.
+fn check_follows(machine: &Description, name: &str, follows: &Follows, problems: &mut Vec<Problem>) {
+    let Follows { stop, coefficient, static_coefficient } = *follows;
+    match machine.stops.get(stop) {
+        None => problems.push(Problem::new(
+            format!("{name}.follows"),
+            None,
+            format!("there is no stop {stop}, counted from 0"),
+        )),
+        Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
+            let text = "this stop is rigid, and impacts with friction are outside this program; allowed is a compliant stop";
+            problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
+        }
+        Some(_) => {}
+    }
+    if let Some(largest) = static_coefficient.filter(|largest| *largest < coefficient) {
+        let text = format!("allowed is a number >= {name}.coefficient = {coefficient:?}");
+        problems.push(refused(format!("{name}.static_coefficient"), largest, text));
+    }
+}
+
+/// Problems of bodies: there is one, an element acts on each that forces move, and gravity turns
+/// none.
+fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
+    if machine.bodies.is_empty() {
+        problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));
+    }
+    let mut touched = vec![false; machine.bodies.len()];
+    machine
+        .elements()
+        .filter_map(Element::arms)
+        .flat_map(|arms| &arms.terms)
+        .for_each(|t| touched[t.0] = true);
+    machine.loads.iter().for_each(|load| touched[load.body] = true);
+    for (body, touched) in machine.bodies.iter().zip(touched) {
+        let name = format!("body.{}", body.name);
+        let moves_by_forces = matches!(body.kind, BodyKind::Free(_)) && !body.is_inner();
+        if !touched && moves_by_forces {
+            let text = "nothing acts on this body; allowed is a body with an element";
+            problems.push(Problem::new(&name, None, text));
+        }
+        if let (Dimension::Rotation, BodyKind::Free(free)) = (body.dimension, &body.kind)
+            && free.gravity != 0.0
+        {
+            problems.push(refused(
+                format!("{name}.gravity"),
+                free.gravity,
+                "allowed is 0, since gravity turns no body",
+            ));
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! The file of a machine: from TOML text to a checked [`Description`], and back.
+//!
+//! `docs/machine-file.md` is the reference of the format. All problems of a file are reported at
+//! once, each with line, dotted name, value, the allowed values and, for an unknown name, the
+//! nearest known one:
+//!
+//! ```
+//! use vibro_machine::file::{no_records, parse};
+//!
+//! let text = r#"
+//! name = "Bouncer"
+//! [body.ball]
+//! mass = "20 g"
+//! [stop.floor]
+//! between = ["ground", "bal"]
+//! gap = "1 N"
+//! restitution = 0.9
+//! "#;
+//! let refused = parse(text, "ball.toml", &no_records).unwrap_err();
+//! assert_eq!(
+//!     refused.to_string(),
+//!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
+//!      the nearest is `ball`\n\
+//!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um, in"
+//! );
+//! ```
+
+mod any_unit;
+mod blocks;
+mod bodies;
+mod completion;
+mod elements;
+mod flexible;
+mod follows;
+mod matrices;
+mod matrix;
+mod named;
+mod points;
+mod reading;
+mod records;
+mod series;
+mod signals;
+mod start;
+mod stepped;
+mod write;
+
+pub use completion::{Completion, completion};
+pub use records::{no_records, records_beside};
+
+use crate::check::{check, check_structure};
+use crate::description::{Description, Dimension};
+use crate::elements::SECTIONS;
+use crate::kinds;
+use crate::refusal::{Problem, Refusal};
+use reading::{FileTable, Reading};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Reads the text of a record. The path is that of the machine's file: relative and not above its
+/// folder.
+pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
+
+/// Largest size of a file or record, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// Reads a machine from a file, and its records from the file's folder.
+///
+/// # Errors
+/// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
+pub fn read(path: &Path) -> Result<Description, Refusal> {
+    read_by(path, check)
+}
+
+/// Reads a file like [`read`], for numbers that are changed before the machine is used: what its
+/// numbers must fulfil together is not checked, such as a start within the gaps of rigid stops.
+/// [`Description::with`] checks it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_draft(path: &Path) -> Result<Description, Refusal> {
+    read_by(path, check_structure)
+}
+
+fn read_by(path: &Path, check: Check) -> Result<Description, Refusal> {
+    let (name, text) = (path.display().to_string(), text_of(path)?);
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    parse_by(&text, (&name, &records_beside(&folder)), check)
+}
+
+/// The checks of a machine that a text describes.
+type Check = fn(&Description) -> Vec<Problem>;
+
+/// The text of a file.
+pub(crate) fn text_of(path: &Path) -> Result<String, Refusal> {
+    let name = path.display();
+    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
+    read_text(path).map_err(cannot)
+}
+
+fn read_text(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    std::fs::File::open(path)?.take(MOST_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(io::Error::other(format!("it has more than {MOST_BYTES} bytes")));
+    }
+    Ok(text)
+}
+
+/// Reads a machine from TOML text; messages call it `file`.
+///
+/// # Errors
+/// A [`Refusal`] with every problem found.
+pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Refusal> {
+    parse_by(text, (file, records), check)
+}
+
+fn parse_by(text: &str, (file, records): (&str, Records), check: Check) -> Result<Description, Refusal> {
+    let refusal = |problems| Refusal { file: file.into(), problems };
+    let (root, broken) = reading::toml(text);
+    if !broken.is_empty() {
+        return Err(refusal(broken));
+    }
+    let mut reading = Reading::new(text, records);
+    let machine = machine(&mut reading, &FileTable::root(root.get_ref()));
+    if reading.problems.is_empty() {
+        let found = check(&machine);
+        found.into_iter().for_each(|problem| reading.place(problem));
+    }
+    match reading.finish() {
+        problems if problems.is_empty() => Ok(machine),
+        problems => Err(refusal(problems)),
+    }
+}
+
+/// Keys of the whole file that have a value, and those that have tables beside [`SECTIONS`].
+const VALUES: [&str; 3] = ["name", "gravity", "start"];
+const TABLES: [&str; 2] = ["parameters", "body"];
+
+fn machine(reading: &mut Reading, root: &FileTable) -> Description {
+    let mut keys = [&VALUES[..], &TABLES[..]].concat();
+    keys.extend(SECTIONS.iter().map(|(section, _)| section));
+    reading.known(root, &keys);
+    let mut machine = Description::default();
+    named::read(reading, root);
+    if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
+        machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
+    }
+    if let Some(entry) = reading.optional(root, "gravity") {
+        machine.gravity = reading.number(&entry, kinds::GRAVITY, Dimension::Translation).unwrap_or(0.0);
+    }
+    if let Some(entry) = reading.optional(root, "start") {
+        machine.starts_at_rest = entry.value.as_str() == Some("rest");
+        if !machine.starts_at_rest {
+            let text = "allowed is \"rest\", or a body's own start";
+            reading.note_names(entry.value.as_str().unwrap_or_default(), ["rest"].into_iter());
+            reading.refuse(&entry, text);
+        }
+    }
+    let bodies = reading.section(root, "body");
+    let mut names = bodies::read(reading, root, &bodies, &mut machine);
+    flexible::read(reading, root, &mut names, &mut machine);
+    matrix::read(reading, root, &mut names, &mut machine);
+    if !root.has("gravity") {
+        bodies::without_gravity(reading, &machine);
+    }
+    elements::read(reading, root, &names, &mut machine);
+    blocks::read(reading, root, &names, &mut machine);
+    elements::follow(reading, root, &mut machine);
+    named::put(reading, &mut machine);
+    machine
+}
+
+impl Description {
+    /// The text of a file that reads back to an equal machine: SI units, numbers with all digits,
+    /// records within the text. Requires a description that [`check`](Self::check) accepts.
+    ///
+    /// ```
+    /// use vibro_machine::file::{no_records, parse};
+    ///
+    /// let text = r#"
+    ///     name = "A"
+    ///     [body.b]
+    ///     mass = "3 g"
+    ///     [spring.s]
+    ///     between = ["ground", "b"]
+    ///     stiffness = "1 N/mm"
+    /// "#;
+    /// let machine = parse(text, "a.toml", &no_records)?;
+    /// assert!(machine.to_toml().contains("mass = 0.003\n"));
+    /// assert_eq!(parse(&machine.to_toml(), "written.toml", &no_records)?, machine);
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
+    pub fn to_toml(&self) -> String {
+        write::machine(self)
+    }
+}

@@ -1,0 +1,231 @@
+//! Parameters: the numbers of a machine by name, as FMU variables, command lines and Python read
+//! and set them.
+//!
+//! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
+//! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
+//! `load.shaker.harmonics[1].amplitude` where there are several harmonics, or `block.pid.a[0,1]`, a
+//! matrix's row and column from 0 as in FMI's structured names. The set of names depends on the
+//! machine's topology, never on its numbers. Knots of records have no names. Parameters of
+//! `[parameters]` have their own; what follows from them ([`Description::following`]) is not set.
+
+use crate::check::{check, check_under_way};
+use crate::description::{Description, Dimension};
+use crate::following::Following;
+use crate::kinds::NumberKind;
+use crate::refusal::{Problem, Refusal, advice};
+use crate::slots::{Slot, slots};
+use std::collections::HashMap;
+use vibro_impact::parameters::Range;
+use vibro_impact::quantities::quantity_in;
+
+/// A parameter of a machine.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Dotted name, such as `stop.upper.gap`.
+    pub name: String,
+    /// Its meaning in words; of a named parameter the comment behind it, if there is one.
+    pub meaning: String,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Value in the SI unit.
+    pub value: f64,
+    /// Least and largest value, infinite without a bound. The bounds of a named parameter follow
+    /// from the numbers that are straight lines in it alone.
+    pub bounds: [f64; 2],
+    kind: NumberKind,
+    dimension: Dimension,
+}
+
+impl Parameter {
+    /// Allowed values; zero is refused for a lever arm even though the range contains it.
+    pub fn range(&self) -> Range {
+        self.kind.range
+    }
+
+    /// Reads a value, with or without a unit of the parameter's dimension.
+    ///
+    /// # Errors
+    /// A [`Refusal`] with the parameter's name, the text and the allowed values.
+    pub fn read(&self, text: &str) -> Result<f64, Refusal> {
+        read(self.kind, self.dimension, text).ok_or_else(|| {
+            let too_small = read(self.kind.of_any_size(), self.dimension, text).is_some();
+            let allowed = if too_small { NumberKind::allowed_sizes } else { NumberKind::allowed };
+            let allowed = allowed(&self.kind, self.dimension);
+            Refusal::one(Problem::new(&self.name, Some(format!("{:?}", text.trim())), allowed))
+        })
+    }
+}
+
+/// Longest text of a number with its unit, bytes; reading tries every position of the unit's start.
+const LONGEST_NUMBER: usize = 100;
+
+/// Reads an allowed number of a kind, with or without a unit.
+pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option<f64> {
+    let short = Some(text.trim()).filter(|text| text.len() <= LONGEST_NUMBER)?;
+    quantity_in(kind.unit(dimension), short).map(|q| q.value).filter(|&v| kind.contains(v))
+}
+
+impl Description {
+    /// All parameters: gravity, then those of bodies and of elements in the order of
+    /// [`SECTIONS`](crate::elements::SECTIONS), then named ones. What follows from named ones by
+    /// expressions is none of them: [`following`](Self::following) has it.
+    ///
+    /// ```
+    /// use vibro_machine::file::{no_records, parse};
+    ///
+    /// let text = r#"
+    ///     name = "Bouncer"
+    ///     gravity = 9.81
+    ///     [body.ball]
+    ///     mass = "20 g"
+    ///     gravity = 1.0
+    ///     [stop.floor]
+    ///     between = ["ground", "ball"]
+    ///     gap = "1 m"
+    ///     restitution = 0.9
+    /// "#;
+    /// let mut ball = parse(text, "ball.toml", &no_records)?;
+    /// let names: Vec<_> = ball.parameters().into_iter().map(|p| p.name).collect();
+    /// assert_eq!(names[..3], ["gravity", "body.ball.mass", "body.ball.gravity"]);
+    /// ball.replace("stop.floor.restitution", 0.8)?;
+    /// assert_eq!(ball.get("stop.floor.restitution")?, 0.8);
+    /// let refused = ball.replace("stop.floor.restitution", 1.2).unwrap_err();
+    /// assert_eq!(
+    ///     refused.to_string(),
+    ///     "stop.floor.restitution = 1.2: allowed is a number from 0 to 1"
+    /// );
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut copy = self.clone();
+        let parameter = |slot: Slot| Parameter {
+            name: slot.name,
+            meaning: slot.kind.meaning.to_owned(),
+            unit: slot.kind.unit(slot.dimension),
+            value: *slot.value,
+            bounds: [slot.kind.range.min, slot.kind.range.max],
+            kind: slot.kind,
+            dimension: slot.dimension,
+        };
+        let all = slots(&mut copy);
+        if self.named.all().is_empty() {
+            return all.into_iter().map(parameter).collect();
+        }
+        let (follow, own): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|slot| self.named.of_number(&slot.name).is_some());
+        let ranges: HashMap<_, _> = follow.into_iter().map(|slot| (slot.name, slot.kind.range)).collect();
+        let bounds = self.named.ranges(|name| ranges.get(name).copied());
+        let mut parameters: Vec<Parameter> = own.into_iter().map(parameter).collect();
+        // Named parameters without expressions come last.
+        let named = self.named.all().iter().zip(bounds).rev().filter(|own| own.0.expression.is_none());
+        for (parameter, (own, bounds)) in parameters.iter_mut().rev().zip(named) {
+            (parameter.meaning, parameter.bounds) = (own.meaning(), bounds);
+        }
+        parameters
+    }
+
+    /// The parameter with a name. For a single harmonic, `harmonics[0].amplitude` is an alias of
+    /// `amplitude`; `a[0][1]` is an alias of `a[0,1]`.
+    ///
+    /// # Errors
+    /// A [`Refusal`] with the nearest name, or with the named parameters from which this follows.
+    pub fn parameter(&self, name: &str) -> Result<Parameter, Refusal> {
+        if let Some(problem) = self.named.refusal(name) {
+            return Err(Refusal::one(problem));
+        }
+        let mut all = self.parameters();
+        let place = position(&all, |p| &p.name, name).map_err(Refusal::one)?;
+        Ok(all.swap_remove(place))
+    }
+
+    /// The value of a parameter, or of what follows from parameters, in SI.
+    ///
+    /// # Errors
+    /// A [`Refusal`] with the nearest name.
+    pub fn get(&self, name: &str) -> Result<f64, Refusal> {
+        let plain = usual_name(name);
+        let is_own = |own: &Following| own.name == name || own.name == plain;
+        match self.following().into_iter().find(is_own) {
+            Some(found) => Ok(found.value),
+            None => Ok(self.parameter(name)?.value),
+        }
+    }
+
+    /// Replaces the value of a parameter, in SI.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with); the machine then stays unchanged.
+    pub fn replace(&mut self, name: &str, value: f64) -> Result<(), Refusal> {
+        *self = self.with([(name, value)])?;
+        Ok(())
+    }
+
+    /// The machine with other values of some parameters, in SI. It is checked once after all
+    /// changes, so that a gap and a start value may change together.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for unknown names, with the nearest valid ones; for values out of range; and
+    /// for everything a file with these values would be refused for.
+    pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
+        self.changed(changes, check)
+    }
+
+    /// The machine with other values of some parameters, in SI, during a motion: start values are
+    /// not checked, and a start at rest is not sought again.
+    ///
+    /// # Errors
+    /// As [`with`](Self::with), without the conditions on start values.
+    pub fn under_way<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
+        let changed = self.changed(changes, check_under_way)?;
+        Ok(Self { starts_at_rest: false, ..changed })
+    }
+
+    fn changed<'n>(
+        &self,
+        changes: impl IntoIterator<Item = (&'n str, f64)>,
+        check: fn(&Self) -> Vec<Problem>,
+    ) -> Result<Self, Refusal> {
+        let mut changed = self.clone();
+        let mut all = slots(&mut changed);
+        let (mut problems, mut set) = (Vec::new(), Vec::new());
+        for (name, value) in changes {
+            match (self.named.refusal(name), position(&all, |s| &s.name, name)) {
+                (Some(follows), _) => problems.push(follows),
+                (None, Ok(place)) => {
+                    *all[place].value = value;
+                    set.push((all[place].name.clone(), value));
+                }
+                (None, Err(unknown)) => problems.push(unknown),
+            }
+        }
+        if problems.is_empty() {
+            problems = changed.follow();
+            if problems.is_empty() {
+                problems = check(&changed);
+            }
+            problems = problems.into_iter().map(|own| self.named.blame(own, &set)).collect();
+        }
+        if problems.is_empty() { Ok(changed) } else { Err(Refusal { file: String::new(), problems }) }
+    }
+}
+
+/// The usual spelling of a name that is understood in another one: `a[0][1]` is `a[0,1]`, and
+/// `harmonics[0].amplitude` of a single harmonic is `amplitude`.
+pub(crate) fn usual_name(name: &str) -> String {
+    name.replace("][", ",").replace(".harmonics[0].", ".")
+}
+
+fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usize, Problem> {
+    let find = |name: &str| all.iter().position(|t| name_of(t) == name);
+    let unknown = || {
+        let text =
+            format!("no parameter has this name; {}", advice(name, all.iter().map(|t| name_of(t).as_str())));
+        Problem::new(name, None, text)
+    };
+    find(name).or_else(|| find(&usual_name(name))).ok_or_else(unknown)
+}
+
+/// Whether a text is a number with a unit that converts to `si`.
+pub(crate) fn has_unit(si: &str, text: &str) -> bool {
+    text.len() <= LONGEST_NUMBER && quantity_in(si, text).is_some_and(|q| q.unit.is_some())
+}

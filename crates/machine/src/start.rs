@@ -1,0 +1,415 @@
+//! Starts: a time, and coordinates and rates of bodies by name, from which a motion begins instead
+//! of the machine's own start.
+
+mod derivatives;
+
+use crate::assembly::Assembly;
+use crate::description::{Body, BodyKind, Description, Dimension};
+use crate::elements::Element;
+use crate::error::Error;
+use crate::kinds::{self, NumberKind};
+use crate::motion::{Event, Motion};
+use crate::parameters::read;
+use crate::refusal::{Problem, Refusal, advice};
+use crate::system::in_series;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::{self, Write};
+use std::sync::Arc;
+
+/// Start of a motion. A coordinate or rate that is not given is that of the machine's own start.
+///
+/// Its numbers have names: `time`, `box.s` and `box.v` of a body `box` with mass or inertia, and
+/// `mount.slider` of a spring `mount` in series.
+/// Stops and friction have no values of their own: the law finds which are closed and which stick.
+///
+/// ```
+/// use std::sync::Arc;
+/// use vibro_machine::{Assembly, Motion, Start, file};
+///
+/// let text = r#"
+///     name = "Pendulum"
+///     [body.bob]
+///     mass = 2.0
+///     [spring.k]
+///     between = ["ground", "bob"]
+///     stiffness = 800.0
+///     [load.f]
+///     on = "bob"
+///     amplitude = 1.0
+///     frequency = 2.0
+/// "#;
+/// let assembly = Arc::new(Assembly::new(file::parse(text, "p.toml", &file::no_records)?)?);
+/// let mut motion = Motion::new(assembly.clone())?;
+/// motion.advance_to(0.3)?;
+///
+/// let start = Start::of(&motion);
+/// let written = start.to_toml();
+/// let read = Start::parse(&written, "start.toml", &assembly.description)?;
+/// assert_eq!(read, start);
+/// let mut on = read.motion(assembly)?;
+/// on.advance_to(1.0)?;
+/// motion.advance_to(1.0)?;
+/// assert!((on.body(0)[0] - motion.body(0)[0]).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Start {
+    /// s.
+    pub time: f64,
+    /// What is given of each body, by its name.
+    pub bodies: BTreeMap<String, BodyStart>,
+    /// Inner places of springs in series, m or rad, by the spring's name, where they are given.
+    pub sliders: BTreeMap<String, f64>,
+    /// What blocks keep, by names such as `pid.x[0]`, where it is given.
+    pub blocks: BTreeMap<String, f64>,
+}
+
+/// Coordinate and rate of a body at the start, where they are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyStart {
+    /// m or rad.
+    pub s: Option<f64>,
+    /// m/s or rad/s.
+    pub v: Option<f64>,
+}
+
+/// A number of a start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Time,
+    /// Of the body with an index: its coordinate.
+    Coordinate(usize),
+    /// Its rate.
+    Rate(usize),
+    /// Of the spring with an index: its inner place.
+    Slider(usize),
+    /// What a block keeps, by its place among all.
+    Kept(usize),
+}
+
+impl Place {
+    fn kind(self, d: &Description) -> (NumberKind, Dimension) {
+        match self {
+            Self::Time => (kinds::TIME, Dimension::Translation),
+            Self::Coordinate(body) => (kinds::START, d.bodies[body].dimension),
+            Self::Rate(body) => (kinds::START_RATE, d.bodies[body].dimension),
+            Self::Slider(spring) => (kinds::SLIDER, d.springs[spring].arms.dimension),
+            Self::Kept(_) => (kinds::BLOCK_START, Dimension::Translation),
+        }
+    }
+}
+
+impl Start {
+    /// The present state of a motion.
+    pub fn of(motion: &Motion) -> Self {
+        let assembly = motion.assembly();
+        let body = |&i: &usize| {
+            let [s, v] = [motion.coordinate(i), motion.body(i)[1]].map(|x| Some(x + 0.0));
+            (assembly.description.bodies[i].name.clone(), BodyStart { s, v })
+        };
+        let bodies = assembly.system.bodies_of.iter().map(body).collect();
+        let places = (0..assembly.system.branches.len()).map(|i| motion.inner_place(i) + 0.0);
+        let sliders = in_series(&assembly.description).map(|(spring, _)| spring.name.clone()).zip(places);
+        let system = &assembly.system;
+        let kept = motion.state().as_slice()[2 * system.coordinates + system.branches.len()..].iter();
+        let blocks = assembly.names_of_blocks().into_iter().zip(kept.map(|x| x + 0.0)).collect();
+        Self { time: motion.time(), bodies, sliders: sliders.collect(), blocks }
+    }
+
+    /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("time = {:?}\n", self.time);
+        for (name, BodyStart { s, v }) in &self.bodies {
+            // The name of a coordinate of a body with many has a dot.
+            let quoted = if name.contains('.') { format!("{name:?}") } else { name.clone() };
+            let _ = writeln!(text, "\n[body.{quoted}]");
+            for (key, value) in [("s", s), ("v", v)] {
+                let _ = value.map_or(Ok(()), |x| writeln!(text, "{key} = {x:?}"));
+            }
+        }
+        for (name, slider) in &self.sliders {
+            let _ = writeln!(text, "\n[spring.{name}]\nslider = {slider:?}");
+        }
+        if !self.blocks.is_empty() {
+            text.push_str("\n[block]\n");
+        }
+        for (name, x) in &self.blocks {
+            let _ = writeln!(text, "{name:?} = {x:?}");
+        }
+        text
+    }
+
+    /// Sets a number by its name, SI.
+    ///
+    /// # Errors
+    /// As [`set_text`](Self::set_text).
+    pub fn set(&mut self, d: &Description, name: &str, value: f64) -> Result<(), Refusal> {
+        let place = place(d, name)?;
+        let (kind, _) = place.kind(d);
+        if !kind.contains(value) {
+            let text = kind.allowed_instead_of(value);
+            return Err(Refusal::one(Problem::new(name, Some(format!("{value:?}")), text)));
+        }
+        self.put(d, place, value);
+        Ok(())
+    }
+
+    /// Sets a number by its name from a text, with or without a unit.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for an unknown name, with the nearest one; for a body with a prescribed
+    /// motion; for a value that is not allowed.
+    pub fn set_text(&mut self, d: &Description, name: &str, text: &str) -> Result<(), Refusal> {
+        let place = place(d, name)?;
+        let (kind, dimension) = place.kind(d);
+        let value = read(kind, dimension, text).ok_or_else(|| {
+            let quoted = Some(format!("{:?}", text.trim()));
+            Refusal::one(Problem::new(name, quoted, kind.allowed(dimension)))
+        })?;
+        self.put(d, place, value);
+        Ok(())
+    }
+
+    fn put(&mut self, d: &Description, place: Place, value: f64) {
+        let name = |i: usize| d.bodies[i].name.clone();
+        match place {
+            Place::Time => self.time = value,
+            Place::Coordinate(i) => self.bodies.entry(name(i)).or_default().s = Some(value),
+            Place::Rate(i) => self.bodies.entry(name(i)).or_default().v = Some(value),
+            Place::Slider(i) => _ = self.sliders.insert(d.springs[i].name.clone(), value),
+            Place::Kept(k) => {
+                let name = d.names_of_blocks().swap_remove(k);
+                self.blocks.insert(name, value);
+            }
+        }
+    }
+
+    /// The numbers with their names, as [`set`](Self::set) takes them.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let of = |(name, body): (&String, &BodyStart)| {
+            [("s", body.s), ("v", body.v)].map(|(key, x)| Some((format!("{name}.{key}"), x?)))
+        };
+        let bodies = self.bodies.iter().flat_map(of).flatten();
+        let sliders = self.sliders.iter().map(|(name, x)| (format!("{name}.slider"), *x));
+        std::iter::once(("time".into(), self.time))
+            .chain(bodies)
+            .chain(sliders)
+            .chain(self.blocks.clone())
+            .collect()
+    }
+
+    /// Whether it is the machine's own start, at time 0.
+    pub fn is_own(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, …,
+    /// `mount.slider`, ….
+    pub fn names(assembly: &Assembly) -> Vec<String> {
+        let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
+        let sliders = in_series(&assembly.description).map(|(spring, _)| format!("{}.slider", spring.name));
+        let rates = bodies().map(|name| format!("{name}.v"));
+        let own = bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders);
+        own.chain(assembly.names_of_blocks()).collect()
+    }
+
+    /// Coordinates and rates of a machine's coordinates and inner places of its springs in series,
+    /// as [`Motion::from_state`] takes them.
+    ///
+    /// # Errors
+    /// A [`Refusal`] for a body that the machine does not have, and for one whose coordinate
+    /// follows from others.
+    pub fn state(&self, assembly: &Assembly) -> Result<Vec<f64>, Refusal> {
+        let (d, of) = (&assembly.description, &assembly.system.bodies_of);
+        let mut state = crate::motion::start_of(assembly);
+        let mut problems = Vec::new();
+        for (name, value) in self.numbers() {
+            let (body, order) = match place(d, &name) {
+                Ok(Place::Coordinate(body)) => (body, 0),
+                Ok(Place::Rate(body)) => (body, 1),
+                Ok(Place::Slider(spring)) => {
+                    let own = &d.springs[spring].name;
+                    let place = in_series(d).position(|(spring, _)| spring.name == *own);
+                    place.iter().for_each(|k| state[2 * of.len() + k] = value);
+                    continue;
+                }
+                Ok(Place::Kept(k)) => {
+                    state[2 * of.len() + assembly.system.branches.len() + k] = value;
+                    continue;
+                }
+                Ok(Place::Time) => continue,
+                Err(refusal) => {
+                    problems.extend(refusal.problems);
+                    continue;
+                }
+            };
+            match of.iter().position(|&own| own == body) {
+                Some(k) => state[order * of.len() + k] = value,
+                None => {
+                    let value = Some(format!("{value:?}"));
+                    problems.push(Problem::new(name, value, determined(assembly, body)));
+                }
+            }
+        }
+        if problems.is_empty() { Ok(state) } else { Err(Refusal { file: String::new(), problems }) }
+    }
+
+    /// The motion from this start.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] as [`state`](Self::state), and for a rigid stop that the start violates;
+    /// as [`Motion::from_state`].
+    pub fn motion(&self, assembly: Arc<Assembly>) -> Result<Motion, Error> {
+        self.motion_observed(assembly, &mut |_| ())
+    }
+
+    /// As [`motion`](Self::motion), with the events at the start reported to `observer`.
+    ///
+    /// # Errors
+    /// As [`motion`](Self::motion).
+    pub fn motion_observed(
+        &self,
+        assembly: Arc<Assembly>,
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Motion, Error> {
+        if self.is_own() {
+            return Motion::new_observed(assembly, observer);
+        }
+        let state = self.state(&assembly)?;
+        let begun = Motion::from_state_observed(assembly.clone(), self.time, &state, observer);
+        begun.map_err(|error| in_words(&assembly, self.time, error))
+    }
+}
+
+/// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.
+fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
+    let Error::Violated { stop, time, excess } = &error else { return error };
+    if *time != begin {
+        return error;
+    }
+    let element = assembly.description.elements().find(|element| element.dotted() == *stop);
+    let dimension = element.and_then(Element::arms).map(|arms| arms.dimension);
+    let unit = if dimension == Some(Dimension::Rotation) { "rad" } else { "m" };
+    let gap = format!("{stop}.gap");
+    let value = assembly.description.get(&gap).ok().map(|gap| format!("{gap:?}"));
+    let text = format!(
+        "the start at t = {time:?} s violates it by e - gap = {excess:?} {unit}; allowed is e <= gap"
+    );
+    Refusal::one(Problem::new(gap, value, text)).into()
+}
+
+/// The word for the machine's own start in serialized form.
+const OWN: &str = "File";
+
+impl From<Start> for String {
+    fn from(start: Start) -> Self {
+        if start.is_own() { OWN.into() } else { start.to_string() }
+    }
+}
+
+impl TryFrom<String> for Start {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let mut start = Self::default();
+        if text == OWN {
+            return Ok(start);
+        }
+        for part in text.split(',') {
+            let number = part.split_once('=').and_then(|(name, x)| Some((name, x.parse::<f64>().ok()?)));
+            match number.map(|(name, x)| (name.rsplit_once('.'), x)) {
+                Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
+                Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
+                Some((Some((spring, "slider")), x)) => _ = start.sliders.insert(spring.into(), x),
+                Some((Some((of, what)), x)) if what.contains(['[', 'h', 'n']) => {
+                    start.blocks.insert(format!("{of}.{what}"), x);
+                }
+                Some((None, time)) => start.time = time,
+                _ => return Err(format!("`{part}` is no number of a start")),
+            }
+        }
+        Ok(start)
+    }
+}
+
+/// The numbers in one line, such as `time=0.5,box.s=0.001`.
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_own() {
+            return f.write_str("as the file says");
+        }
+        let words: Vec<String> = self.numbers().iter().map(|(name, x)| format!("{name}={x:?}")).collect();
+        f.write_str(&words.join(","))
+    }
+}
+
+/// The number with a name: `time`, `box.s`, `body.box.v`, `mount.slider`, `spring.mount.slider`.
+fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
+    if name.trim() == "time" {
+        return Ok(Place::Time);
+    }
+    if let Some(spring) = name.trim().strip_suffix(".slider") {
+        let spring = spring.strip_prefix("spring.").unwrap_or(spring);
+        if let Some(i) = d.springs.iter().position(|own| own.name == spring && own.series.is_some()) {
+            return Ok(Place::Slider(i));
+        }
+    }
+    let kept = name.trim().strip_prefix("block.").unwrap_or(name.trim());
+    if let Some(k) = d.names_of_blocks().iter().position(|own| own == kept) {
+        return Ok(Place::Kept(k));
+    }
+    let free = |body: &&Body| matches!(body.kind, BodyKind::Free(_));
+    let refused = |text: String| Err(Refusal::one(Problem::new(name.trim(), None, text)));
+    let of_body = |plain: &str| {
+        let (body, key) = plain.rsplit_once('.')?;
+        let i = d.bodies.iter().position(|own| own.name == body)?;
+        match key {
+            "s" => Some((i, Place::Coordinate(i))),
+            "v" => Some((i, Place::Rate(i))),
+            _ => None,
+        }
+    };
+    let plain = name.trim();
+    let plain = plain.strip_prefix("body.").unwrap_or(plain);
+    let found = of_body(plain).or_else(|| of_body(name.trim()));
+    match found {
+        Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
+        Some((i, _)) if matches!(d.bodies[i].kind, BodyKind::Node(_)) => {
+            refused("it is a node; allowed are starts of the coordinates behind it".into())
+        }
+        Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
+        None => {
+            let names =
+                d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
+            let sliders = in_series(d).map(|(spring, _)| format!("{}.slider", spring.name));
+            let names: Vec<String> = std::iter::once("time".into())
+                .chain(names)
+                .chain(sliders)
+                .chain(d.names_of_blocks())
+                .collect();
+            let near = advice(plain, names.iter().map(String::as_str));
+            refused(format!("no number of a start has this name; {near}"))
+        }
+    }
+}
+
+/// Why a body's coordinate is not given, and which are.
+fn determined(assembly: &Assembly, body: usize) -> String {
+    let (d, system) = (&assembly.description, &assembly.system);
+    let name = |&i: &usize| format!("`{}`", d.bodies[i].name);
+    let weights = system.bodies[body].s.iter().zip(&system.bodies_of);
+    let from: Vec<String> = weights.filter(|(w, _)| **w != 0.0).map(|(_, i)| name(i)).collect();
+    let from = if from.is_empty() { "prescribed motions".into() } else { from.join(", ") };
+    format!("links determine it from {from}; {}", allowed(system.bodies_of.iter().map(|&i| &d.bodies[i])))
+}
+
+fn allowed<'b>(bodies: impl Iterator<Item = &'b Body>) -> String {
+    let names: Vec<&str> = bodies.take(crate::refusal::SHOWN).map(|body| body.name.as_str()).collect();
+    if names.is_empty() {
+        "no body has a start of its own".into()
+    } else {
+        format!("allowed are starts of {}", names.join(", "))
+    }
+}

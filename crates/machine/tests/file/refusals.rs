@@ -1,0 +1,243 @@
+//! Every refusal of the file, with its whole message.
+
+use vibro_machine::file::parse;
+
+/// A machine that is accepted, of which each case changes one place.
+pub const SOUND: &str = r#"name = "Sound"
+gravity = "9.81 m/s2"
+[body.box]
+mass = "12 kg"
+[body.block]
+mass = "350 g"
+gravity = -1.0
+start = { s = "2 mm", v = 0.0 }
+[body.wheel]
+inertia = "0.02 kg m2"
+[body.drum]
+inertia = 1
+[body.belt]
+motion = { rate = "0.5 m/s" }
+[spring.mount]
+between = ["ground", "box"]
+stiffness = "48 kN/m"
+damping = "60 N s/m"
+preload = 0.0
+[stop.upper]
+between = ["box", "block"]
+gap = "5 mm"
+restitution = 0.7
+[stop.buffer]
+between = ["block", "box"]
+gap = "4 mm"
+stiffness = "2 MN/m"
+damping = "150 N s/m"
+law = "no-pull"
+[friction.guide]
+between = ["belt", "block"]
+force = "0.4 N"
+static = "0.5 N"
+[load.shaker]
+on = "box"
+harmonics = [{ amplitude = "150 N", frequency = "10 Hz", phase = 0.0 }]
+steps = [[0.4, 20.0], [0.9, -20.0]]
+table = "record.csv"
+[spring.mesh]
+arms = { wheel = "50 mm", box = 1.0 }
+stiffness = "200 MN/m"
+[link.gear]
+arms = { wheel = 1.0, drum = -3.0 }
+"#;
+
+/// Text to replace, its replacement, and the message. Lines are counted in the changed text.
+#[rustfmt::skip]
+const CASES: &[(&str, &str, &str)] = &[
+    // Unknown names.
+    ("gap = \"5 mm\"", "gpa = \"5 mm\"", "m.toml:20: stop.upper.gap: missing; allowed is a finite number, in m, cm, mm, um, in\nm.toml:22: stop.upper.gpa = \"5 mm\": no such key; the nearest is `gap`"),
+    ("[spring.mount]", "[sprign.mount]", "m.toml:15: sprign: no such key; the nearest is `spring`"),
+    ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; valid are between, arms, stiffness, damping, preload, points, slip, series_damping, slider"),
+    ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"boks\"]", "m.toml:16: spring.mount.between[1] = \"boks\": no body has this name; the nearest is `box`"),
+    ("between = [\"ground\", \"box\"]", "between = [\"grond\", \"box\"]", "m.toml:16: spring.mount.between[0] = \"grond\": no body has this name; the nearest is `ground`"),
+    ("on = \"box\"", "on = \"bx\"", "m.toml:35: load.shaker.on = \"bx\": no body has this name; the nearest is `box`"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { whel = \"50 mm\", box = 1.0 }", "m.toml:40: spring.mesh.arms.whel = \"50 mm\": no body has this name; the nearest is `wheel`"),
+    ("start = { s = \"2 mm\", v = 0.0 }", "start = { x = \"2 mm\", v = 0.0 }", "m.toml:8: body.block.start.x = \"2 mm\": no such key; the nearest is `s`"),
+    ("phase = 0.0 }]", "fase = 0.0 }]", "m.toml:36: load.shaker.harmonics[0].fase = 0.0: no such key; the nearest is `phase`"),
+    ("law = \"no-pull\"", "law = \"nopull\"", "m.toml:29: stop.buffer.law = \"nopull\": allowed is \"no-pull\", \"elastogap\", \"pull\" or \"undamped-rebound\""),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { ratee = \"0.5 m/s\" }", "m.toml:14: body.belt.motion.ratee = \"0.5 m/s\": no such key; the nearest is `rate`\nm.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, sweep, steps, table, input, offset, rate, acceleration"),
+    // Bodies.
+    ("mass = \"12 kg\"", "gravity = 1.0", "m.toml:3: body.box: has no inertia; allowed is one of mass, inertia, motion"),
+    ("mass = \"12 kg\"", "mass = \"12 kg\"\ninertia = \"1 kg m2\"", "m.toml:3: body.box: has mass and inertia; allowed is one of mass, inertia, motion"),
+    ("mass = \"12 kg\"", "mass = \"12 kg\"\nmotion = \"2 mm\"", "m.toml:3: body.box: has mass and motion; allowed is one of mass, inertia, motion"),
+    ("mass = \"12 kg\"", "mass = 0", "m.toml:4: body.box.mass = 0: allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = \"-3 g\"", "m.toml:4: body.box.mass = \"-3 g\": allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = \"12 m\"", "m.toml:4: body.box.mass = \"12 m\": allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = nan", "m.toml:4: body.box.mass = nan: allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = \"inf\"", "m.toml:4: body.box.mass = \"inf\": allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = 1e999", "m.toml:4: body.box.mass = 1e999: allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = true", "m.toml:4: body.box.mass = true: allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = [1.0]", "m.toml:4: body.box.mass = [1.0]: allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("mass = \"12 kg\"", "mass = \"twelve\"", "m.toml:4: body.box.mass = \"twelve\": allowed is a finite number > 0, in kg, g, mg, t, lb"),
+    ("inertia = \"0.02 kg m2\"", "inertia = \"20 g\"", "m.toml:10: body.wheel.inertia = \"20 g\": allowed is a finite number > 0, in kg.m2, kg.cm2, kg.mm2, g.m2, g.cm2, g.mm2, t.m2, kgm2"),
+    ("inertia = \"0.02 kg m2\"", "inertia = \"0.02 kg m2\"\ngravity = 1.0", "m.toml:11: body.wheel.gravity = 1.0: no such key; valid are inertia, start"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\nmass = \"1 kg\"", "m.toml:13: body.belt: has mass and motion; allowed is one of mass, inertia, motion"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\nstart = { s = 1.0 }", "m.toml:15: body.belt.start: no such key; valid are motion, dimension"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = {}", "m.toml:14: body.belt.motion: has no signal; allowed are one or more of constant, amplitude and frequency, harmonics, sweep, steps, table, input, offset, rate, acceleration"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\", amplitude = \"1 rad\", frequency = 1.0 }", "m.toml:14: body.belt.motion.amplitude = \"1 rad\": allowed is a finite number, in m, cm, mm, um, in"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { constant = 1.0, offset = 1.0 }", "m.toml:14: body.belt.motion.offset = 1.0: stands beside constant, which is the same; allowed is one of them"),
+    ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\ndimension = \"radial\"", "m.toml:15: body.belt.dimension = \"radial\": allowed is \"translation\" or \"rotation\""),
+    ("gravity = -1.0", "gravity = -1.5", "m.toml:7: body.block.gravity = -1.5: allowed is a number from -1 to 1"),
+    ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s\"", "m.toml:2: gravity = \"9.81 m/s\": allowed is a finite number >= 0, in m/s2, mm/s2, cm/s2, g"),
+    ("gravity = \"9.81 m/s2\"", "gravity = -9.81", "m.toml:2: gravity = -9.81: allowed is a finite number >= 0, in m/s2, mm/s2, cm/s2, g"),
+    ("gravity = \"9.81 m/s2\"", "", "m.toml:7: body.block.gravity = -1.0: gravity is missing at the top level, such as gravity = \"9.81 m/s2\""),
+    ("[body.belt]", "[body.ground]\nmass = 1.0\n[body.belt]", "m.toml:13: body.ground: `ground` is what stands still; allowed is another name"),
+    ("[body.belt]", "[body.\"two words\"]\nmass = 1.0\n[body.belt]", "m.toml:13: body.two words: allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
+    ("[body.belt]", "[body.idle]\nmass = 1.0\n[body.belt]", "m.toml:13: body.idle: nothing acts on this body; allowed is a body with an element"),
+    ("[body.belt]", "[body.box]\nmass = 1.0\n[body.belt]", "m.toml:13: body.box: is there twice"),
+    ("[body.belt]", "[body]\nlone = 3\n[body.belt]", "m.toml:14: body.lone = 3: allowed are tables with names, such as [body.NAME]"),
+    // Names.
+    ("name = \"Sound\"", "name = \"\"", "m.toml:1: name = \"\": allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
+    ("name = \"Sound\"", "name = \"two words\"", "m.toml:1: name = \"two words\": allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
+    ("name = \"Sound\"", "name = 3", "m.toml:1: name = 3: allowed is a name, such as \"Damper\""),
+    ("name = \"Sound\"", "", "m.toml:1: name: missing; allowed is a name, such as \"Damper\""),
+    ("[spring.mesh]", "[spring.upper]", "m.toml:20: stop.upper: another element has this name: spring.upper"),
+    ("[spring.mesh]", "[spring.mount]", "m.toml:39: spring.mount: is there twice"),
+    ("[stop.buffer]", "[stop.1st]", "m.toml:24: stop.1st: allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
+    ("[stop.buffer]", "[stop.\"bu.ffer\"]", "m.toml:24: stop.bu.ffer: allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first"),
+    // Ends and arms.
+    ("between = [\"ground\", \"box\"]", "between = [\"box\"]", "m.toml:16: spring.mount.between = [\"box\"]: allowed are two names, such as [\"ground\", \"box\"]"),
+    ("between = [\"ground\", \"box\"]", "between = \"box\"", "m.toml:16: spring.mount.between = \"box\": allowed are two names, such as [\"ground\", \"box\"]"),
+    ("between = [\"ground\", \"box\"]", "between = [\"box\", \"box\"]", "m.toml:16: spring.mount.between = [\"box\", \"box\"]: both ends are the same; allowed are two bodies, or ground and a body"),
+    ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"ground\"]", "m.toml:16: spring.mount.between = [\"ground\", \"ground\"]: both ends are the same; allowed are two bodies, or ground and a body"),
+    ("between = [\"ground\", \"box\"]", "between = [\"wheel\", \"box\"]", "m.toml:16: spring.mount.between = [\"wheel\", \"box\"]: one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\""),
+    ("between = [\"ground\", \"box\"]", "between = [\"ground\", 3]", "m.toml:16: spring.mount.between[1] = 3: allowed is \"ground\" or the name of a body"),
+    ("between = [\"ground\", \"box\"]", "", "m.toml:15: spring.mount: has no ends; allowed is between = [A, B] or arms = { A = 1.0, B = -1.0 }"),
+    ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"box\"]\narms = { box = 1.0 }", "m.toml:17: spring.mount.arms: stands beside between; allowed is one of them"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = 0.05, box = 1.0 }", "m.toml:40: spring.mesh.arms.box = 1.0: its term is a length, but that of `wheel` is an angle; allowed are arms that make all terms alike: without a unit, in m for a body that turns in an element along a line, in 1/m for a body on a line in an element that turns"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = \"50 N\", box = 1.0 }", "m.toml:40: spring.mesh.arms.wheel = \"50 N\": allowed is a finite number other than 0, without a unit or in m, cm, mm, um, in"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = \"0 mm\", box = 1.0 }", "m.toml:40: spring.mesh.arms.wheel = \"0 mm\": allowed is a finite number other than 0, without a unit or in m, cm, mm, um, in"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = {}", "m.toml:40: spring.mesh.arms: names no body; allowed are one body or more"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = [\"wheel\", \"box\"]", "m.toml:40: spring.mesh.arms = [\"wheel\", \"box\"]: allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }"),
+    // Springs and stops.
+    ("stiffness = \"48 kN/m\"", "stiffness = \"-48 kN/m\"", "m.toml:17: spring.mount.stiffness = \"-48 kN/m\": allowed is a finite number >= 0, in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in"),
+    ("stiffness = \"48 kN/m\"", "stiffness = \"48 kN m/rad\"", "m.toml:17: spring.mount.stiffness = \"48 kN m/rad\": allowed is a finite number >= 0, in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in"),
+    ("stiffness = \"48 kN/m\"", "", "m.toml:15: spring.mount.stiffness: missing; allowed is a finite number >= 0, in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in"),
+    ("damping = \"60 N s/m\"", "damping = -1", "m.toml:18: spring.mount.damping = -1: allowed is a finite number >= 0, in N.s/m, kN.s/m, N.s/mm, kg/s, N/(m/s), Ns/m, kNs/m, Ns/mm"),
+    ("preload = 0.0", "preload = \"1 m\"", "m.toml:19: spring.mount.preload = \"1 m\": allowed is a finite number, in N, mN, kN, MN, lbf"),
+    ("gap = \"5 mm\"", "gap = \"5 mN\"", "m.toml:22: stop.upper.gap = \"5 mN\": allowed is a finite number, in m, cm, mm, um, in"),
+    ("gap = \"5 mm\"", "", "m.toml:20: stop.upper.gap: missing; allowed is a finite number, in m, cm, mm, um, in"),
+    ("gap = \"5 mm\"", "gap = \"-3 mm\"", "m.toml:22: stop.upper.gap = \"-3 mm\": the start violates it with e = 0.002 m; allowed is e <= gap"),
+    ("restitution = 0.7", "restitution = -0.1", "m.toml:23: stop.upper.restitution = -0.1: allowed is a number from 0 to 1"),
+    ("restitution = 0.7", "restitution = 1.01", "m.toml:23: stop.upper.restitution = 1.01: allowed is a number from 0 to 1"),
+    ("restitution = 0.7", "restitution = 0.7\nstiffness = \"1 N/m\"", "m.toml:24: stop.upper.stiffness = \"1 N/m\": stands beside restitution; allowed is restitution (a rigid stop) or stiffness (a compliant one)"),
+    ("restitution = 0.7", "restitution = 0.7\nlaw = \"no-pull\"", "m.toml:24: stop.upper.law = \"no-pull\": stands beside restitution; allowed is restitution (a rigid stop) or stiffness (a compliant one)"),
+    ("restitution = 0.7", "", "m.toml:20: stop.upper: has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)"),
+    ("restitution = 0.7", "damping = 3.0", "m.toml:20: stop.upper: has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)"),
+    ("damping = \"150 N s/m\"", "damping = \"-150 N s/m\"", "m.toml:28: stop.buffer.damping = \"-150 N s/m\": allowed is a finite number >= 0, in N.s/m, kN.s/m, N.s/mm, kg/s, N/(m/s), Ns/m, kNs/m, Ns/mm"),
+    ("stiffness = \"2 MN/m\"", "stiffness = \"-2 MN/m\"", "m.toml:27: stop.buffer.stiffness = \"-2 MN/m\": allowed is a finite number >= 0, in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in"),
+    // Friction.
+    ("force = \"0.4 N\"", "force = \"-0.4 N\"", "m.toml:32: friction.guide.force = \"-0.4 N\": allowed is a finite number >= 0, in N, mN, kN, MN, lbf"),
+    ("force = \"0.4 N\"", "force = { constant = \"-0.4 N\" }", "m.toml:32: friction.guide.force = -0.4: allowed is a finite number >= 0"),
+    ("force = \"0.4 N\"", "", "m.toml:30: friction.guide.force: missing; allowed is a finite number >= 0, in N, mN, kN, MN, lbf, or a signal"),
+    ("force = \"0.4 N\"", "force = \"0.6 N\"", "m.toml:33: friction.guide.static = \"0.5 N\": allowed is a number >= friction.guide.force = 0.6"),
+    ("static = \"0.5 N\"", "static = \"0.5 m\"", "m.toml:33: friction.guide.static = \"0.5 m\": allowed is a finite number >= 0, in N, mN, kN, MN, lbf"),
+    ("static = \"0.5 N\"", "static = []", "m.toml:33: friction.guide.static = []: allowed is a finite number >= 0, in N, mN, kN, MN, lbf"),
+    // Signals.
+    ("on = \"box\"", "on = \"belt\"", "m.toml:35: load.shaker.on = \"belt\": the motion of this body is prescribed; allowed is a body with mass or inertia"),
+    ("on = \"box\"", "", "m.toml:34: load.shaker.on: missing; allowed is the name of a body"),
+    ("on = \"box\"", "on = [\"box\"]", "m.toml:35: load.shaker.on = [\"box\"]: allowed is the name of a body"),
+    ("frequency = \"10 Hz\"", "frequency = 0", "m.toml:36: load.shaker.harmonics[0].frequency = 0: allowed is a finite number > 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s"),
+    ("frequency = \"10 Hz\"", "frequency = \"-10 Hz\"", "m.toml:36: load.shaker.harmonics[0].frequency = \"-10 Hz\": allowed is a finite number > 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s"),
+    ("frequency = \"10 Hz\"", "frequency = \"10 s\"", "m.toml:36: load.shaker.harmonics[0].frequency = \"10 s\": allowed is a finite number > 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s"),
+    ("amplitude = \"150 N\", ", "", "m.toml:36: load.shaker.harmonics[0].amplitude: missing; allowed is a finite number, in N, mN, kN, MN, lbf"),
+    ("phase = 0.0 }]", "phase = 0.0, 3 = 4 }]", "m.toml:36: load.shaker.harmonics[0].3 = 4: no such key; valid are amplitude, frequency, phase"),
+    ("harmonics = [{ amplitude = \"150 N\", frequency = \"10 Hz\", phase = 0.0 }]", "harmonics = 3", "m.toml:36: load.shaker.harmonics = 3: allowed is a list such as [{ amplitude = 1.0, frequency = \"10 Hz\", phase = 0.0 }]"),
+    ("harmonics = [{ amplitude = \"150 N\", frequency = \"10 Hz\", phase = 0.0 }]", "harmonics = [3]", "m.toml:36: load.shaker.harmonics[0] = 3: allowed is a list such as [{ amplitude = 1.0, frequency = \"10 Hz\", phase = 0.0 }]"),
+    ("harmonics = [{ amplitude = \"150 N\", frequency = \"10 Hz\", phase = 0.0 }]", "amplitude = 3.0", "m.toml:34: load.shaker.frequency: missing; allowed is a finite number > 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s"),
+    ("table = \"record.csv\"", "table = \"record.csv\"\namplitude = 3.0", "m.toml:39: load.shaker.amplitude = 3.0: stands beside harmonics; allowed is one harmonic by its keys or a list of harmonics"),
+    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[0.9, 20.0], [0.4, -20.0]]", "m.toml:37: load.shaker.steps[1].time = 0.4: allowed is a time after 0.9 s, that of the step before"),
+    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[0.4, 20.0], [0.9]]", "m.toml:37: load.shaker.steps[1] = [0.9]: allowed is a list of [time, height], such as [[0.4, 20.0]]"),
+    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = [[\"0.4 m\", \"20 N\"]]", "m.toml:37: load.shaker.steps[0,0] = \"0.4 m\": allowed is a finite number, in s, ms, us, min, h"),
+    ("steps = [[0.4, 20.0], [0.9, -20.0]]", "steps = 0.4", "m.toml:37: load.shaker.steps = 0.4: allowed is a list of [time, height], such as [[0.4, 20.0]]"),
+    ("table = \"record.csv\"", "table = \"recrd.csv\"", "m.toml:38: load.shaker.table = \"recrd.csv\": cannot be read: there is no such file"),
+    ("table = \"record.csv\"", "table = \"..\u{2f}record.csv\"", "m.toml:38: load.shaker.table = \"..\u{2f}record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
+    ("table = \"record.csv\"", "table = \"/etc/record.csv\"", "m.toml:38: load.shaker.table = \"/etc/record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
+    ("table = \"record.csv\"", "table = \"C:\\\\record.csv\"", "m.toml:38: load.shaker.table = \"C:\\\\record.csv\": allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""),
+    ("table = \"record.csv\"", "table = \"falling.csv\"", "m.toml:38: load.shaker.table = \"falling.csv\": falling.csv: line 3: `0.5,1` has a time that is not after the one before; expected rising times"),
+    ("table = \"record.csv\"", "table = \"short.csv\"", "m.toml:38: load.shaker.table = \"short.csv\": short.csv: it has 1 knots; expected 2 to 1000000"),
+    ("table = \"record.csv\"", "table = \"words.csv\"", "m.toml:38: load.shaker.table = \"words.csv\": words.csv: line 5: `1;2` is separated by a semicolon; expected 2 cells separated by commas, and numbers with a decimal point, as in the first line"),
+    ("table = \"record.csv\"", "table = \"nan.csv\"", "m.toml:38: load.shaker.table = \"nan.csv\": nan.csv: line 2: `NaN` is not a number; expected a finite number, such as 0.5"),
+    ("table = \"record.csv\"", "table = [[0, 1], [0, 2]]", "m.toml:38: load.shaker.table[1] = [0, 2]: allowed is a time after 0.0 s, that of the knot before"),
+    ("table = \"record.csv\"", "table = [[0, 1]]", "m.toml:38: load.shaker.table: has 1 knots; allowed are 2 to 1000000"),
+    ("table = \"record.csv\"", "table = 3", "m.toml:38: load.shaker.table = 3: allowed is a file such as \"record.csv\", or a list of [time, value]"),
+    ("table = \"record.csv\"", "table = \"record.csv\"\ninterpolation = \"spline\"", "m.toml:39: load.shaker.interpolation = \"spline\": allowed is \"straight\", \"cubic\" or \"hold\""),
+    ("table = \"record.csv\"", "interpolation = \"cubic\"", "m.toml:38: load.shaker.interpolation = \"cubic\": there is no table to interpolate; allowed beside table"),
+    ("table = \"record.csv\"", "input = \"yes\"", "m.toml:38: load.shaker.input = \"yes\": allowed is true or false"),
+    // Links and starts.
+    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { belt = 1.0 }", "m.toml:11: body.drum: nothing acts on this body; allowed is a body with an element\nm.toml:42: link.gear: ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia"),
+    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.again]\narms = { wheel = 2.0, drum = -6.0 }", "m.toml:44: link.again: the links before it already tie these bodies, so that it is redundant or contradicts them"),
+    ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.other]\narms = { wheel = 1.0, drum = -2.0 }\n[link.third]\nbetween = [\"wheel\", \"drum\"]", "m.toml:46: link.third: the links before it already tie these bodies, so that it is redundant or contradicts them"),
+    ("inertia = 1", "inertia = 1\nstart = { s = 0.3 }", "m.toml:43: link.gear: at the start e = -0.8999999999999999 rad; allowed are starts with e = 0"),
+    ("inertia = 1", "inertia = 1\nstart = { v = 0.3 }", "m.toml:43: link.gear: at the start e' = -0.8999999999999999 rad/s; allowed are starts with e' = 0"),
+    ("start = { s = \"2 mm\", v = 0.0 }", "start = { s = \"6 mm\", v = 0.0 }", "m.toml:22: stop.upper.gap = \"5 mm\": the start violates it with e = 0.006 m; allowed is e <= gap"),
+    ("start = { s = \"2 mm\", v = 0.0 }", "start = \"rest\"", "m.toml:8: body.block.start = \"rest\": allowed is a table such as { s = 0.0, v = 0.0 }"),
+    ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"rest\"", "m.toml:9: body.block.start.s = \"2 mm\": the machine starts at rest; allowed is no start of a body beside start = \"rest\""),
+    ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"now\"", "m.toml:3: start = \"now\": allowed is \"rest\", or a body's own start"),
+    // No TOML.
+    ("name = \"Sound\"", "name = Sound", "m.toml:1: string values must be quoted, expected literal string: Sound"),
+    ("[stop.upper]", "[stop.upper", "m.toml:20: unclosed table, expected `]`"),
+    ("restitution = 0.7", "restitution = 0.7\nrestitution = 0.8", "m.toml:24: stop.upper.restitution: is there twice"),
+];
+
+pub fn records(path: &str) -> std::io::Result<String> {
+    match path {
+        "record.csv" => Ok("time,value\n0,0\n1,2.5\n".into()),
+        "falling.csv" => Ok("0,1\n1,1\n0.5,1\n".into()),
+        "short.csv" => Ok("time,value\n0,1\n".into()),
+        "words.csv" => Ok("# a record\n\ntime,value\n0,1\n1;2\n".into()),
+        "nan.csv" => Ok("0,1\n1,NaN\n".into()),
+        _ => Err(std::io::Error::other("there is no such file")),
+    }
+}
+
+fn said(text: &str) -> String {
+    match parse(text, "m.toml", &records) {
+        Ok(_) => "accepted".into(),
+        Err(refusal) => refusal.to_string(),
+    }
+}
+
+#[test]
+fn golden_message_of_every_refusal() {
+    assert_eq!(said(SOUND), "accepted");
+    let mut wrong = Vec::new();
+    for (from, to, message) in CASES {
+        assert_eq!(SOUND.matches(from).count(), 1, "{from}");
+        let found = said(&SOUND.replace(from, to));
+        if found != *message {
+            wrong.push(format!("{from} -> {to}\n  said: {found:?}\n  not:  {message:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn records_that_are_no_regular_files_are_refused_at_once() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("records");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(folder.join("folder")).unwrap();
+    let mut names = vec!["folder"];
+    // Nobody will ever write into the pipe.
+    if std::process::Command::new("mkfifo").arg(folder.join("pipe")).status().is_ok_and(|s| s.success()) {
+        names.push("pipe");
+    }
+    for name in names {
+        let machine = folder.join("m.toml");
+        let text = "name = \"M\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\ntable = \"NAME\"\n"
+            .replace("NAME", name);
+        std::fs::write(&machine, text).unwrap();
+        let refused = vibro_machine::file::read(&machine).unwrap_err().to_string();
+        let said = format!(
+            "m.toml:6: load.l.table = \"{name}\": cannot be read: it is a folder, pipe or device; allowed is a regular file"
+        );
+        assert!(refused.ends_with(&said), "{refused}");
+    }
+}

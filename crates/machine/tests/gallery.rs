@@ -1,0 +1,290 @@
+//! Examples of the gallery against solvers and closed forms of their own.
+
+use crate::common::{near, times};
+use crate::matrix::cantilever;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibro_machine::motion::{Event, EventKind};
+use vibro_machine::{Assembly, Motion, file};
+
+/// Events of a solver lie on a grid of a step over 2^HALVINGS, which is under 1e-11 s everywhere
+/// here.
+const HALVINGS: usize = 26;
+
+fn example(name: &str) -> Motion {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/");
+    let machine = file::read(format!("{folder}{name}.toml").as_ref()).unwrap_or_else(|e| panic!("{e}"));
+    Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap()
+}
+
+fn followed(motion: &mut Motion, end: f64) -> Vec<Event> {
+    let mut all = Vec::new();
+    motion.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
+    all
+}
+
+/// A quantity by its name.
+fn value(motion: &Motion, name: &str) -> f64 {
+    let all = motion.assembly().description.named_quantities();
+    motion.value(all.iter().find(|quantity| quantity.name == name).expect("a column").quantity)
+}
+
+fn press(event: &EventKind) -> bool {
+    matches!(event, EventKind::Press { .. })
+}
+
+/// z' = A z: exp(A h/2^k) - 1 for each k, by E(2h) = 2 E(h) + E(h)², which keeps its digits.
+fn flow(a: &DMatrix<f64>, step: f64) -> Vec<DMatrix<f64>> {
+    let small = a * (step / f64::exp2(HALVINGS as f64));
+    let mut e = &small + &small * &small / 2.0 + &small * &small * &small / 6.0;
+    let mut all = vec![e.clone()];
+    for _ in 0..HALVINGS {
+        e = &e * 2.0 + &e * &e;
+        all.push(e.clone());
+    }
+    all.reverse();
+    all
+}
+
+/// A step, halved wherever another piece begins; the times at which one does.
+fn step(
+    flows: &[Vec<DMatrix<f64>>],
+    piece: &dyn Fn(&DVector<f64>) -> usize,
+    z: &mut DVector<f64>,
+    [time, length]: [f64; 2],
+    halved: usize,
+    begun: &mut Vec<(f64, usize)>,
+) {
+    let before = piece(z);
+    let next = &*z + &flows[before][halved] * &*z;
+    let after = piece(&next);
+    if before == after || halved == HALVINGS {
+        if before != after {
+            begun.push((time + length, after));
+        }
+        *z = next;
+        return;
+    }
+    for part in [0.0, 0.5] {
+        step(flows, piece, z, [time + part * length, 0.5 * length], halved + 1, begun);
+    }
+}
+
+#[track_caller]
+fn agree(found: &[f64], expected: &[f64], allowed: f64) {
+    assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
+    for (one, other) in found.iter().zip(expected) {
+        near(*one, *other, allowed);
+    }
+}
+
+/// Ten elements of a steel strip with EI and ρA, added up here and followed by matrix exponentials.
+#[test]
+fn second_method_a_strip_of_beam_elements_with_a_stop() {
+    // Rounding of eigenvectors and of 6000 steps, which contacts magnify.
+    const NEAR: f64 = 1e-9;
+    let (length, [width, height]) = (0.5_f64, [0.03, 0.004_f64]);
+    let (bending, line_mass) = (210e9 * width * height.powi(3) / 12.0, 7850.0 * width * height);
+    let scale = DMatrix::from_fn(20, 20, |i, j| if i != j { 0.0 } else { length.powi((i % 2) as i32) });
+    let [k, m] = cantilever(10);
+    let k = &scale * k * &scale * (bending / length.powi(3));
+    let m = &scale * m * &scale * (line_mass * length);
+    let c = &m * 1.0 + &k * 2e-6;
+    let inverse = m.try_inverse().unwrap();
+    let (stiffness, damping, gap, omega) = (20e3, 2.0, 2e-3, TAU * 14.0);
+    let (tip, middle, sine) = (18, 8, 40);
+    // z: q, v, a sine and its cosine, 1.
+    let piece = |pressed: bool| {
+        let (mut k, mut c) = (k.clone(), c.clone());
+        if pressed {
+            k[(tip, tip)] += stiffness;
+            c[(tip, tip)] += damping;
+        }
+        let mut a = DMatrix::zeros(43, 43);
+        a.view_mut((0, 20), (20, 20)).fill_with_identity();
+        a.view_mut((20, 0), (20, 20)).copy_from(&(-&inverse * k));
+        a.view_mut((20, 20), (20, 20)).copy_from(&(-&inverse * c));
+        a.view_mut((20, sine), (20, 1)).copy_from(&(inverse.column(middle) * 0.6));
+        if pressed {
+            a.view_mut((20, 42), (20, 1)).copy_from(&(inverse.column(tip) * (stiffness * gap)));
+        }
+        (a[(sine, sine + 1)], a[(sine + 1, sine)]) = (omega, -omega);
+        a
+    };
+    let (h, steps) = (1e-4, 6000);
+    let flows = [false, true].map(|pressed| flow(&piece(pressed), h));
+    let pressed = |z: &DVector<f64>| {
+        usize::from(z[tip] > gap && stiffness * (z[tip] - gap) + damping * z[20 + tip] > 0.0)
+    };
+    let mut z = DVector::zeros(43);
+    (z[sine + 1], z[42]) = (1.0, 1.0);
+    let mut begun = Vec::new();
+    (0..steps).for_each(|n| step(&flows, &pressed, &mut z, [n as f64 * h, h], 0, &mut begun));
+    let expected: Vec<f64> = begun.iter().filter(|(_, piece)| *piece == 1).map(|(time, _)| *time).collect();
+    let mut strip = example("cantilever");
+    let found = times(&followed(&mut strip, steps as f64 * h), press);
+    assert!(found.len() >= 5, "{found:?}");
+    agree(&found, &expected, NEAR);
+    near(value(&strip, "strip.tip.s"), z[tip], NEAR);
+}
+
+/// The way along the pitch circles: x'' = -(r₁²/J₁ + r₂²/J₂) f + r₁ T₁/J₁ + r₂ T₂/J₂.
+#[test]
+fn second_method_a_gear_pair_with_steps_of_its_mesh() {
+    // Rounding of 13,000 steps over times of ms.
+    const NEAR: f64 = 1e-12;
+    let (light, push) = (0.05 * 0.05 / 4e-4 + 0.08 * 0.08 / 2e-3, 0.05 * 60.0 / 4e-4 + 0.08 * 96.0 / 2e-3);
+    let (damping, play) = (250.0, 40e-6);
+    let piece = |k: f64, c: f64, gap: f64| {
+        DMatrix::from_row_slice(
+            3,
+            3,
+            &[0.0, 1.0, 0.0, -light * k, -light * c, light * k * gap + push, 0.0, 0.0, 0.0],
+        )
+    };
+    let (period, parts) = (0.3e-3, 200);
+    let h = period / parts as f64;
+    let teeth = [200e6, 140e6];
+    let flows = teeth.map(|k| {
+        [piece(0.0, 0.0, 0.0), piece(k, damping, 0.0), piece(170e6, damping, -play)].map(|a| flow(&a, h))
+    });
+    let mut z = DVector::from_vec(vec![0.0, 0.0, 1.0]);
+    let (mut begun, turns) = (Vec::new(), 66);
+    for n in 0..turns * parts {
+        let level = usize::from(n % parts >= parts * 13 / 20);
+        let side = |z: &DVector<f64>| match (z[0], z[1]) {
+            (x, v) if x > 0.0 && teeth[level] * x + damping * v > 0.0 => 1,
+            (x, v) if -x > play && 170e6 * (-x - play) - damping * v > 0.0 => 2,
+            _ => 0,
+        };
+        step(&flows[level], &side, &mut z, [n as f64 * h, h], 0, &mut begun);
+    }
+    let expected: Vec<f64> = begun.iter().filter(|(_, piece)| *piece == 1).map(|(time, _)| *time).collect();
+    let mut gears = example("gear_mesh");
+    let found = times(&followed(&mut gears, turns as f64 * period), press);
+    assert!(found.len() > 40, "{found:?}");
+    agree(&found, &expected[expected.len() - found.len()..], NEAR);
+    near(0.05 * gears.coordinate(0) + 0.08 * gears.coordinate(1), z[0], NEAR);
+}
+
+/// Masing's rule: after a turn the force follows the first loading at twice its size; a closed loop
+/// of the half width X loses 4 slip (X - slip/k) in each slider.
+#[test]
+fn closed_form_loops_of_an_iwan_joint() {
+    const NEAR: f64 = 1e-10;
+    let (k, slips, period) = (20e3, [2.0, 5.0, 9.0, 14.0], 1.0 / 36.0);
+    let mut joint = example("iwan_joint");
+    let force = |joint: &Motion| (1..5).map(|i| value(joint, &format!("slip{i}.f"))).sum::<f64>();
+    let loading = |x: f64| slips.iter().map(|slip| f64::min(*slip, k * x)).sum::<f64>();
+    let losses = |joint: &Motion| joint.energy().branches.iter().map(|lost| lost.value()).sum::<f64>();
+    joint.advance_to(108.0 * period).unwrap();
+    let before = losses(&joint);
+    let found = followed(&mut joint, 109.0 * period);
+    let lost = losses(&joint) - before;
+    let turns = times(&found, |kind| matches!(kind, EventKind::Hold { .. }));
+    let turns: Vec<f64> = turns.chunks(4).map(|four| four[0] + period).collect();
+    assert_eq!((turns.len(), found.len()), (2, 16));
+    let ends = [turns[0], turns[1]].map(|time| {
+        joint.advance_to(time).unwrap();
+        [value(&joint, "bolt.e"), force(&joint)]
+    });
+    let half = 0.5 * (ends[0][0] - ends[1][0]).abs();
+    near(lost, slips.iter().map(|slip| 4.0 * slip * (half - slip / k)).sum(), NEAR);
+    let sign = ends[1][0].signum();
+    for part in 1..10 {
+        joint.advance_to(turns[1] + 0.05 * f64::from(part) * period).unwrap();
+        let way = (value(&joint, "bolt.e") - ends[1][0]).abs();
+        near(force(&joint), ends[1][1] - sign * 2.0 * loading(0.5 * way), 1e3 * NEAR);
+    }
+}
+
+/// The acceleration of the base is held from knot to knot, so that its place is a state like the
+/// others.
+#[test]
+fn second_method_a_rig_under_a_held_record() {
+    const NEAR: f64 = 1e-10;
+    let record = include_str!("../../../examples/assembly/shaken_rig.csv");
+    let held: Vec<f64> =
+        record.lines().skip(2).map(|line| line.split_once(',').unwrap().1.parse().unwrap()).collect();
+    let (spacing, parts) = (0.01, 16);
+    let ([m, panel], [k, c], [kp, cp], [ks, cs], gap) =
+        ([300.0, 20.0], [28e3, 600.0], [50e3, 60.0], [2e6, 2e3], 0.025);
+    // z: base s, v, a; cabinet s, v; panel s, v; 1. `side` is 1 at the left snubber, -1 at the
+    // right.
+    let piece = |side: f64| {
+        let [ks, cs] = [ks, cs].map(|x| x * side.abs());
+        let mut a = DMatrix::zeros(8, 8);
+        for (place, rate) in [(0, 1), (1, 2), (3, 4), (5, 6)] {
+            a[(place, rate)] = 1.0;
+        }
+        let row = [k + ks, c + cs, 0.0, -k - ks - kp, -c - cs - cp, kp, cp, ks * gap * side];
+        (0..8).for_each(|j| a[(4, j)] = row[j] / m);
+        let row = [0.0, 0.0, 0.0, kp, cp, -kp, -cp, 0.0];
+        (0..8).for_each(|j| a[(6, j)] = row[j] / panel);
+        a
+    };
+    let h = spacing / parts as f64;
+    let flows = [0.0, 1.0, -1.0].map(|side| flow(&piece(side), h));
+    let side = |z: &DVector<f64>| {
+        let (e, rate) = (z[3] - z[0], z[4] - z[1]);
+        let acts = |e: f64, rate: f64| e > gap && ks * (e - gap) + cs * rate > 0.0;
+        if acts(e, rate) { 1 } else { 2 * usize::from(acts(-e, -rate)) }
+    };
+    let mut z = DVector::zeros(8);
+    z[7] = 1.0;
+    let mut begun = Vec::new();
+    for (n, a) in held.iter().enumerate() {
+        z[2] = *a;
+        let times = (0..parts).map(|part| n as f64 * spacing + part as f64 * h);
+        times.for_each(|time| step(&flows, &side, &mut z, [time, h], 0, &mut begun));
+    }
+    let expected: Vec<f64> = begun.iter().filter(|(_, piece)| *piece > 0).map(|(time, _)| *time).collect();
+    let mut rig = example("shaken_rig");
+    let found = times(&followed(&mut rig, held.len() as f64 * spacing), press);
+    assert_eq!(found.len(), 5);
+    agree(&found, &expected, NEAR);
+    (0..3).for_each(|body| near(rig.coordinate(body), z[[0, 3, 5][body]], NEAR));
+}
+
+/// Runge and Kutta's method of the fourth order, with steps halved at the stop.
+#[test]
+fn second_method_a_run_up_with_impacts() {
+    // (ωh)⁴/120 a step's radian with ωh = 0.01, over 400 radians.
+    const NEAR: f64 = 1e-7;
+    let (m, k, c, gap, restitution) = (40.0, 40e3, 60.0, 0.012, 0.5);
+    let rate = |t: f64, [x, v]: [f64; 2]| {
+        let phase = TAU * (2.0 * t + 0.5 * 7.0 / 20.0 * t * t);
+        [v, (70.0 * phase.sin() - k * x - c * v) / m]
+    };
+    let along = |y: [f64; 2], d: [f64; 2], h: f64| [y[0] + h * d[0], y[1] + h * d[1]];
+    let one = |t: f64, y: [f64; 2], h: f64| {
+        let a = rate(t, y);
+        let b = rate(t + 0.5 * h, along(y, a, 0.5 * h));
+        let c = rate(t + 0.5 * h, along(y, b, 0.5 * h));
+        let d = rate(t + h, along(y, c, h));
+        along(y, [0, 1].map(|i| a[i] + 2.0 * (b[i] + c[i]) + d[i]), h / 6.0)
+    };
+    let (whole, end) = (2.5e-4, 15.0);
+    let (mut t, mut h, mut y) = (0.0, whole, [0.0, 0.0]);
+    let mut expected = Vec::new();
+    while t < end - 1e-9 {
+        let next = one(t, y, h);
+        if next[0] < gap {
+            (t, y) = (t + h, next);
+            // Back to the grid of whole steps.
+            h = (whole * ((t / whole + 1e-6).floor() + 1.0) - t).min(whole);
+        } else if h > 1e-13 {
+            h *= 0.5;
+        } else {
+            expected.push(t);
+            y = [y[0], -restitution * y[1]];
+            h = whole * ((t / whole + 1e-6).floor() + 1.0) - t;
+        }
+    }
+    let mut fan = example("run_up");
+    let found = times(&followed(&mut fan, end), |kind| matches!(kind, EventKind::Impact { .. }));
+    assert_eq!(found.len(), 27);
+    agree(&found, &expected, NEAR);
+    near(fan.coordinate(0), y[0], NEAR);
+}

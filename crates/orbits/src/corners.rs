@@ -1,0 +1,237 @@
+//! Corners of signals: knots at which a force or the acceleration of a prescribed body jumps.
+//!
+//! The equations of an orbit are smooth while each event stays between the corners next to it.
+//! Beyond a corner they are continued with the signals of their own side, so that a branch reaches
+//! the corner as it does a touch and ends there. On the other side another branch begins.
+
+use super::place::{Place, with_signals};
+use super::timed::{Source, Tick, Timed};
+use super::word::{Letter, Word};
+use std::sync::Arc;
+use vibro_studies::flight::{Flow, dot};
+use vibro_machine::signals::RepeatedKnot;
+use vibro_machine::system::System;
+
+/// Largest number of corners in a common period of the drive. Signals with more are records, whose
+/// jumps are small.
+const MOST: usize = 32;
+/// Jump of a signal's number, relative to the number, that is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Distance of times of one instant, in periods: rounding of numbers that follow from each other.
+const INSTANT: f64 = 1e-12;
+
+/// The corners before and after an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Between {
+    /// The corners' ticks, before and after the event.
+    pub ticks: [Tick; 2],
+    /// Whether each is an event of the word, whose order with this one is a condition of its own.
+    pub are_letters: [bool; 2],
+}
+
+/// The piece of the signals in which an event lies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// The event's time, s.
+    pub time: f64,
+    /// Times of the corners before and after it, s; `None` for an event at a fixed time, or of a
+    /// machine without corners.
+    corners: Option<[f64; 2]>,
+}
+
+/// Signals of a machine with corners, in the order of time over one common period from 0 on.
+struct Corners {
+    period: f64,
+    ticks: Vec<(f64, Tick)>,
+}
+
+impl Corners {
+    /// The corners of a machine that its motion feels in some of the modes of a word.
+    fn of(place: &Place, word: &Word) -> Option<Self> {
+        let (system, period) = (place.assembly.system(), place.period?);
+        let flows: Vec<Arc<Flow>> = (0..word.len().max(1)).map(|k| place.flow(word.mode_after(k))).collect();
+        let mut ticks: Vec<(f64, Tick)> = Vec::new();
+        let mut time = -INSTANT * period;
+        while let Some(knot) = system.signals.next_knot(time).filter(|knot| *knot < period * (1.0 - INSTANT))
+        {
+            let jump = jump(system, &flows[0], [time, knot]);
+            time = knot;
+            let is_new = ticks.last().is_none_or(|(last, _)| knot - last > INSTANT * period);
+            if !is_new || !flows.iter().any(|flow| is_felt(flow, system.states(), &jump)) {
+                continue;
+            }
+            let own = system.signals.repeated_knots_at(knot).next();
+            ticks.extend(own.map(|RepeatedKnot { of, number }| {
+                (knot, Tick::new(Source::Signal(of), number, system, period))
+            }));
+            if ticks.len() > MOST {
+                return None;
+            }
+        }
+        (!ticks.is_empty()).then_some(Self { period, ticks })
+    }
+
+    /// The corners up to a time and after it.
+    fn around(&self, time: f64) -> [Tick; 2] {
+        let turn = (time / self.period).floor();
+        let count = self.ticks.len() as i64;
+        let within = time - turn * self.period;
+        let after = self.ticks.iter().take_while(|(corner, _)| *corner <= within).count() as i64;
+        let tick = |k: i64| {
+            let turns = turn as i64 + k.div_euclid(count);
+            self.ticks[k.rem_euclid(count) as usize].1.later(turns)
+        };
+        [tick(after - 1), tick(after)]
+    }
+}
+
+/// The signals of the piece that begins at a time, carried on to another one.
+fn carried(system: &System, flow: &Flow, [begin, time]: [f64; 2]) -> Vec<f64> {
+    let mut z = vec![0.0; system.signals.size];
+    with_signals(system, begin, &mut z);
+    flow.stretches(&z, time - begin, &mut |_, _| ())
+}
+
+/// The jump of the signals at a knot, from those of the piece that begins at `before`.
+fn jump(system: &System, flow: &Flow, [before, knot]: [f64; 2]) -> Vec<f64> {
+    let (old, mut new) = (carried(system, flow, [before, knot]), vec![0.0; system.signals.size]);
+    with_signals(system, knot, &mut new);
+    let harmonic = system.signals.constant_size_until();
+    let of = |(i, (a, b)): (usize, (&f64, &f64))| {
+        let is_rounding = i < harmonic || (b - a).abs() <= ROUNDING * (a.abs() + b.abs());
+        if is_rounding { 0.0 } else { b - a }
+    };
+    old.iter().zip(&new).enumerate().map(of).collect()
+}
+
+/// Whether a jump of the signals changes an acceleration, or a functional's value or its first two
+/// rates.
+fn is_felt(flow: &Flow, own: usize, jump: &[f64]) -> bool {
+    if jump.iter().all(|x| *x == 0.0) {
+        return false;
+    }
+    let rate = flow.derivative(jump);
+    let second = flow.derivative(&rate);
+    let feels = |row: &[f64]| [jump, &rate, &second].iter().any(|z| dot(row, z) != 0.0);
+    rate[..own].iter().any(|x| *x != 0.0) || flow.watched.iter().any(|(_, row)| feels(row.as_slice()))
+}
+
+impl Word {
+    /// The word with the corners next to its events at their times.
+    #[must_use]
+    pub(super) fn between_corners(mut self, place: &Place, times: &[f64]) -> Self {
+        self.between = Vec::new().into();
+        let Some(corners) = Corners::of(place, &self) else { return self };
+        let turns = i64::from(self.periods.unwrap_or(0));
+        let timed: Vec<&Timed> = self.letters.iter().filter_map(Letter::timed).collect();
+        let is_letter = |tick: Tick| {
+            timed.iter().flat_map(|own| &own.ticks).any(|own| {
+                let apart = tick.number - own.number;
+                own.source == tick.source && apart.rem_euclid((turns * own.per_period).max(1)) == 0
+            })
+        };
+        let of = |(letter, time): (&Letter, &f64)| {
+            (letter.timed().is_none() && letter.chatter.is_none()).then(|| {
+                let ticks = corners.around(*time);
+                Between { ticks, are_letters: ticks.map(is_letter) }
+            })
+        };
+        self.between = self.letters.iter().zip(times).map(of).collect();
+        self
+    }
+
+    /// The corners next to the events of the word passed `times` times.
+    pub(super) fn repeated_corners(&self, times: u32) -> Arc<[Option<Between>]> {
+        let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
+        let of = |own: Between, by: i64| Between { ticks: own.ticks.map(|tick| tick.later(by)), ..own };
+        turns.flat_map(|by| self.between.iter().map(move |own| own.map(|own| of(own, by)))).collect()
+    }
+
+    /// The word with one event beyond the corner after it or before it.
+    pub(super) fn beyond_corner(&self, place: &Place, letter: usize, ahead: bool) -> Option<Self> {
+        let corners = Corners::of(place, self)?;
+        let mut between = self.between.to_vec();
+        let own = between.get_mut(letter)?.as_mut()?;
+        let system = place.assembly.system();
+        let passed = own.ticks[usize::from(ahead)];
+        // A time within the piece beyond it.
+        let step = corners.period * INSTANT * if ahead { 1.0 } else { -1.0 };
+        let ticks = corners.around(passed.time(system) + 1e3 * step);
+        *own = Between { ticks, are_letters: [false; 2] };
+        let mut word = self.clone();
+        word.between = between.into();
+        Some(word)
+    }
+
+    /// The corner after an event or before it.
+    pub(super) fn corner(&self, letter: usize, ahead: bool) -> Option<Tick> {
+        self.between.get(letter).copied().flatten().map(|own| own.ticks[usize::from(ahead)])
+    }
+
+    /// The distance of an event, at its time before the next period, from the corner after it or
+    /// before it, s; `None` where the corner is an event of the word.
+    pub(super) fn distance(&self, (system, time): (&System, f64), letter: usize, ahead: bool) -> Option<f64> {
+        let own = self.between.get(letter).copied().flatten()?;
+        let later = if letter == 0 { self.turns() } else { 0 };
+        let corner = own.ticks[usize::from(ahead)].later(later).time(system);
+        let is_letter = own.are_letters[usize::from(ahead)];
+        (!is_letter).then_some(if ahead { corner - time } else { time - corner })
+    }
+
+    /// The piece of the signals in which event `k` lies, a number of common periods later.
+    pub(super) fn piece(&self, system: &System, k: usize, time: f64, later: i64) -> Piece {
+        let own = self.between.get(k).copied().flatten();
+        let corners = own.map(|own| own.ticks.map(|tick| tick.later(later).time(system)));
+        Piece { time, corners }
+    }
+}
+
+impl Piece {
+    /// An event at a fixed time.
+    pub fn fixed(time: f64) -> Self {
+        Self { time, corners: None }
+    }
+
+    /// Whether the event lies between its corners.
+    fn is_within(&self) -> bool {
+        self.corners.is_none_or(|[before, after]| before <= self.time && self.time < after)
+    }
+
+    /// The knots of signals between this event and the next one, each on its own side of corners.
+    pub fn knots(&self, system: &System, next: &Self) -> Vec<f64> {
+        let mut from = self.time;
+        if let Some([before, after]) = self.corners {
+            // A corner that an event has passed comes after it still.
+            from = if from >= after { after.next_down() } else { from.max(before) };
+        }
+        let mut until = next.time;
+        if let Some([before, after]) = next.corners {
+            until = if until <= before { before.next_up() } else { until.min(after) };
+        }
+        let knot = |time: &f64| system.signals.next_knot(*time).filter(|knot| *knot < until);
+        std::iter::successors(knot(&from), knot).collect()
+    }
+
+    /// Writes the signals of the event's side of corners into an augmented state that the flow has
+    /// carried there.
+    pub fn renew(&self, system: &System, z: &mut [f64]) {
+        if self.is_within() {
+            with_signals(system, self.time, z);
+        }
+    }
+
+    /// Writes the signals of the event's side of corners into an augmented state.
+    pub fn fill(&self, system: &System, flow: &Flow, z: &mut [f64]) {
+        let Some([before, after]) = self.corners.filter(|_| !self.is_within()) else {
+            return with_signals(system, self.time, z);
+        };
+        let mut begin = before;
+        while let Some(knot) =
+            system.signals.next_knot(begin).filter(|knot| self.time >= after && *knot < after)
+        {
+            begin = knot;
+        }
+        let signals = carried(system, flow, [begin, self.time]);
+        z[system.states()..].copy_from_slice(&signals[system.states()..]);
+    }
+}

@@ -1,0 +1,137 @@
+//! Derivatives of an orbit's measures by every parameter of its machine.
+//!
+//! With the equations F(u, p) = 0 of the orbit's word, a parameter p moves its unknowns u by
+//! u' = -F_u⁻¹ F_p, and a measure m(u, p) by its derivative along (u', 1), a difference of fourth
+//! order.
+
+use super::cycle::Cycle;
+use super::orbit::Orbit;
+use super::place::Family;
+use super::problem::{Problem, Residual};
+use crate::curve::is_degenerate;
+use crate::obstacle::Obstacle;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+use rayon::prelude::*;
+use std::sync::Arc;
+use vibro_studies::Result;
+use vibro_studies::{Machine, Measure};
+
+/// Step of the differences in the unit of a parameter, and of the unknowns that move with it: its
+/// fourth power, and rounding divided by it, are about 1e-12.
+const STEP: f64 = 1e-3;
+/// Step where impacts accumulate, whose number jumps.
+const CHATTER_STEP: f64 = 1e-2;
+/// Share of a parameter's value that is its unit; a value of zero has the unit 1.
+const UNIT: f64 = 0.1;
+/// Half of a range of which one unit is a fifth, in units.
+const HALF_RANGE: f64 = 2.5;
+/// Weights of differences of fourth order, and where they are taken, in steps: on both sides, or on
+/// one where values on the other are not allowed.
+const BOTH: &[(f64, f64)] = &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
+const ONE: &[(f64, f64)] =
+    &[(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -1.0 / 4.0)];
+
+/// The derivative of a measure by a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterDerivative {
+    /// The parameter's name.
+    pub parameter: String,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Its value, SI.
+    pub value: f64,
+    /// The derivative, SI, or why there is none.
+    pub derivative: std::result::Result<f64, String>,
+}
+
+/// The derivative at 0 of a function of a number of steps; the function is asked on both sides,
+/// then on each.
+fn difference(
+    step: f64,
+    at: impl Fn(f64) -> std::result::Result<Vec<f64>, Obstacle>,
+) -> std::result::Result<DVector<f64>, Obstacle> {
+    let by = |weights: &[(f64, f64)], step: f64| -> std::result::Result<DVector<f64>, Obstacle> {
+        let mut sum: Option<DVector<f64>> = None;
+        for (place, weight) in weights {
+            let own = DVector::from_vec(at(place * step)?) * (weight / step);
+            sum = Some(sum.map_or_else(|| own.clone(), |sum| sum + &own));
+        }
+        sum.ok_or(Obstacle::NoConvergence)
+    };
+    by(BOTH, step).or_else(|_| by(ONE, step)).or_else(|_| by(ONE, -step))
+}
+
+/// The equations at an orbit with F_u, which is that of every parameter.
+struct Linear {
+    cycle: Cycle,
+    matrix: DMatrix<f64>,
+    factors: LU<f64, Dyn, Dyn>,
+}
+
+impl Linear {
+    fn of(orbit: &Orbit) -> std::result::Result<Self, Obstacle> {
+        let Residual { matrix, cycle, .. } = orbit.problem.residual(&orbit.place, &orbit.u, true)?;
+        let matrix = matrix.filter(|matrix| !is_degenerate(matrix)).ok_or(Obstacle::Singular)?;
+        Ok(Self { cycle, factors: matrix.clone().lu(), matrix })
+    }
+}
+
+impl Orbit {
+    /// The derivatives of a measure of the orbit by every parameter but those of the machine's
+    /// start, on which no orbit depends. All flights and events are those of its word.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure).
+    pub fn gradient(&self, measure: &Measure) -> Result<Vec<ParameterDerivative>> {
+        self.measure(measure)?;
+        let machine = self.problem.family.at(self.value())?;
+        let all = machine.description.parameters().into_iter().filter(|p| !p.name.contains(".start."));
+        let all: Vec<_> = all.map(|p| (p.name, p.unit, p.value)).collect();
+        let linear = Linear::of(self).map_err(in_words);
+        let of = |(parameter, unit, value): (String, &'static str, f64)| {
+            let derivative = linear.as_ref().map_err(Clone::clone).and_then(|linear| {
+                self.derivative(linear, &machine, (&parameter, value), measure).map_err(in_words)
+            });
+            ParameterDerivative { parameter, unit, value, derivative }
+        };
+        Ok(all.into_par_iter().map(of).collect())
+    }
+
+    fn derivative(
+        &self,
+        linear: &Linear,
+        machine: &Machine,
+        (parameter, value): (&str, f64),
+        measure: &Measure,
+    ) -> std::result::Result<f64, Obstacle> {
+        let unit = if value == 0.0 { 1.0 } else { UNIT * value.abs() };
+        let range = (value - HALF_RANGE * unit, value + HALF_RANGE * unit);
+        let family = Family { machine: machine.clone(), parameter: parameter.to_owned(), range };
+        let problem = Problem { family: Arc::new(family), ..self.problem.clone() };
+        let step = if problem.word.has_run() { CHATTER_STEP } else { STEP };
+        let u = problem.point(&self.place, &self.numbers, value);
+        let column = problem.by_parameter((&self.place, &u), &linear.cycle, &linear.matrix)?;
+        let along = linear.factors.solve(&-column).ok_or(Obstacle::Singular)?;
+        if along.iter().any(|x| !x.is_finite()) {
+            return Err(Obstacle::Singular);
+        }
+        let direction = along.push(1.0);
+        // The unknowns move by a step at most.
+        let step = step / direction.amax().max(1.0);
+        let found = difference(step, |by| {
+            let moved = &u + &direction * by;
+            let orbit = Orbit::at(problem.clone(), problem.place(&moved)?, moved)?;
+            Ok(vec![orbit.measure(measure)?])
+        })?;
+        Ok(found[0] / unit)
+    }
+}
+
+fn in_words(obstacle: Obstacle) -> String {
+    match obstacle {
+        Obstacle::Refused(error) => error.to_string(),
+        Obstacle::Singular => "the orbit is at a fold or one of a family: it has no derivative".into(),
+        Obstacle::Order => "the events lose their order".into(),
+        _ => "the orbit's equations cannot be followed".into(),
+    }
+}

@@ -1,0 +1,285 @@
+//! What lies within a step along a branch: the end of the range, a doubling at which the branch is
+//! born, conditions that cease to hold, bifurcations.
+
+use super::bifurcation::{Bracket, Ends, Test};
+use super::branch::{OrbitPoint, Special};
+use super::conditions::Condition;
+use super::orbit::Orbit;
+use super::path::Follower;
+use super::position::{Position, doubling};
+use crate::curve::{CurvePoint, axis, correct, gradient, meet};
+use crate::obstacle::Obstacle;
+use crate::curve::zero;
+use crate::test_functions::is_on_circle;
+use nalgebra::DVector;
+use std::cmp::Ordering;
+
+/// Size of the difference of an orbit's halves that is rounding.
+const BIRTH: f64 = 1e-9;
+/// Step of the differences of a test function. It sets the speed of convergence of its zero and
+/// never the result.
+const DIFFERENCE: f64 = 1e-6;
+/// Accuracy of the arc of a special point.
+const LOCATION: f64 = 1e-13;
+/// Distance, in parts of a step, within which a bifurcation is one with a touch, and conditions
+/// cease to hold at one point: next to a visit without duration the equations are nearly singular.
+const MERGED: f64 = 1e-5;
+/// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
+/// parts of the arc.
+const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+const NODE_STEP: f64 = 0.02;
+/// Rounding of the parameter's share in the tangent, per arc of a step. A family of orbits at one
+/// value of the parameter has no folds.
+const VERTICAL: f64 = 1e-5;
+/// Arc below which rounding no longer shrinks with the step.
+const SHORT_ARC: f64 = 1e-2;
+/// Most steps towards such a zero.
+const MOST_SECANTS: usize = 3;
+
+impl Follower<'_> {
+    /// The end of the parameter's range, if a step passes it, with its arc.
+    pub fn boundary(
+        &self,
+        last: &Position,
+        next: &Position,
+        arc: f64,
+    ) -> Result<Option<(Position, f64)>, Obstacle> {
+        let (from, to) = self.problem.family.range;
+        let value = self.problem.value(&next.u);
+        let end = if value > to {
+            to
+        } else if value < from {
+            from
+        } else {
+            return Ok(None);
+        };
+        let index = self.problem.size();
+        let goal = end / self.problem.family.unit();
+        let way = next.u[index] - last.u[index];
+        let part = if way == 0.0 { 1.0 } else { (goal - last.u[index]) / way };
+        let guess = &last.u + (&next.u - &last.u) * part;
+        Ok(Some((self.look(self.at_value(last, guess, end)?)?, arc * part)))
+    }
+
+    /// The point of the curve at a value of the parameter, near a guess.
+    fn at_value(&self, last: &Position, mut guess: DVector<f64>, value: f64) -> Result<CurvePoint, Obstacle> {
+        let index = self.problem.size();
+        let goal = value / self.problem.family.unit();
+        guess[index] = goal;
+        let mut at = correct(self.problem, &guess, &axis(guess.len(), index))?;
+        at.u[index] = goal;
+        if at.tangent.dot(&last.tangent) < 0.0 {
+            at.tangent = -at.tangent;
+        }
+        Ok(at)
+    }
+
+    /// The end of the parameter's range where a step would lead beyond it, with its arc: values
+    /// beyond may not be allowed.
+    pub fn boundary_ahead(&self, last: &Position, step: f64) -> Option<(Position, f64)> {
+        let (from, to) = self.problem.family.range;
+        let (index, unit) = (self.problem.size(), self.problem.family.unit());
+        let (value, rate) = (last.u[index] * unit, last.tangent[index] * unit);
+        let end = if rate > 0.0 { to } else { from };
+        let arc = (end - value) / rate;
+        if !(0.0..step).contains(&arc) {
+            return None;
+        }
+        let at = self.at_value(last, &last.u + &last.tangent * arc, end).ok()?;
+        let is_near = (&at.u - &last.u).norm() <= 2.0 * arc.max(f64::EPSILON);
+        Some((self.look(at).ok().filter(|_| is_near)?, arc))
+    }
+
+    /// The doubling at which this branch is born, if a step passes it, with its part of the step:
+    /// both halves of the orbit are equal there, and past it the branch runs back along itself.
+    pub fn birth(&self, last: &Position, next: &Position) -> Result<Option<(Position, f64)>, Obstacle> {
+        let Some(half) = self.problem.half() else { return Ok(None) };
+        let [before, after] = [&last.u, &next.u].map(|u| self.problem.halves(u));
+        let (before, after) = (before?, after?);
+        if before.dot(&after) >= 0.0 || before.norm() < BIRTH {
+            return Ok(None);
+        }
+        let part = before.norm() / (before.norm() + after.norm());
+        let at = &last.u + (&next.u - &last.u) * part;
+        let guess = self.problem.halved(&half, &at)?;
+        let function = |u: &DVector<f64>| {
+            let orbit = Orbit::at(half.clone(), half.place(u)?, u.clone())?;
+            Ok(doubling(orbit.multipliers()))
+        };
+        let condition = |u: &DVector<f64>| Ok((function(u)?, gradient(u, DIFFERENCE, function)?));
+        let u = meet(&half, &guess, condition)?;
+        if (&u - &guess).norm() > (&next.u - &last.u).norm() {
+            return Err(Obstacle::NoConvergence);
+        }
+        let (_, u) = half.repeated(&half.place(&u)?, &u, 2)?;
+        let birth = self.look(CurvePoint { u, tangent: last.tangent.clone(), steps: 3 })?;
+        Ok(Some((birth, part)))
+    }
+
+    /// The first condition that ceases to hold in a step, with its arc, and the position there
+    /// where it is not solved for.
+    pub fn broken(
+        &self,
+        last: &Position,
+        next: &Position,
+        arc: f64,
+        leaves: bool,
+    ) -> Result<Option<(Condition, f64, Option<Position>)>, Obstacle> {
+        let mut first: Option<(Condition, f64, Option<Position>)> = None;
+        for (condition, after) in next.conditions.iter().filter(|(own, value)| own.fails(*value)) {
+            let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
+            if condition.fails(before) {
+                // It has just begun to fail, or the branch leaves the point at which it does.
+                if leaves {
+                    return Err(Obstacle::NoConvergence);
+                }
+                first = Some((*condition, 0.0, None));
+                continue;
+            }
+            let value = |s: f64| {
+                let at = self.within(last, next, arc, s)?;
+                let place = self.problem.place(&at.u)?;
+                let cycle = self.problem.cycle(&place, &at.u)?;
+                Ok(value_of(&cycle.conditions(&place, &self.problem.word), *condition).unwrap_or(1.0))
+            };
+            let found = if *after > 0.0 { Some(arc) } else { zero(&value, arc, (before, *after), LOCATION) };
+            let (at, own) = match found {
+                Some(at) => (at, None),
+                // Two events that vanish together leave singular equations.
+                None => {
+                    let of = |at: &Position| value_of(&at.conditions, *condition).unwrap_or(1.0);
+                    let (at, own) = self.between_points(last, arc, (before, *after), &of)?;
+                    (at, Some(own))
+                }
+            };
+            let is_before = |(other, s, _): &(Condition, f64, _)| match condition.rank().cmp(&other.rank()) {
+                Ordering::Less => at <= *s + MERGED * arc,
+                Ordering::Equal => at < *s,
+                Ordering::Greater => at < *s - MERGED * arc,
+            };
+            if first.as_ref().is_none_or(is_before) {
+                first = Some((*condition, at, own));
+            }
+        }
+        Ok(first)
+    }
+
+    /// The bifurcations within a step, in their order. `earlier` is the position before the step's
+    /// begin, with the arc between.
+    pub fn bifurcations(
+        &self,
+        earlier: Option<&(Position, f64)>,
+        last: &Position,
+        at_end: &Ends,
+    ) -> Result<Vec<OrbitPoint>, Obstacle> {
+        let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
+        for test in Test::ALL {
+            let (next, arc) = at_end.of(test);
+            let ends = [last, next].map(|at| test.of(at, last));
+            let is_vertical =
+                test == Test::Fold && ends[0].abs().max(ends[1].abs()) < VERTICAL * arc.max(SHORT_ARC);
+            if is_vertical {
+                continue;
+            }
+            let brackets = match ends[0] * ends[1] < 0.0 {
+                true => vec![Bracket { begin: 0.0, ends: [last.clone(), next.clone()], arc }],
+                false => earlier.map_or_else(Vec::new, |own| self.hidden(test, own, [last, next], arc)),
+            };
+            for bracket in &brackets {
+                found.extend(self.zero_in(test, bracket)?.map(|(at, point)| (bracket.begin + at, point)));
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
+        let Ends { next, arc, is_touch, .. } = *at_end;
+        found.retain(|(at, _)| !is_touch || arc - at > MERGED * arc);
+        // The piece after a bifurcation has the stability of what follows.
+        let mut points: Vec<OrbitPoint> = found.into_iter().map(|(_, point)| point).collect();
+        for k in 0..points.len() {
+            if k + 1 == points.len() {
+                points[k].stability = next.stability;
+            } else {
+                let middle = (&points[k].u + &points[k + 1].u) * 0.5;
+                let tangent = (&points[k + 1].u - &points[k].u).normalize();
+                points[k].stability = self.look(correct(self.problem, &middle, &tangent)?)?.stability;
+            }
+        }
+        Ok(points)
+    }
+
+    /// The bifurcation at which a test changes its sign, with its arc in the bracket; `None` for a
+    /// pair of real multipliers.
+    fn zero_in(&self, test: Test, bracket: &Bracket) -> Result<Option<(f64, OrbitPoint)>, Obstacle> {
+        let Bracket { ends: [last, next], arc, .. } = bracket;
+        let special = Some(Special::of(test.label()));
+        let ends = (test.of(last, last), test.of(next, last));
+        if test == Test::Crossing {
+            let crossing = |at: &Position| Test::Crossing.of(at, last);
+            let (at, near) = self.between_points(last, *arc, ends, &crossing)?;
+            // Interpolated, and refined on its own condition.
+            let position = match self.problem.crossing(&near.u, *arc) {
+                Some(u) => self.look(CurvePoint { u, tangent: near.tangent, steps: near.steps })?,
+                None => near,
+            };
+            return Ok(Some((at, self.point(&position, special))));
+        }
+        let value = |s: f64| Ok(test.of(&self.look(self.within(last, next, *arc, s)?)?, last));
+        let at = zero(&value, *arc, ends, LOCATION).ok_or(Obstacle::NoConvergence)?;
+        let position = self.look(self.within(last, next, *arc, at)?)?;
+        let is_own = test != Test::Pair || is_on_circle(&position.multipliers);
+        Ok(is_own.then(|| (at, self.point(&position, special))))
+    }
+
+    /// A zero of a test in a step at which the equations are singular, as at a crossing of
+    /// branches, so that no point next to it is solved for: the test and the unknowns are
+    /// interpolated from points on both sides.
+    fn between_points(
+        &self,
+        last: &Position,
+        arc: f64,
+        ends: (f64, f64),
+        test: &dyn Fn(&Position) -> f64,
+    ) -> Result<(f64, Position), Obstacle> {
+        // Secant steps that keep away from the ends.
+        let mut near = arc * (ends.0 / (ends.0 - ends.1)).clamp(0.1, 0.9);
+        let mut nodes: Vec<(f64, Position)> = Vec::new();
+        for _ in 0..MOST_SECANTS {
+            nodes.clear();
+            for k in NODES {
+                let s = near + k * NODE_STEP * arc;
+                nodes.push((s, self.look(self.at(last, s)?)?));
+            }
+            let values: Vec<f64> = nodes.iter().map(|(_, at)| test(at)).collect();
+            let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
+            // The zero as a function of the test: inverse interpolation.
+            let next = interpolated(&values, &times, 0.0);
+            let moved = (next - near).abs();
+            near = next.clamp(0.0, arc);
+            if moved < 0.5 * NODE_STEP * arc {
+                break;
+            }
+        }
+        let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
+        let of = |value: &dyn Fn(&Position) -> f64| {
+            let values: Vec<f64> = nodes.iter().map(|(_, at)| value(at)).collect();
+            interpolated(&times, &values, near)
+        };
+        let size = last.u.len();
+        let u = DVector::from_fn(size, |i, _| of(&|at| at.u[i]));
+        let tangent = DVector::from_fn(size, |i, _| of(&|at| at.tangent[i])).normalize();
+        Ok((near, self.look(CurvePoint { u, tangent, steps: 3 })?))
+    }
+}
+
+/// The polynomial through some points, at `x`.
+fn interpolated(from: &[f64], to: &[f64], x: f64) -> f64 {
+    let weight = |i: usize| {
+        let others = (0..from.len()).filter(|j| *j != i);
+        others.map(|j| (x - from[j]) / (from[i] - from[j])).product::<f64>()
+    };
+    (0..from.len()).map(|i| weight(i) * to[i]).sum()
+}
+
+fn value_of(conditions: &[(Condition, f64)], condition: Condition) -> Option<f64> {
+    conditions.iter().find(|(own, _)| *own == condition).map(|(_, value)| *value)
+}

@@ -1,0 +1,28 @@
+//! Reasons for which a step of an iteration fails.
+
+use vibro_studies::Error;
+
+/// Reason why there is no orbit at some phases and parameters.
+#[derive(Debug)]
+pub(super) enum Obstacle {
+    /// The impacts are not in the order of the word.
+    Order,
+    /// The motion without impacts has a neutral direction: σI - M is singular.
+    Singular,
+    /// The impulses of the word cannot balance the load on a body that no spring holds.
+    Unbalanced,
+    /// A symmetric orbit is asked of a machine that is not symmetric.
+    Asymmetric,
+    /// Newton's method did not converge.
+    NoConvergence,
+    /// The phases given for a special point are far from those of any orbit of the machine.
+    OtherMachine,
+    /// The parameters are refused with an error.
+    Refused(Error),
+}
+
+impl From<Error> for Obstacle {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}

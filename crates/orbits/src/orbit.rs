@@ -1,0 +1,377 @@
+//! One periodic orbit of a described machine: found by Newton's method, examined, with its
+//! multipliers.
+
+use super::conditions::Condition;
+use super::cycle::{Cycle, Leg};
+use super::place::{Place, with_signals};
+use super::problem::{Numbers, Problem};
+use super::word::Word;
+use crate::curve::Equations;
+use crate::obstacle::Obstacle;
+use nalgebra::{Complex, DMatrix, DVector, Schur};
+use std::sync::Arc;
+use vibro_studies::Error;
+use vibro_machine::Start;
+use vibro_machine::mode::Watch;
+use vibro_machine::motion::keep;
+
+/// Largest number of Newton steps.
+const STEPS: usize = 60;
+/// Longest Newton step, in the units of the unknowns.
+const LONGEST_STEP: f64 = 1.0;
+/// Distance of a multiplier from the unit circle that leaves stability undecided.
+const MARGIN: f64 = 1e-6;
+/// Relative singular value of the equations below which there is a family of orbits.
+const FAMILY: f64 = 1e-11;
+/// Largest difference of states and times, in their units, of one orbit.
+const SAME: f64 = 1e-6;
+/// Rate of a functional, relative to its terms and the period, below which an event is a touch.
+const GRAZES: f64 = 1e-9;
+/// Duration of a slider's slip, in periods, below which it is a touch: an orbit at the edge of
+/// those on which the slider stands has one of rounding.
+const BRIEF_SLIP: f64 = 1e-6;
+/// Sweeps of the Schur decomposition by multiplier.
+const SWEEPS: usize = 200;
+
+/// Whether an orbit attracts its neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    /// All multipliers that are not 1 by theory lie within the unit circle.
+    Stable,
+    /// One lies outside.
+    Unstable,
+    /// The largest lies on the circle, and the machine has no losses.
+    Neutral,
+    /// The largest lies so near the circle that rounding decides, or the orbit touches a stop.
+    Undecided,
+}
+
+impl std::fmt::Display for Stability {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Neutral => "neutral",
+            Self::Undecided => "undecided",
+        })
+    }
+}
+
+/// A periodic orbit.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    pub(super) problem: Problem,
+    pub(super) u: DVector<f64>,
+    pub(super) place: Arc<Place>,
+    pub(super) cycle: Cycle,
+    pub(super) numbers: Numbers,
+    /// Largest first; those that are 1 by theory come last.
+    multipliers: Vec<Complex<f64>>,
+    /// Number of multipliers that are 1 by theory.
+    trivial: usize,
+    /// The conditions under which it is a motion of the machine, with their values.
+    conditions: Vec<(Condition, f64)>,
+}
+
+/// Why Newton's method found no orbit.
+#[derive(Debug)]
+pub(super) struct Obstructed {
+    pub obstacle: Obstacle,
+    /// Largest residual, in the units of the unknowns, of the last step.
+    pub residual: f64,
+    pub word: String,
+}
+
+impl Obstructed {
+    /// The error, with the word and the residual.
+    pub fn error(self) -> Error {
+        let Self { obstacle, residual, word } = self;
+        let reason = match obstacle {
+            Obstacle::Refused(error) => return error,
+            Obstacle::Order => "the events lose their order".to_owned(),
+            Obstacle::Singular => "the equations are singular: there is a family of orbits".to_owned(),
+            _ => "Newton's method does not converge".to_owned(),
+        };
+        let problem = format!(
+            "no orbit with the events [{word}] was found: {reason} (residual {residual:e} of the motion's size); a start nearer to the orbit \
+             may help"
+        );
+        Error::Described { problem }
+    }
+}
+
+/// Newton's method for an orbit at fixed parameters.
+pub(super) fn newton(
+    problem: &Problem,
+    place: &Place,
+    guess: &DVector<f64>,
+) -> std::result::Result<DVector<f64>, (Obstacle, f64)> {
+    let (mut u, mut residual, mut before) = (guess.clone(), f64::INFINITY, f64::INFINITY);
+    let size = problem.size();
+    for _ in 0..STEPS {
+        let at = problem.residual(place, &u, true).map_err(|o| (o, residual))?;
+        let (value, matrix) = (at.value, at.matrix);
+        residual = value.amax();
+        let matrix = matrix.ok_or((Obstacle::NoConvergence, residual))?;
+        let step = least_step(matrix, &value).ok_or((Obstacle::Singular, residual))?;
+        let length = step.norm();
+        let mut part = (LONGEST_STEP / length).min(1.0);
+        part = part.min(problem.orderly(place, &u, &step));
+        u.rows_mut(0, size).axpy(part, &step, 1.0);
+        let is_done = length < problem.rounding() * (1.0 + u.norm());
+        let has_stalled = length < problem.stalled() && length > 0.5 * before;
+        if part == 1.0 && (is_done || has_stalled) {
+            return Ok(u);
+        }
+        before = length;
+    }
+    Err((Obstacle::NoConvergence, residual))
+}
+
+/// The shortest step that solves the linearized equations. A family of orbits leaves directions in
+/// which nothing is solved: the step does not move along them.
+fn least_step(matrix: DMatrix<f64>, value: &DVector<f64>) -> Option<DVector<f64>> {
+    if !matrix.iter().chain(value.iter()).all(|x| x.is_finite()) {
+        return None;
+    }
+    let lu = matrix.clone().lu();
+    let diagonal = lu.lu_internal().diagonal().abs();
+    if diagonal.min() > FAMILY * diagonal.max() {
+        return lu.solve(&-value).filter(|step| step.iter().all(|x| x.is_finite()));
+    }
+    let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
+    let cutoff = FAMILY * svd.singular_values.max();
+    svd.solve(&-value, cutoff).ok()
+}
+
+/// The eigenvalues of a matrix in no order; `None` where they are not found.
+pub(super) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let sweeps = SWEEPS * matrix.nrows().max(1);
+    Some(Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues().iter().copied().collect())
+}
+
+/// Sorts multipliers by modulus, largest first, and each conjugate pair in one order.
+pub(super) fn sort(multipliers: &mut [Complex<f64>]) {
+    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+}
+
+/// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
+pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
+    let mut all = eigenvalues(matrix)?;
+    all.sort_by(|a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
+    let mut rest = all.split_off(trivial.min(all.len()));
+    sort(&mut rest);
+    rest.extend(all);
+    Some(rest)
+}
+
+impl Orbit {
+    /// The orbit whose unknowns are known.
+    pub(super) fn at(problem: Problem, place: Place, u: DVector<f64>) -> std::result::Result<Self, Obstacle> {
+        let cycle = problem.cycle(&place, &u)?;
+        Self::of_cycle(problem, place, u, cycle)
+    }
+
+    /// The orbit of a cycle that returns.
+    pub(super) fn of_cycle(
+        problem: Problem,
+        place: Place,
+        u: DVector<f64>,
+        cycle: Cycle,
+    ) -> std::result::Result<Self, Obstacle> {
+        let numbers = problem.numbers(&place, &u);
+        let trivial = problem.neutral.len() + usize::from(place.period.is_none());
+        let units = &problem.units.state;
+        let mut matrix = cycle.monodromy(&place, &problem.word)?;
+        for i in 0..matrix.nrows() {
+            for j in 0..matrix.ncols() {
+                matrix[(i, j)] *= units[j] / units[i];
+            }
+        }
+        let mut multipliers = multipliers(matrix, trivial).ok_or(Obstacle::NoConvergence)?;
+        problem.sharpen((&place, &u), &mut multipliers, trivial)?;
+        let conditions = cycle.conditions(&place, &problem.word);
+        Ok(Self { problem, u, place: Arc::new(place), cycle, numbers, multipliers, trivial, conditions })
+    }
+
+    /// The machine.
+    pub fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Its events.
+    pub fn word(&self) -> &Word {
+        &self.problem.word
+    }
+
+    /// The flights of a period.
+    pub fn legs(&self) -> &[Leg] {
+        &self.cycle.legs
+    }
+
+    /// The period, s.
+    pub fn period(&self) -> f64 {
+        self.numbers.period
+    }
+
+    /// Times of its events, s, from within the first common period of the drive on.
+    pub fn times(&self) -> &[f64] {
+        if self.word().is_empty() { &[] } else { &self.numbers.times }
+    }
+
+    /// The state (q, q') after its first event, or at its start where it has none.
+    pub fn state(&self) -> &[f64] {
+        &self.numbers.states[0]
+    }
+
+    /// The ways by which the neutral directions of the state drift in a period, SI.
+    pub fn drifts(&self) -> &[f64] {
+        &self.numbers.drifts
+    }
+
+    /// The multipliers of the period, largest first, without those that are 1 by theory: neutral
+    /// directions and, of an autonomous machine, the shift in time.
+    pub fn multipliers(&self) -> &[Complex<f64>] {
+        &self.multipliers[..self.multipliers.len() - self.trivial.min(self.multipliers.len())]
+    }
+
+    /// Number of multipliers that are 1 by theory.
+    pub fn trivial_multipliers(&self) -> usize {
+        self.trivial
+    }
+
+    /// Largest modulus of the multipliers that are not 1 by theory; 0 where there is none.
+    pub fn spectral_radius(&self) -> f64 {
+        self.multipliers().first().map_or(0.0, |m| m.norm())
+    }
+
+    /// Whether it attracts its neighbourhood.
+    pub fn stability(&self) -> Stability {
+        let radius = self.spectral_radius();
+        // Several stops that are hit at one instant may be hit one after the other beside the
+        // orbit, and a functional that hardly rises may not be reached there. A slider that hardly
+        // slips stands beside the orbit on one side, where it keeps its place.
+        let slips = |letter: usize| matches!(self.word().letters[letter].watch(), Some(Watch::Yields(..)));
+        let is_doubtful = |(condition, value): &(Condition, f64)| match condition {
+            Condition::Together { .. } => true,
+            Condition::Rises { .. } => *value < GRAZES,
+            Condition::Lasts { letter } => *value < BRIEF_SLIP && slips(*letter),
+            _ => false,
+        };
+        if self.conditions.iter().any(is_doubtful) && radius <= 1.0 + MARGIN {
+            Stability::Undecided
+        } else if radius < 1.0 - MARGIN {
+            Stability::Stable
+        } else if radius > 1.0 + MARGIN {
+            Stability::Unstable
+        } else if has_losses(&self.place) {
+            Stability::Undecided
+        } else {
+            Stability::Neutral
+        }
+    }
+
+    /// Whether it is a motion of the machine: each event is reached, and no other one.
+    pub fn is_certified(&self) -> bool {
+        self.broken().is_none()
+    }
+
+    /// The conditions under which it is a motion of the machine, with their values.
+    pub(super) fn conditions(&self) -> &[(Condition, f64)] {
+        &self.conditions
+    }
+
+    /// The condition that is furthest from holding, where one does not hold.
+    pub(super) fn broken(&self) -> Option<(Condition, f64)> {
+        let broken = self.conditions.iter().filter(|(condition, value)| condition.fails(*value));
+        broken.min_by(|a, b| a.1.total_cmp(&b.1)).copied()
+    }
+
+    /// A start on the orbit: in the middle of its longest flight.
+    pub fn start(&self) -> Start {
+        let (time, z) = self.middle_state();
+        let mut start = Start { time, ..Start::default() };
+        let names = Start::names(&self.place.assembly);
+        let d = &self.place.assembly.description;
+        // The machine has these numbers.
+        names.iter().zip(&z).for_each(|(name, x)| _ = start.set(d, name, *x));
+        start
+    }
+
+    /// Time and given state (q, q', inner places, what blocks keep) in the middle of its longest
+    /// flight.
+    pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
+        let (time, z) = middle(&self.place, self.longest());
+        (time, self.place.assembly.system().given(&z))
+    }
+
+    fn longest(&self) -> &Leg {
+        let legs = self.legs();
+        let longest = (0..legs.len()).max_by(|a, b| legs[*a].span.total_cmp(&legs[*b].span));
+        &legs[longest.unwrap_or(0)]
+    }
+
+    /// The value of the family's parameter.
+    pub fn value(&self) -> f64 {
+        self.problem.value(&self.u)
+    }
+
+    /// Whether its events are those of a word, from some event on.
+    pub(super) fn has_word(&self, word: &Word) -> bool {
+        same_word(self.word(), word)
+    }
+
+    /// Whether another orbit of this machine is this one, from some event on.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        if !same_word(self.word(), other.word()) {
+            return false;
+        }
+        let (m, units) = (self.word().len(), &self.problem.units);
+        let is_near = |k: usize| {
+            let own = &self.legs()[k].states[0];
+            let pairs = own.iter().zip(other.state()).zip(&units.state);
+            let apart = pairs.map(|((a, b), unit)| ((a - b) / unit).abs()).fold(0.0, f64::max);
+            let turns = self.place.period.map_or(0.0, |p| (self.legs()[k].time - other.legs()[0].time) / p);
+            apart < SAME && (turns - turns.round()).abs() < SAME
+        };
+        m == 0 || (0..m).any(|k| self.word().is_from(k, other.word()) && is_near(k))
+    }
+}
+
+/// Whether two words have the same events, from some event on.
+pub(super) fn same_word(a: &Word, b: &Word) -> bool {
+    (0..a.len().max(1)).any(|k| a.is_from(k, b))
+}
+
+/// Time and augmented state in the middle of a flight, on the contacts that are held.
+pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
+    within(place, leg, 0.5)
+}
+
+/// Time and augmented state after a part of a flight, on the contacts that are held.
+pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
+    let time = leg.time + part * leg.span;
+    let begin = leg.parts().take_while(|own| own.time <= time).last();
+    let (from, start) = begin.map_or((leg.time, &leg.states[0][..]), |own| (own.time, own.start));
+    let there = leg.flow.propagator(time - from) * DVector::from_column_slice(start);
+    let mut z = there.as_slice().to_vec();
+    let system = place.assembly.system();
+    with_signals(system, time, &mut z);
+    keep(system, &leg.flow.mode, &mut z);
+    (time, z)
+}
+
+/// Whether anything takes energy from a machine.
+fn has_losses(place: &Place) -> bool {
+    let system = place.assembly.system();
+    !system.blocks.is_empty()
+        || system.springs.iter().any(|spring| spring.damping != 0.0)
+        || !system.frictions.is_empty()
+        || system.stops.iter().any(|stop| match stop.restitution() {
+            Some(restitution) => restitution < 1.0,
+            None => stop.force != stop.spring,
+        })
+}

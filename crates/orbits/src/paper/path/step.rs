@@ -1,0 +1,158 @@
+//! One step along a branch: to the next point, or to the end of the branch before it.
+
+use super::{Advance, COSINE, Follower, LEAST_STEP, PathEnd, Position};
+use crate::paper::branch::Special;
+use crate::label::Label;
+use crate::curve::{self, CurvePoint, correct};
+use crate::paper::cycle::Cycle;
+use crate::paper::grazing::{self, ExaminedTouch, Touch};
+use crate::obstacle::Obstacle;
+use crate::paper::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
+use crate::paper::special;
+use crate::paper::switching::FlightTouch;
+use crate::paper::sample::{DOUBLING, UNIT, test};
+use crate::paper::word::OrbitWord;
+use nalgebra::DVector;
+
+/// Largest correction of a step in parts of the step.
+const CORRECTION: f64 = 0.3;
+/// Distance, in steps, up to which the birth of a branch is sought if the branch cannot be
+/// continued.
+const BEYOND: f64 = 2.0;
+
+impl Follower<'_> {
+    /// One step: to the next point, or to the path's end before it.
+    pub(super) fn advance(&self, last: &Position, step: f64) -> Result<Advance, Obstacle> {
+        let predicted = &last.u + &last.tangent * step;
+        if !self.span().contains(self.value(&predicted)) {
+            return self.advance_to_end(last, self.value(&predicted));
+        }
+        let follows = |curve: &CurvePoint| {
+            let turned = curve.tangent.dot(&last.tangent) < COSINE;
+            !turned && (&curve.u - &predicted).norm() <= CORRECTION * step
+        };
+        let Some(curve) = correct(&self.contacts(), &predicted, &last.tangent).ok().filter(follows) else {
+            // The corrector may end on the branch from which this one is born.
+            let beyond = &last.u + &last.tangent * (BEYOND * step);
+            let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
+            return self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?);
+        };
+        if !self.span().contains(self.value(&curve.u)) {
+            return self.advance_to_end(last, self.value(&curve.u));
+        }
+        self.arrive(last, curve, None)
+    }
+
+    /// A step exactly to the birth of a branch: next to it the equations are nearly singular, so
+    /// that continuation fails there.
+    pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
+        let within = self.options.longest_step;
+        let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
+            .ok_or(Obstacle::NoConvergence)?;
+        let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
+        self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?)
+    }
+
+    /// A step to the end of the parameter's range, which lies before `beyond`.
+    fn advance_to_end(&self, last: &Position, beyond: f64) -> Result<Advance, Obstacle> {
+        let n = self.word.len();
+        let end = if beyond < self.span().from { self.span().from } else { self.span().to };
+        let arc = (end / self.span().unit() - last.u[n]) / last.tangent[n];
+        if !(arc.is_finite() && arc >= 0.0) {
+            return Err(Obstacle::NoConvergence);
+        }
+        let predicted = &last.u + &last.tangent * arc;
+        let phases = newton(&self.family.system(&[end])?, self.word, &predicted.as_slice()[..n])?;
+        let u = self.family.point(&phases, &[end]);
+        if (&u - &predicted).norm() > CORRECTION * arc + LEAST_STEP {
+            return Err(Obstacle::NoConvergence);
+        }
+        let tangent = curve::tangent(&self.contacts(), &u, &last.tangent)?;
+        let curve = CurvePoint { u, tangent, steps: 3 };
+        self.arrive(last, curve, Some(Label::EndPoint))
+    }
+
+    /// Takes a point as the next one, unless the path ends before it.
+    fn arrive(&self, last: &Position, curve: CurvePoint, label: Option<Label>) -> Result<Advance, Obstacle> {
+        let (next, touches) = self.look(curve)?;
+        if let Some(touches) = touches {
+            return self.end_at_touch(last, &next, touches);
+        }
+        if let Some(primary) = special::primary(self.family, self.word, &last.u, &next.u)? {
+            return self.end_at_primary(last, primary);
+        }
+        let between = self.between(last, &next)?;
+        let end = label.map(|_| PathEnd::Plain);
+        Ok(Advance { between, next, label: label.map(Special::of), end })
+    }
+
+    /// Ends the path at the first of the touches that are met on the way to `next`.
+    fn end_at_touch(
+        &self,
+        last: &Position,
+        next: &Position,
+        touches: Vec<Touch>,
+    ) -> Result<Advance, Obstacle> {
+        let length = last.tangent.dot(&(&next.u - &last.u));
+        let arc = |touch: &Touch| {
+            let way = touch.on_branch() - &last.u;
+            let arc = last.tangent.dot(&way);
+            let aside = (way - &last.tangent * arc).norm();
+            let near = aside <= CORRECTION * length + LEAST_STEP;
+            (near && arc >= -LEAST_STEP && arc <= length + LEAST_STEP).then_some(arc)
+        };
+        let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
+        let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
+        // Of two touches at one point (a repeated orbit touches in each passage) the one that the
+        // word lists is chosen.
+        let order = |a: &(f64, Touch), b: &(f64, Touch)| {
+            if (a.0 - b.0).abs() < LEAST_STEP {
+                b.1.from_longer.cmp(&a.1.from_longer)
+            } else {
+                a.0.total_cmp(&b.0)
+            }
+        };
+        let (_, touch) = placed.min_by(order).ok_or(Obstacle::NoConvergence)?;
+        let ExaminedTouch { touch, is_orbit, pressed } = grazing::examine(self.family, touch)?;
+        if !is_orbit {
+            return Err(Obstacle::NoConvergence);
+        }
+        let u = touch.on_branch();
+        let system = self.family.system_at(&u)?;
+        let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.word.len()])?;
+        let tests = [test(&cycle, UNIT), test(&cycle, DOUBLING), None];
+        let without = FlightTouch::of(self.family, &touch);
+        let phases = &without.u.as_slice()[..without.shorter.len()];
+        let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
+        let tangent = last.tangent.clone();
+        let at = Position { u, tangent, steps: 3, multipliers, stable: false, tests };
+        let between = self.between(last, &at)?;
+        let label = if pressed { Label::Chatter } else { Label::Grazing };
+        let special = Special { longer: Some(touch.longer.clone()), ..Special::of(label) };
+        let end = if pressed { PathEnd::Plain } else { PathEnd::Touch(Box::new(touch)) };
+        Ok(Advance { between, next: at, label: Some(special), end: Some(end) })
+    }
+
+    /// Ends the path at the branch from which it is born by doubling.
+    fn end_at_primary(
+        &self,
+        last: &Position,
+        (word, u): (OrbitWord, DVector<f64>),
+    ) -> Result<Advance, Obstacle> {
+        let n = word.len();
+        let phases = unfolded_phases(&word, &u.as_slice()[..n]);
+        let values = self.family.values(&u);
+        let doubled = self.family.point(&phases, &values);
+        let system = self.family.system(&values)?;
+        let cycle = Cycle::new(&system, self.word, &phases)?;
+        let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
+        // On the way to the birth the test function for doubling may change its sign; that for a
+        // multiplier 1 touches zero at the end.
+        let tests = [None, test(&cycle, DOUBLING), None];
+        let tangent = last.tangent.clone();
+        let next = Position { u: doubled, tangent, steps: 3, multipliers, stable: false, tests };
+        let between = self.between(last, &next)?;
+        let label = if word.closing() < 0 { Label::BranchPoint } else { Label::PeriodDoubling };
+        Ok(Advance { between, next, label: Some(Special::of(label)), end: Some(PathEnd::Primary(word, u)) })
+    }
+}

@@ -1,0 +1,55 @@
+//! Refusals of words and machines, in words.
+
+use super::system::System;
+use super::word::OrbitWord;
+use crate::obstacle::Obstacle;
+use vibro_studies::Error;
+
+impl Obstacle {
+    /// Refuses a word that no orbit of a machine can have, for any phases.
+    ///
+    /// # Errors
+    /// [`Asymmetric`](Self::Asymmetric) if the word is half of a symmetric orbit and the machine
+    /// has loads; [`Unbalanced`](Self::Unbalanced) if the impulses of the word cannot balance the
+    /// load.
+    pub fn check(system: &System, word: &OrbitWord) -> Result<(), Self> {
+        if word.closing() < 0 && !system.is_symmetric() {
+            return Err(Self::Asymmetric);
+        }
+        if system.balances(word) { Ok(()) } else { Err(Self::Unbalanced) }
+    }
+
+    /// The error of a search for an orbit that failed for this reason.
+    pub fn error(self, system: &System, word: &OrbitWord) -> Error {
+        let no_orbit = |reason: &str| word.no_orbit(reason);
+        match self {
+            Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
+            Self::NoConvergence => {
+                no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
+            }
+            Self::OtherMachine => no_orbit(
+                "the phases are not those of an orbit of this machine: is it the one in which the point was found, with the same \
+                 parameters and loads?",
+            ),
+            Self::Asymmetric => no_orbit(
+                "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
+                 whole word, closing with +",
+            ),
+            Self::Unbalanced => {
+                no_orbit(if !system.has_free_block() && system.parameters().box_stiffness == 0.0 {
+                    "no spring takes up impulses on the box (box.k = 0), so that the word needs both stops"
+                } else if !system.has_free_block() {
+                    "no spring takes up impulses on block and secondary oscillator (secondary.k = 0), so that the word needs both stops"
+                } else if system.pull() == 0.0 {
+                    "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
+                } else if system.pull() < 0.0 {
+                    "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
+                } else {
+                    "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
+                })
+            }
+            Self::Singular => system.singular().into(),
+            Self::Refused(error) => error,
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Derivative of an orbit's equations by the parameter: a variation carried along the cycle.
+//!
+//! Its sources are the changes of the systems of the flights, of the laws of the events, of the
+//! signals and of the functionals, each a difference of two machines beside the present one, and
+//! those of the times, which follow the drive's period. Differences of whole motions would not do:
+//! at given event times a stiff contact magnifies rounding, and each contact of a period once more.
+
+use super::cycle::{Cycle, Leg, close};
+use super::place::{Place, with_signals};
+use super::problem::{Numbers, Problem};
+use super::word::{Chatter, Letter, Word};
+use crate::curve::slope;
+use crate::obstacle::Obstacle;
+use nalgebra::{DMatrix, DVector};
+use vibro_studies::flight::{Flow, dot};
+
+/// Distance of the two machines from the present one, in the parameter's unit: rounding and the
+/// third derivative leave about 1e-10 of each source.
+const STEP: f64 = 1e-5;
+/// Distance where impacts accumulate: their number jumps, which moves the state by some 1e-12.
+const CHATTER_STEP: f64 = 1e-4;
+
+/// Machines on both sides of the present one.
+struct Beside {
+    places: [Place; 2],
+    /// Their distance, in the parameter's unit.
+    width: f64,
+    /// Whether one of them is the present one.
+    is_one_sided: bool,
+}
+
+impl Beside {
+    /// One machine is the present one where the other side is not allowed. `None` where the
+    /// machines have other signals, as beside a rate that is zero.
+    fn of(
+        problem: &Problem,
+        (place, u): (&Place, &DVector<f64>),
+        step: f64,
+    ) -> Result<Option<Self>, Obstacle> {
+        let at = |by: f64| {
+            let mut moved = u.clone();
+            moved[problem.size()] += by;
+            problem.place(&moved)
+        };
+        let size = |place: &Place| place.assembly.system().signals.size;
+        let (places, width, is_one_sided) = match (at(-step), at(step)) {
+            (Ok(below), Ok(above)) => ([below, above], 2.0 * step, false),
+            (Ok(below), Err(_)) => ([below, at(0.0)?], step, true),
+            (Err(_), above) => ([at(0.0)?, above?], step, true),
+        };
+        let is_alike = places.iter().all(|beside| size(beside) == size(place));
+        Ok(is_alike.then_some(Self { places, width, is_one_sided }))
+    }
+
+    /// Whether the fixed times of a word are those of both machines.
+    fn keeps_times(&self, word: &Word) -> bool {
+        let mut fixed = word.letters.iter().filter_map(Letter::timed);
+        let [below, above] = self.places.each_ref().map(|place| place.assembly.system());
+        fixed.all(|timed| timed.time(below) == timed.time(above))
+    }
+
+    /// Rate by which a number of the machine changes.
+    fn rate(&self, of: impl Fn(&Place) -> f64) -> f64 {
+        (of(&self.places[1]) - of(&self.places[0])) / self.width
+    }
+
+    /// Adds the rate by which a vector changes.
+    fn add(&self, to: &mut [f64], of: impl Fn(&Place) -> Result<Vec<f64>, Obstacle>) -> Result<(), Obstacle> {
+        let [below, above] = [of(&self.places[0])?, of(&self.places[1])?];
+        let rates = below.iter().zip(&above).map(|(a, b)| (b - a) / self.width);
+        to.iter_mut().zip(rates).for_each(|(to, rate)| *to += rate);
+        Ok(())
+    }
+
+    /// The variation of the signals at a time, in place of a variation's own.
+    fn signals(&self, time: f64, own: usize, v: &mut [f64]) {
+        let [below, above] = [0, 1].map(|side| {
+            let mut z = vec![0.0; v.len()];
+            with_signals(self.places[side].assembly.system(), time, &mut z);
+            z
+        });
+        (own..v.len()).for_each(|i| v[i] = (above[i] - below[i]) / self.width);
+    }
+}
+
+impl Problem {
+    /// Derivative of the equations at a point by the parameter, in its unit. Requires the cycle
+    /// with its propagators, and the derivatives by the other unknowns.
+    pub(super) fn by_parameter(
+        &self,
+        (place, u): (&Place, &DVector<f64>),
+        cycle: &Cycle,
+        matrix: &DMatrix<f64>,
+    ) -> Result<DVector<f64>, Obstacle> {
+        let step = if self.word.has_run() { CHATTER_STEP } else { STEP };
+        // Knots may move with the parameter.
+        let has_knots = !self.word.between.is_empty() || cycle.legs.iter().any(|leg| !leg.knots.is_empty());
+        let at = |step: f64| -> Result<Option<Beside>, Obstacle> {
+            let beside = if has_knots { None } else { Beside::of(self, (place, u), step)? };
+            Ok(beside.filter(|beside| beside.keeps_times(&self.word)))
+        };
+        let Some(beside) = at(step)? else { return self.by_whole_motions(u, cycle, step) };
+        let column = self.by_machines((place, u), cycle, matrix, &beside)?;
+        // A difference to one side is of second order with one twice as far.
+        let farther = if beside.is_one_sided { at(2.0 * step)? } else { None };
+        match farther {
+            Some(farther) => Ok(column * 2.0 - self.by_machines((place, u), cycle, matrix, &farther)?),
+            None => Ok(column),
+        }
+    }
+
+    /// Derivative of the equations by the parameter, from the differences of two machines.
+    fn by_machines(
+        &self,
+        (place, u): (&Place, &DVector<f64>),
+        cycle: &Cycle,
+        matrix: &DMatrix<f64>,
+        beside: &Beside,
+    ) -> Result<DVector<f64>, Obstacle> {
+        let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
+        let (nodes, first, free) = (self.word.nodes(), self.first_time(), self.word.free());
+        let Numbers { times, period, .. } = self.numbers(place, u);
+        let mut carried = Carried {
+            problem: self,
+            place,
+            beside,
+            longer: beside.rate(|place| self.driven_period(place).unwrap_or(period)),
+            v: vec![0.0; cycle.back.len()],
+        };
+        let mut column = DVector::zeros(last);
+        beside.signals(times[0], own, &mut carried.v);
+        for k in 0..cycle.legs.len() {
+            let next = if m == 0 { 0 } else { (k + 1) % m };
+            if let Some(moved) = carried.over_flight(cycle, k, next)? {
+                let own = free.binary_search(&next).unwrap_or_default();
+                column[first + own] = moved / self.scale(cycle, next);
+            }
+            carried.over_event(&cycle.legs[k], next)?;
+            if let Some(node) = nodes.iter().position(|&k| k == next).filter(|node| *node > 0) {
+                for (i, v) in carried.v.iter_mut().enumerate().take(own) {
+                    column[node * own + i] = -std::mem::take(v) / self.units.state[i];
+                }
+            }
+        }
+        let v = carried.v;
+        let mut along = vec![0.0; own];
+        beside.add(&mut along, |place| {
+            let period = self.driven_period(place).unwrap_or(period);
+            self.carried(place, times[0], period)
+                .map(|along| if along.is_empty() { vec![0.0; own] } else { along })
+        })?;
+        for i in 0..own {
+            column[i] = (along[i] - v[i]) / self.units.state[i];
+        }
+        // Times of events are numbers in radians of the drive.
+        if self.driven_period(place).is_some() {
+            let radian = self.radian(place);
+            let slower = beside.rate(|place| self.radian(place)) / radian;
+            (0..free.len()).for_each(|k| column.axpy(slower * u[first + k], &matrix.column(first + k), 1.0));
+        }
+        Ok(column)
+    }
+}
+
+impl Problem {
+    /// Derivative of the equations by the parameter as a difference of whole motions.
+    fn by_whole_motions(&self, u: &DVector<f64>, cycle: &Cycle, step: f64) -> Result<DVector<f64>, Obstacle> {
+        let first = self.first_time();
+        // An event's scale has kinks, and stays that of the orbit.
+        slope(step, |by| {
+            let mut moved = u.clone();
+            moved[self.size()] += by;
+            let mut there = self.residual(&self.place(&moved)?, &moved, false)?;
+            for (i, &k) in self.word.free().iter().enumerate() {
+                there.value[first + i] *= self.scale(&there.cycle, k) / self.scale(cycle, k);
+            }
+            Ok(there.value.as_slice().to_vec())
+        })
+    }
+}
+
+/// A variation by the parameter on its way along a cycle.
+struct Carried<'a> {
+    problem: &'a Problem,
+    place: &'a Place,
+    beside: &'a Beside,
+    /// Rate by which the period changes.
+    longer: f64,
+    v: Vec<f64>,
+}
+
+impl Carried<'_> {
+    /// Carries it over the run of impacts and the flight before event `next`; returns the rate by
+    /// which the event's functional changes at its time.
+    fn over_flight(&mut self, cycle: &Cycle, k: usize, next: usize) -> Result<Option<f64>, Obstacle> {
+        let (leg, beside) = (&cycle.legs[k], self.beside);
+        let chatter = self.problem.word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
+        if let (Some(chatter), Some(run)) = (chatter, &leg.run) {
+            self.v = through_run(self.place, beside, (chatter, leg), run, std::mem::take(&mut self.v))?;
+        }
+        let flows = beside.places.each_ref().map(|place| place.flow(&leg.flow.mode));
+        self.v = leg.flow.varied([&flows[0], &flows[1]], beside.width, [&leg.states[0], &self.v], leg.span);
+        beside.signals(leg.time + leg.span, self.problem.units.state.len(), &mut self.v);
+        let Some(i) = leg.ending else { return Ok(None) };
+        let value = |flow: &Flow| dot(flow.watched[i].1.as_slice(), &leg.states[1]);
+        let moves = (value(&flows[1]) - value(&flows[0])) / beside.width;
+        let row = leg.flow.watched[i].1.as_slice();
+        let later = if next == 0 { self.longer * dot(row, &leg.rate) } else { 0.0 };
+        Ok(Some(dot(row, &self.v) + moves + later))
+    }
+
+    /// Carries it over the law of event `next`, at the end of a flight.
+    fn over_event(&mut self, leg: &Leg, next: usize) -> Result<(), Obstacle> {
+        let Self { problem, place, beside, longer, v } = self;
+        let stay = Letter::staying(&problem.word);
+        let letter = problem.word.letters.get(next).unwrap_or(&stay);
+        if next == 0 {
+            // The signals too: the law of an impact feels the rates of prescribed bodies.
+            v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += *longer * rate);
+        }
+        letter.apply(place.assembly.system(), [&mut v[..]]);
+        let arrived = letter.arrived(place.assembly.system(), leg.time + leg.span, &leg.states[1]);
+        beside.add(&mut v[..problem.units.state.len()], |place| {
+            let mut after = arrived.clone();
+            letter.apply(place.assembly.system(), [&mut after[..]]);
+            Ok(after)
+        })
+    }
+}
+
+/// A variation carried through a run of impacts, with the change of the run itself, at the time at
+/// which its stop closes.
+fn through_run(
+    place: &Place,
+    beside: &Beside,
+    (chatter, leg): (&Chatter, &Leg),
+    (time, z): &(f64, Vec<f64>),
+    mut v: Vec<f64>,
+) -> Result<Vec<f64>, Obstacle> {
+    // The signals on both sides are those of the two machines.
+    v[place.assembly.system().states()..].fill(0.0);
+    let latest = leg.time + leg.span.max(0.0) + f64::EPSILON;
+    let mut columns = DMatrix::from_vec(v.len(), 1, v);
+    close(place, chatter, (*time, latest), &mut z.clone(), &mut columns)?;
+    let mut v = columns.as_slice().to_vec();
+    beside.add(&mut v, |place| {
+        let (mut z, mut none) = (z.clone(), DMatrix::zeros(z.len(), 0));
+        let closed = close(place, chatter, (*time, latest + leg.span.max(0.0)), &mut z, &mut none)?;
+        let rate = place.flow(&leg.flow.mode).derivative(&z);
+        z.iter_mut().zip(&rate).for_each(|(x, rate)| *x += rate * (leg.time - closed));
+        Ok(z)
+    })?;
+    Ok(v)
+}

@@ -1,0 +1,159 @@
+//! A machine at one value of a parameter, and the machines over its values.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use vibro_studies::flight::{Flow, Flows};
+use vibro_studies::{Machine, common_period, is_steady, require_free, runs_on};
+use vibro_studies::{Error, Result};
+use vibro_machine::Assembly;
+use vibro_machine::description::{Block, Description};
+use vibro_machine::mode::Mode;
+use vibro_machine::system::System;
+use vibro_impact::numerics::double_double::DoubleDouble;
+
+/// A machine whose numbers are fixed, with the linear systems of the modes met so far.
+#[derive(Debug)]
+pub struct Place {
+    /// The machine with its matrices.
+    pub assembly: Arc<Assembly>,
+    /// The common period of all signals, s; `None` for an autonomous machine.
+    pub period: Option<f64>,
+    flows: Mutex<Flows>,
+}
+
+/// Why a machine's blocks have no orbits: what rounds its inputs jumps.
+fn rounded_input(d: &Description) -> Option<String> {
+    let rounds = |block: &&Block| {
+        let sampling = block.sampling.as_ref();
+        sampling.is_some_and(|own| own.quanta.iter().flatten().any(|quantum| *quantum > 0.0))
+    };
+    let block = d.blocks.iter().find(rounds)?;
+    Some(format!(
+        "block.{} rounds an input to a quantum: its motion jumps with the state, so that no derivative tells of an orbit; allowed is \
+         the file without `quantum`, or motions alone (run, bifurcation)",
+        block.name
+    ))
+}
+
+/// The augmented state with the signals of a time.
+pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
+    let inputs = system.signals.no_inputs();
+    system.signals.fill(DoubleDouble::new(time), &inputs, z);
+}
+
+impl Place {
+    /// The place of a description with its present numbers.
+    ///
+    /// # Errors
+    /// What its matrices refuse; [`Error::Described`] for a machine whose signals do not repeat.
+    pub fn new(description: Description) -> Result<Self> {
+        let d = &description;
+        let period = common_period(d);
+        let problem = match runs_on(d, 0.0) {
+            Some(why) => format!(
+                "{why}: it has no periodic orbit; allowed are harmonics, constants, uniform motions and what repeats"
+            ),
+            None if period.is_none() && !is_steady(d) => {
+                "the harmonics' frequencies have no common period up to 1000 periods of the \
+                 slowest: the machine has no periodic orbit; allowed are frequencies in ratios of integers"
+                    .into()
+            }
+            None => rounded_input(d).unwrap_or_default(),
+        };
+        if !problem.is_empty() {
+            return Err(Error::Described { problem });
+        }
+        let assembly = Arc::new(Assembly::new(description)?);
+        require_free(&assembly)?;
+        Ok(Self { assembly, period, flows: Mutex::default() })
+    }
+
+    /// The linear system of a mode.
+    pub(super) fn flow(&self, mode: &Mode) -> Arc<Flow> {
+        let mut flows = self.flows.lock().unwrap_or_else(PoisonError::into_inner);
+        flows.of(self.assembly.system(), mode)
+    }
+}
+
+/// A machine over the values of one of its parameters.
+#[derive(Clone, Debug)]
+pub struct Family {
+    /// The machine.
+    pub machine: Machine,
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Least and largest value, SI.
+    pub range: (f64, f64),
+}
+
+/// Parts of a parameter's range that count as much as a radian of an event's phase.
+const PARTS: f64 = 5.0;
+
+impl Family {
+    /// A machine over a range of a parameter's values, SI.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for an unknown name or a value that is not allowed;
+    /// [`Error::Described`] for a number of the start and for a range without length, and as
+    /// [`Place::new`] at either end.
+    pub fn new(machine: &Machine, parameter: &str, range: (f64, f64)) -> Result<Self> {
+        let name = machine.description.parameter(parameter)?.name;
+        if !(range.0 < range.1 && (range.1 - range.0).is_finite()) {
+            let problem = format!("{name}: {} to {}; allowed is a range with length", range.0, range.1);
+            return Err(Error::Described { problem });
+        }
+        if name.contains(".start.") {
+            let problem =
+                format!("{name}: no orbit depends on the start; allowed are the machine's other numbers");
+            return Err(Error::Described { problem });
+        }
+        let family = Self { machine: machine.clone(), parameter: name, range };
+        family.place(range.0)?;
+        family.place(range.1)?;
+        Ok(family)
+    }
+
+    /// A machine with its present numbers alone: the family of its first parameter, at its value.
+    ///
+    /// # Errors
+    /// As [`Place::new`]; [`Error::Described`] for a machine without a number that can change.
+    pub(super) fn of_one(machine: &Machine) -> Result<Self> {
+        Place::new(machine.description.clone())?;
+        let parameter = machine.description.parameters().into_iter().next().map(|p| p.name);
+        let parameter = parameter.unwrap_or_default();
+        Ok(Self { machine: machine.clone(), parameter, range: (0.0, PARTS) })
+    }
+
+    /// The parameter's present value.
+    pub(super) fn present(&self) -> Result<f64> {
+        Ok(self.machine.description.get(&self.parameter)?)
+    }
+
+    /// The machine at a value.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn place(&self, value: f64) -> Result<Place> {
+        Place::new(self.described(value)?)
+    }
+
+    /// The description of the machine at a value.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for a value that is not allowed.
+    pub fn at(&self, value: f64) -> Result<Machine> {
+        let Machine { section, units, changes, .. } = &self.machine;
+        let (section, units, changes) = (section.clone(), units.clone(), changes.clone());
+        Ok(Machine { description: self.described(value)?, section, units, changes })
+    }
+
+    /// The bodies and elements at a value.
+    fn described(&self, value: f64) -> Result<Description> {
+        // An orbit has its own start: that of the file is not checked.
+        Ok(self.machine.description.under_way([(self.parameter.as_str(), value)])?)
+    }
+
+    /// The unit of the parameter along a branch.
+    pub fn unit(&self) -> f64 {
+        (self.range.1 - self.range.0) / PARTS
+    }
+}

@@ -1,0 +1,326 @@
+//! The equations of an orbit with a given word, along a parameter.
+//!
+//! Unknowns, all of size one: the state after the first event and at each further node of the word,
+//! the times of the events that are not fixed, in radians of the drive (the period in place of the
+//! first one where the machine is autonomous), a drift by period along each neutral direction, and
+//! the parameter. Equations: the state returns but for the drift, the motion from each node arrives
+//! at the next, each event's functional is zero at its time, and the state has a given place along
+//! each neutral direction.
+
+use super::cycle::{Cycle, Derivatives};
+use super::place::{Family, Place, with_signals};
+use super::word::{Letter, Word};
+use crate::curve::{Equations, Linearization};
+use crate::obstacle::Obstacle;
+use crate::curve::STEP_ROUNDING;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use vibro_studies::carried;
+use vibro_machine::neutral::Neutral;
+
+/// Relative size of a Newton step that is rounding where impacts accumulate.
+const CHATTER_ROUNDING: f64 = 1e-10;
+/// Size of a Newton step below which it may be rounding: an event whose functional hardly rises has
+/// half of the digits.
+const STALLED: f64 = 1e-7;
+/// Largest part of a flight by which a Newton step may shorten it.
+const SHORTENING: f64 = 0.5;
+/// Change of a signal over a period, relative to its values, that is rounding.
+const EXACT: f64 = 1e-9;
+
+/// The equations of a word's orbits.
+#[derive(Clone, Debug)]
+pub(super) struct Problem {
+    pub family: Arc<Family>,
+    pub word: Word,
+    pub units: Units,
+    /// Neutral directions of the state (q, q').
+    pub neutral: Vec<Vec<f64>>,
+    /// The state's place along each.
+    pub fixed: Vec<f64>,
+    /// Time of the start of a word without events, s.
+    pub origin: f64,
+}
+
+/// Units of the unknowns.
+#[derive(Clone, Debug)]
+pub(super) struct Units {
+    /// By number of the state (q, q').
+    pub state: Vec<f64>,
+    /// Radian of an autonomous machine's period, s.
+    pub time: f64,
+}
+
+/// An orbit's numbers in SI.
+#[derive(Clone, Debug)]
+pub(super) struct Numbers {
+    /// The state (q, q') at each node of the word: the first after the first event.
+    pub states: Vec<Vec<f64>>,
+    /// Times of the events, s; of a word without events the time of the start.
+    pub times: Vec<f64>,
+    /// The period, s.
+    pub period: f64,
+    /// Drifts by period along the neutral directions.
+    pub drifts: Vec<f64>,
+}
+
+/// Values of the equations.
+pub(super) struct Residual {
+    pub value: DVector<f64>,
+    /// Derivatives by all unknowns but the parameter, on request.
+    pub matrix: Option<DMatrix<f64>>,
+    /// The motion.
+    pub cycle: Cycle,
+}
+
+impl Problem {
+    /// Number of unknowns beside the parameter.
+    pub fn size(&self) -> usize {
+        self.first_time() + self.word.free().len() + self.neutral.len()
+    }
+
+    /// Place of the first event's time that is not fixed among the unknowns, and of its functional
+    /// among the equations.
+    pub fn first_time(&self) -> usize {
+        self.units.state.len() * self.word.nodes().len()
+    }
+
+    /// The parameter's value at a point.
+    pub fn value(&self, u: &DVector<f64>) -> f64 {
+        u[self.size()] * self.family.unit()
+    }
+
+    /// The machine at a point.
+    pub fn place(&self, u: &DVector<f64>) -> Result<Place, Obstacle> {
+        Ok(self.family.place(self.value(u))?)
+    }
+
+    /// A radian of the time, s.
+    pub(super) fn radian(&self, place: &Place) -> f64 {
+        place.period.map_or(self.units.time, |period| period / TAU)
+    }
+
+    /// The orbit's period where the drive gives it, s.
+    pub(super) fn driven_period(&self, place: &Place) -> Option<f64> {
+        Some(place.period? * f64::from(self.word.periods?))
+    }
+
+    /// The numbers of a point.
+    pub fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
+        let (first, radian, free) = (self.first_time(), self.radian(place), self.word.free());
+        let scaled = |node: &[f64]| node.iter().zip(&self.units.state).map(|(x, unit)| unit * x).collect();
+        let states = u.as_slice()[..first].chunks(self.units.state.len().max(1)).map(scaled).collect();
+        let system = place.assembly.system();
+        let mut unknown = u.as_slice()[first..].iter().map(|time| radian * time);
+        let time = |letter: &Letter| match letter.timed() {
+            Some(timed) => timed.time(system),
+            None => unknown.next().unwrap_or_default(),
+        };
+        let mut times: Vec<f64> = self.word.letters.iter().map(time).collect();
+        let period = match self.driven_period(place) {
+            Some(period) => period,
+            None => std::mem::replace(&mut times[0], 0.0),
+        };
+        if self.word.is_empty() {
+            times.push(self.origin);
+        }
+        let first = first + free.len();
+        let drifts = (0..self.neutral.len()).map(|k| u[first + k]).collect();
+        Numbers { states, times, period, drifts }
+    }
+
+    /// The time of the start a period later, s.
+    pub(super) fn end(&self, place: &Place, start: f64, period: f64) -> f64 {
+        let first = self.word.letters.first().and_then(Letter::timed);
+        let turns = i64::from(self.word.periods.unwrap_or(0));
+        first.map_or(start + period, |first| first.later(turns).time(place.assembly.system()))
+    }
+
+    /// The largest part of a step, up to 1, after which all events have their order.
+    pub(super) fn orderly(&self, place: &Place, u: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        let (first, m, radian) = (self.first_time(), self.word.len(), self.radian(place));
+        let Numbers { times, period, .. } = self.numbers(place, u);
+        let is_autonomous = self.driven_period(place).is_none();
+        let mut moved = vec![0.0; m];
+        let own = self.word.free().iter().enumerate().filter(|(_, k)| !(is_autonomous && **k == 0));
+        own.for_each(|(i, &k)| moved[k] = radian * step[first + i]);
+        let spans = (1..m).map(|k| (times[k] - times[k - 1], moved[k] - moved[k - 1]));
+        // The next period begins with a fixed time.
+        let last =
+            self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
+        let shrinking = spans.chain(last).filter(|(span, change)| *span > 0.0 && *change < 0.0);
+        shrinking.fold(1.0, |part: f64, (span, change)| part.min(SHORTENING * span / -change))
+    }
+
+    /// The point with given numbers.
+    pub fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
+        let radian = self.radian(place);
+        let scaled = |state: &Vec<f64>| -> Vec<f64> {
+            state.iter().zip(&self.units.state).map(|(x, unit)| x / unit).collect()
+        };
+        let state = numbers.states.iter().flat_map(scaled);
+        let is_driven = self.driven_period(place).is_some();
+        let time = |k: usize| if k == 0 && !is_driven { numbers.period } else { numbers.times[k] };
+        let times = self.word.free().iter().map(|k| time(*k) / radian);
+        let all = state.chain(times).chain(numbers.drifts.iter().copied());
+        DVector::from_iterator(self.size() + 1, all.chain([value / self.family.unit()]))
+    }
+
+    /// The motion at a point.
+    pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
+        let Numbers { states, times, period, .. } = self.numbers(place, u);
+        let end = self.end(place, times[0], period);
+        Ok(Cycle::follow(place, &self.word, &states, (&times, end), false)?.0)
+    }
+
+    /// Values of the equations, with their derivatives by all unknowns but the parameter on
+    /// request.
+    pub fn residual(
+        &self,
+        place: &Place,
+        u: &DVector<f64>,
+        with_derivatives: bool,
+    ) -> Result<Residual, Obstacle> {
+        let (own, size, first) = (self.units.state.len(), self.size(), self.first_time());
+        let Numbers { states, times, period, drifts } = self.numbers(place, u);
+        let end = self.end(place, times[0], period);
+        let (cycle, derivatives) =
+            Cycle::follow(place, &self.word, &states, (&times, end), with_derivatives)?;
+        let state = &states[0];
+        let along = self.carried(place, times[0], period)?;
+        let mut value = DVector::zeros(size);
+        for i in 0..own {
+            let neutral: f64 = self.neutral.iter().zip(&drifts).map(|(n, drift)| n[i] * drift).sum();
+            let moved = along.get(i).copied().unwrap_or(0.0);
+            value[i] =
+                (state[i] + moved - cycle.back[i]) / self.units.state[i] + neutral / self.units.state[i];
+        }
+        for (node, (state, arrival)) in states[1..].iter().zip(&cycle.arrivals).enumerate() {
+            for i in 0..own {
+                value[(node + 1) * own + i] = (state[i] - arrival[i]) / self.units.state[i];
+            }
+        }
+        let free = self.word.free();
+        let scales: Vec<f64> = free.iter().map(|&k| self.scale(&cycle, k)).collect();
+        for (i, &k) in free.iter().enumerate() {
+            let leg = cycle.before(k);
+            let row = leg.ending.map(|place| leg.flow.watched[place].1.as_slice()).unwrap_or(&[]);
+            value[first + i] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[i];
+        }
+        let m = free.len();
+        for (k, n) in self.neutral.iter().enumerate() {
+            let at: f64 = n.iter().zip(state).map(|(n, x)| n * x).sum();
+            value[first + m + k] = (at - self.fixed[k]) / self.length(n);
+        }
+        let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period)));
+        Ok(Residual { value, matrix, cycle })
+    }
+
+    /// The way by which uniformly moving bodies carry the state along in a period from a time.
+    pub(super) fn carried(&self, place: &Place, time: f64, period: f64) -> Result<Vec<f64>, Obstacle> {
+        let (system, own) = (place.assembly.system(), self.units.state.len());
+        let [before, after] = [time, self.end(place, time, period)].map(|time| {
+            let mut z = vec![0.0; system.signals.size];
+            with_signals(system, time, &mut z);
+            z
+        });
+        let changes = before.iter().zip(&after).enumerate().map(|(i, (a, b))| {
+            let is_signal = i >= own && (b - a).abs() > EXACT * (a.abs() + b.abs()).max(1.0);
+            if is_signal { b - a } else { 0.0 }
+        });
+        let change: Vec<f64> = changes.collect();
+        if change.iter().all(|x| *x == 0.0) {
+            return Ok(Vec::new());
+        }
+        let along = carried(system, &change, false).ok_or(Obstacle::NoConvergence)?;
+        Ok(along.iter().copied().collect())
+    }
+
+    /// Size of an event's functional in the units of the state.
+    pub(super) fn scale(&self, cycle: &Cycle, k: usize) -> f64 {
+        let leg = cycle.before(k);
+        let Some(place) = leg.ending else { return 1.0 };
+        let row = leg.flow.watched[place].1.as_slice();
+        let own: f64 = row.iter().zip(&self.units.state).map(|(a, unit)| (a * unit).abs()).sum();
+        let terms: f64 = row.iter().zip(&leg.states[1]).map(|(a, x)| (a * x).abs()).sum();
+        own.max(terms).max(f64::MIN_POSITIVE)
+    }
+
+    /// Size of a neutral direction in the units of the state.
+    fn length(&self, n: &[f64]) -> f64 {
+        n.iter().zip(&self.units.state).map(|(n, unit)| (n * unit).abs()).sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    fn matrix(
+        &self,
+        place: &Place,
+        by: &Derivatives,
+        scales: &[f64],
+        (along, period): (&[f64], f64),
+    ) -> DMatrix<f64> {
+        let (own, m, size, radian) =
+            (self.units.state.len(), self.word.free().len(), self.size(), self.radian(place));
+        let first = self.first_time();
+        let unit = |j: usize| if j < first { self.units.state[j % own] } else { radian };
+        let mut matrix = DMatrix::zeros(size, size);
+        for j in 0..first + m {
+            for (node, arriving) in std::iter::once(&by.back).chain(&by.arrivals).enumerate() {
+                for i in 0..own {
+                    matrix[(node * own + i, j)] = -arriving[(i, j)] * unit(j) / self.units.state[i];
+                }
+            }
+            for (event, ends) in &by.ends {
+                matrix[(first + event, j)] = ends[j] * unit(j) / scales[*event];
+            }
+        }
+        (0..first).for_each(|i| matrix[(i, i)] += 1.0);
+        if m > 0 && self.driven_period(place).is_none() {
+            // Uniform motions carry the state along in proportion to the period.
+            along
+                .iter()
+                .enumerate()
+                .for_each(|(i, x)| matrix[(i, first)] += x / period * radian / self.units.state[i]);
+        }
+        for (k, n) in self.neutral.iter().enumerate() {
+            for i in 0..own {
+                matrix[(i, first + m + k)] = n[i] / self.units.state[i];
+                matrix[(first + m + k, i)] = n[i] * self.units.state[i] / self.length(n);
+            }
+        }
+        matrix
+    }
+
+    /// The neutral directions of a machine, as changes of a state.
+    pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
+        let system = place.assembly.system();
+        let mut all = Neutral::of(system).states();
+        // What blocks keep does not change along them.
+        all.iter_mut().for_each(|own| own.resize(system.states(), 0.0));
+        all
+    }
+}
+
+impl Equations for Problem {
+    fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle> {
+        let place = self.place(u)?;
+        let Residual { value, matrix, cycle } = self.residual(&place, u, true)?;
+        let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
+        let last = self.size();
+        let column = match known {
+            Some(known) => known.column(last).into_owned(),
+            None => self.by_parameter((&place, u), &cycle, &matrix)?,
+        };
+        let mut whole = matrix.insert_column(last, 0.0);
+        whole.set_column(last, &column);
+        Ok(Linearization { value, matrix: whole })
+    }
+
+    fn rounding(&self) -> f64 {
+        if self.word.has_run() { CHATTER_ROUNDING } else { STEP_ROUNDING }
+    }
+
+    fn stalled(&self) -> f64 {
+        STALLED
+    }
+}

@@ -1,0 +1,220 @@
+//! A motion recorded as the events of a word, with their times and the states after them.
+
+use super::problem::Units;
+use super::timed::Timed;
+use super::word::{Cause, Chatter, Letter};
+use vibro_studies::flight::{ObservedFlight, Observer, Passage, dot};
+use vibro_machine::mode::Mode;
+use vibro_machine::motion::EventKind;
+use vibro_machine::system::System;
+
+/// Relative difference of times, or of places over a knot, that is rounding.
+pub(super) const WHOLE: f64 = 1e-9;
+/// Least unit of a state's number relative to the largest of its kind.
+const LEAST: f64 = 1e-3;
+/// Difference of times of one instant, relative to the time: rounding.
+const INSTANT: f64 = 4.0 * f64::EPSILON;
+/// Samples of a flight for the sizes of states.
+const SAMPLES: usize = 8;
+
+/// A motion as a word with its times.
+#[derive(Debug, Default)]
+pub(super) struct Record {
+    pub letters: Vec<Letter>,
+    pub times: Vec<f64>,
+    /// The state after each event.
+    pub states: Vec<Vec<f64>>,
+    /// The drive's common period, s.
+    pub period: f64,
+    /// Time of a knot at which prescribed bodies move others at once, s.
+    pub jump: Option<f64>,
+    /// Least and largest value of each number of the state.
+    pub extents: Vec<(f64, f64)>,
+}
+
+impl Record {
+    fn include(&mut self, z: &[f64]) {
+        self.extents.resize(z.len(), (f64::INFINITY, f64::NEG_INFINITY));
+        for ((least, largest), x) in self.extents.iter_mut().zip(z) {
+            (*least, *largest) = (least.min(*x), largest.max(*x));
+        }
+    }
+
+    /// Units in which the state's numbers are of size one.
+    pub fn units(&self, system: &System, radian: f64) -> Units {
+        let coordinates = system.coordinates;
+        let extent = |i: usize| self.extents.get(i).copied().unwrap_or((0.0, 0.0));
+        let way = |k: usize| 0.5 * (extent(k).1 - extent(k).0);
+        let speed = |k: usize| {
+            let (least, largest) = extent(coordinates + k);
+            largest.max(-least).max(way(k) / radian)
+        };
+        let most = (0..coordinates).map(speed).fold(0.0, f64::max);
+        let unit_of = |most: f64| if most > 0.0 { most } else { 1.0 };
+        let unit = |k: usize| if most > 0.0 { speed(k).max(LEAST * most) } else { 1.0 };
+        let places = (0..coordinates).map(|k| unit(k) * radian);
+        // A stretch is of the size of its way, or of the largest of a coordinate.
+        let inner = system.places_of_first_order();
+        let inner = inner
+            .map(|k| if way(k) > 0.0 { way(k).max(LEAST * most * radian) } else { unit_of(most) * radian });
+        let state = places.chain((0..coordinates).map(unit)).chain(inner).collect();
+        Units { state, time: radian }
+    }
+
+    /// Places in the letters of the events at which a stop closes after impacts that accumulate.
+    fn closings(&self) -> Vec<(usize, usize)> {
+        let closes = |(k, letter): (usize, &Letter)| {
+            let stop = letter.events.iter().find_map(|event| match event.kind {
+                EventKind::Close { stop } if letter.hits().any(|hit| hit == stop) => Some(stop),
+                _ => None,
+            })?;
+            Some((k, stop))
+        };
+        self.letters.iter().enumerate().filter_map(closes).collect()
+    }
+
+    /// Makes each run of impacts that accumulates one letter. The record begins after the last
+    /// closing, so that no run goes on over its end.
+    pub fn with_runs(&mut self, period: f64, periods: Option<u32>) {
+        let closings = self.closings();
+        let Some((last, _)) = closings.last() else { return };
+        self.begin_with((last + 1) % self.letters.len(), period, periods);
+        let mut from = self.letters.len();
+        while let Some((end, stop)) = self.closings().into_iter().rev().find(|(k, _)| *k < from) {
+            from = end;
+            let hits: Vec<usize> =
+                (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
+            // The run begins with the impact after which all intervals shrink. Fixed times lie in
+            // no run.
+            let mut begin = hits.len() - 1;
+            while begin >= 1 {
+                let interval = |k: usize| self.times[hits[k + 1]] - self.times[hits[k]];
+                let is_timed = |letter: &Letter| letter.timed().is_some();
+                if self.letters[hits[begin - 1]..=end].iter().any(is_timed) {
+                    break;
+                }
+                let shrinks = begin + 1 >= hits.len() || interval(begin - 1) > interval(begin);
+                if !shrinks {
+                    break;
+                }
+                begin -= 1;
+            }
+            let begin = hits[begin];
+            if begin == end {
+                continue;
+            }
+            from = begin;
+            let mode = self.letters[end].modes[1].clone();
+            self.letters[begin].chatter = Some(Chatter { stop, mode });
+            self.letters.drain(begin + 1..=end);
+            self.states.drain(begin + 1..=end);
+            self.times.drain(begin + 1..=end);
+        }
+    }
+
+    /// Begins the record with another letter; those before it come a period later.
+    fn begin_with(&mut self, first: usize, period: f64, periods: Option<u32>) {
+        let later = self.times.len() - first;
+        self.letters.rotate_left(first);
+        self.states.rotate_left(first);
+        self.times.rotate_left(first);
+        self.times.iter_mut().skip(later).for_each(|time| *time += period);
+        let turns = i64::from(periods.unwrap_or(0));
+        self.letters.iter_mut().skip(later).for_each(|letter| *letter = letter.later(turns));
+    }
+
+    /// Begins the record with a fixed time, if it has one.
+    pub fn begin_with_fixed_time(&mut self, period: f64, periods: Option<u32>) {
+        if let Some(first) = self.letters.iter().position(|letter| letter.timed().is_some()) {
+            self.begin_with(first, period, periods);
+        }
+    }
+
+    /// Whether a knot moves bodies at once. Impacts alone change rates there, samples alone what
+    /// blocks keep.
+    fn is_moved(&self, system: &System, passage: &Passage<'_>) -> bool {
+        let (n, [before, after]) = (system.coordinates, passage.states);
+        let has_impact = passage.events.iter().any(|e| matches!(e.kind, EventKind::Impact { .. }));
+        let inner = 2 * n..2 * n + system.branches.len();
+        let kinds = [0..n, if has_impact { n..n } else { n..2 * n }, inner];
+        kinds.into_iter().any(|places| {
+            let extents = self.extents.get(places.clone()).unwrap_or(&[]);
+            let size = extents.iter().fold(0.0, |most, (least, largest)| largest.max(-least).max(most));
+            places.into_iter().any(|i| (before[i] - after[i]).abs() > WHOLE * size.max(before[i].abs()))
+        })
+    }
+
+    /// Takes what happens at a fixed time: knots and samples of one instant are one letter.
+    fn fix(&mut self, system: &System, passage: Passage<'_>) {
+        let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
+        let mut timed = Timed::at(system, self.period, passage.time, passage.events);
+        timed.sides = timed.sides_in(system, passage.states[0]);
+        let (time, events, after) = (passage.time, passage.events.to_vec(), passage.states[1].to_vec());
+        let last = self.letters.last_mut().zip(self.times.last()).zip(self.states.last_mut());
+        if let Some(((last, &at), state)) = last
+            && let Cause::Timed(own) = &mut last.cause
+            && time - at <= INSTANT * time
+        {
+            own.join(timed);
+            last.modes[1] = modes[1].clone();
+            last.events.extend(events);
+            *state = after;
+            return;
+        }
+        self.letters.push(Letter { modes, cause: Cause::Timed(timed), events, chatter: None });
+        self.times.push(time);
+        self.states.push(after);
+    }
+
+    /// Leaves out knots that change signals alone.
+    pub fn leave_plain_knots_out(&mut self) {
+        let is_plain = |letter: &Letter| {
+            let is_knot = letter.events.iter().all(|event| event.kind == EventKind::Knot);
+            letter.timed().is_some() && is_knot && letter.modes[0] == letter.modes[1]
+        };
+        let kept: Vec<bool> = self.letters.iter().map(|letter| !is_plain(letter)).collect();
+        keep(&mut self.letters, &kept);
+        keep(&mut self.times, &kept);
+        keep(&mut self.states, &kept);
+    }
+}
+
+/// Removes the items that are not kept.
+fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut of = kept.iter();
+    all.retain(|_| of.next().copied().unwrap_or(true));
+}
+
+impl Observer for Record {
+    fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
+        let part = flight.span / SAMPLES as f64;
+        let propagator = flight.flow.propagator(part);
+        let mut z = nalgebra::DVector::from_column_slice(flight.start);
+        for _ in 0..SAMPLES {
+            self.include(z.as_slice());
+            z = &propagator * z;
+        }
+        self.include(z.as_slice());
+    }
+
+    fn passage(&mut self, system: &System, passage: Passage<'_>) {
+        let Some(watch) = passage.watch else {
+            if self.is_moved(system, &passage) {
+                self.jump = Some(passage.time);
+            }
+            return self.fix(system, passage);
+        };
+        let own: Vec<f64> = passage.flows[0]
+            .watched
+            .iter()
+            .filter(|(other, _)| *other == watch)
+            .map(|(_, row)| dot(row.as_slice(), passage.states[0]).abs())
+            .collect();
+        let place = (0..own.len()).min_by(|a, b| own[*a].total_cmp(&own[*b])).unwrap_or(0);
+        let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
+        self.states.push(passage.states[1].to_vec());
+        let events = passage.events.to_vec();
+        self.letters.push(Letter { modes, cause: Cause::Passes { watch, place }, events, chatter: None });
+        self.times.push(passage.time);
+    }
+}

@@ -1,0 +1,257 @@
+//! The search for an orbit with a given word or period: stable ones are found by settled motions,
+//! unstable ones by motions that pass near them.
+
+use super::orbit::Orbit;
+use super::place::{Family, Place, with_signals};
+use super::seed::{extents, seed};
+use super::wanted::WantedWord;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+use vibro_studies::{Machine, Section};
+use vibro_studies::{Error, Result, significant};
+use vibro_machine::start::BodyStart;
+use vibro_machine::{Motion, Start};
+
+/// Most returns of a word whose period is not given.
+const MOST_RETURNS: u32 = 6;
+/// Returns of a motion from each of which an orbit is sought.
+const WINDOWS: u32 = 40;
+/// Half width of the box of random starts, in those of the motion from the given start.
+const WIDER: f64 = 1.5;
+/// Attempts at a random start between the stops.
+const ATTEMPTS: u32 = 50;
+/// Relative difference of a period that counts as the one asked for.
+const SAME_PERIOD: f64 = 1e-3;
+/// Relative difference of a time from a multiple of the drive's period that is rounding.
+const WHOLE: f64 = 1e-6;
+/// Most other orbits that a failure names.
+const NAMED: usize = 5;
+
+/// Period of an orbit that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WantedPeriod {
+    /// So many common periods of the drive.
+    Drive(u32),
+    /// A time, s.
+    Time(f64),
+}
+
+/// Request of a search.
+#[derive(Clone, Debug)]
+pub struct WordSearch {
+    /// Start of the first motion.
+    pub start: Start,
+    /// The word, if one is asked for.
+    pub word: Option<WantedWord>,
+    /// The period, if one is asked for.
+    pub period: Option<WantedPeriod>,
+    /// Number of random starts.
+    pub starts: u32,
+    /// Returns discarded before the first motion counts as settled.
+    pub discard: u32,
+}
+
+impl WordSearch {
+    /// Largest number of returns from which an orbit is sought, at each of which a search asks
+    /// whether to continue.
+    pub fn most_returns(&self) -> usize {
+        WINDOWS as usize * (1 + self.starts as usize)
+    }
+}
+
+/// What orbits are accepted, and how they are sought.
+struct Seeker<'a> {
+    family: Arc<Family>,
+    value: f64,
+    place: Place,
+    section: Section,
+    /// Numbers of returns of an orbit.
+    returns: Vec<u32>,
+    request: &'a WordSearch,
+    /// Orbits that were found and have another word or period.
+    others: Mutex<BTreeSet<String>>,
+}
+
+impl Orbit {
+    /// An orbit with a given word, a given period, or both: that of the settled motion if it is
+    /// one, else one near which the motion from the start or from random starts passes. `go_on`
+    /// ends the search by returning false.
+    ///
+    /// # Errors
+    /// [`Error::Described`] for a period that the machine cannot have, and where none is found,
+    /// with the orbits that were; as [`settled`](Self::settled).
+    pub fn search(
+        machine: &Machine,
+        request: &WordSearch,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self> {
+        let seeker = Seeker::new(machine, request)?;
+        let settled = Self::settled(machine, &request.start, request.discard).ok();
+        if let Some(found) = settled.filter(|orbit| seeker.accepts(orbit)) {
+            return Ok(found);
+        }
+        let (motion, _) = machine.motion(&request.start)?;
+        if let Some(found) = seeker.near(motion.clone(), go_on) {
+            return Ok(found);
+        }
+        let bounds = extents(&mut motion.without_energy_accounts(), &seeker.section, WINDOWS);
+        let from = |k: u32| seeker.near(seeker.random(machine, &bounds, k)?, go_on);
+        match (0..request.starts).into_par_iter().find_map_first(from) {
+            Some(found) => Ok(found),
+            None => Err(seeker.failure()),
+        }
+    }
+}
+
+impl<'a> Seeker<'a> {
+    fn new(machine: &Machine, request: &'a WordSearch) -> Result<Self> {
+        let family = Arc::new(Family::of_one(machine)?);
+        let place = Place::new(machine.description.clone())?;
+        let refused = |what: String, allowed: &str| {
+            Err(Error::Described { problem: format!("period = {what}: allowed is {allowed}") })
+        };
+        let (section, returns) = match (place.period, request.period) {
+            (Some(period), None) => (Section::Period(period), (1..=MOST_RETURNS).collect()),
+            (Some(period), Some(WantedPeriod::Drive(n))) => (Section::Period(period), vec![n]),
+            (Some(period), Some(WantedPeriod::Time(time))) => {
+                let turns = time / period;
+                if turns < 0.5 || (turns - turns.round()).abs() > WHOLE * turns {
+                    let allowed =
+                        format!("a multiple of the drive's period, {} s, or 2T", significant(period));
+                    return refused(format!("{time} s"), &allowed);
+                }
+                (Section::Period(period), vec![turns.round() as u32])
+            }
+            (None, Some(WantedPeriod::Drive(n))) => {
+                return refused(format!("{n}T"), "a time, such as 0.1s: nothing drives this machine");
+            }
+            (None, _) => {
+                let section = Section::of(&machine.description, &machine.section)?;
+                (section, (1..=MOST_RETURNS).collect())
+            }
+        };
+        let value = family.present()?;
+        Ok(Self { family, value, place, section, returns, request, others: Mutex::default() })
+    }
+
+    /// Whether an orbit has the word and the period that are asked for; if not it is noted.
+    fn accepts(&self, orbit: &Orbit) -> bool {
+        if !orbit.is_certified() || orbit.check_by_motion().is_err() {
+            return false;
+        }
+        let assembly = &orbit.place().assembly;
+        let has_word = self.request.word.as_ref().is_none_or(|word| word.is(orbit.word(), assembly));
+        let has_period = match (self.request.period, orbit.word().periods) {
+            (None, _) => true,
+            (Some(_), Some(periods)) => self.returns == [periods],
+            (Some(WantedPeriod::Time(time)), None) => (orbit.period() / time - 1.0).abs() < SAME_PERIOD,
+            (Some(WantedPeriod::Drive(_)), None) => false,
+        };
+        if !(has_word && has_period) {
+            let period = orbit
+                .word()
+                .periods
+                .map_or_else(|| format!("{} s", significant(orbit.period())), |n| format!("{n}T"));
+            let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+            others.insert(format!("{period} [{}]", orbit.word().in_words(assembly)));
+        }
+        has_word && has_period
+    }
+
+    /// An orbit near which a motion passes.
+    fn near(&self, motion: Motion, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Orbit> {
+        let mut motion = motion.without_energy_accounts();
+        for _ in 0..WINDOWS {
+            if !go_on() {
+                return None;
+            }
+            self.section.advance(&mut motion, &mut |_| ()).ok()?;
+            for returns in &self.returns {
+                let mut ahead = motion.clone();
+                let Ok(seed) = seed(&self.family, self.value, &mut ahead, &self.section, *returns) else {
+                    continue;
+                };
+                let assembly = motion.assembly();
+                let has_word =
+                    self.request.word.as_ref().is_none_or(|word| word.is(&seed.problem.word, assembly));
+                if !has_word {
+                    continue;
+                }
+                if let Some(found) = Orbit::of_seed(seed).ok().filter(|orbit| self.accepts(orbit)) {
+                    return Some(found);
+                }
+            }
+        }
+        None
+    }
+
+    /// The motion from random start number `k`: states around those of the first motion, at any
+    /// phase.
+    fn random(&self, machine: &Machine, bounds: &[(f64, f64)], k: u32) -> Option<Motion> {
+        let mut seed = u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1);
+        let mut uniform = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64
+        };
+        // The first numbers of near seeds are alike.
+        for _ in 0..3 {
+            uniform();
+        }
+        let d = &machine.description;
+        let system = self.place.assembly.system();
+        let of = &system.bodies_of;
+        let in_series = d.springs.iter().filter(|spring| spring.series.is_some());
+        let sliders: Vec<String> = in_series.map(|spring| spring.name.clone()).collect();
+        for _ in 0..ATTEMPTS {
+            let mut number = |i: usize| {
+                let (least, largest) = bounds.get(i).copied()?;
+                let (middle, half) = (0.5 * (least + largest), 0.5 * (largest - least));
+                Some(middle + WIDER * half * (2.0 * uniform() - 1.0))
+            };
+            let mut body = |(k, body): (usize, &usize)| {
+                let own = BodyStart { s: number(k), v: number(of.len() + k) };
+                (d.bodies[*body].name.clone(), own)
+            };
+            let bodies: BTreeMap<String, BodyStart> = of.iter().enumerate().map(&mut body).collect();
+            // The bounds are those of stretches, a start has inner places.
+            let mut z = vec![0.0; system.signals.size];
+            for (k, own) in of.iter().enumerate() {
+                z[k] = bodies[&d.bodies[*own].name].s.unwrap_or(0.0);
+            }
+            let first = 2 * of.len();
+            (first..first + sliders.len()).for_each(|k| z[k] = number(k).unwrap_or(0.0));
+            let time = self.place.period.map_or(0.0, |period| period * uniform());
+            with_signals(system, time, &mut z);
+            let sliders = sliders.iter().cloned().zip(system.given(&z).split_off(first)).collect();
+            if let Ok((motion, _)) = machine.motion(&Start { time, bodies, sliders, ..Start::default() }) {
+                return Some(motion);
+            }
+        }
+        None
+    }
+
+    fn failure(self) -> Error {
+        let word =
+            self.request.word.as_ref().map_or(String::new(), |word| format!(" with the events [{word}]"));
+        let period = match self.request.period {
+            Some(WantedPeriod::Drive(n)) => format!(" of the period {n}T"),
+            Some(WantedPeriod::Time(time)) => format!(" of the period {} s", significant(time)),
+            None => String::new(),
+        };
+        let others = self.others.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut found: Vec<String> = others.into_iter().collect();
+        found.sort_by_key(String::len);
+        found.truncate(NAMED);
+        let found = match found.is_empty() {
+            true => "none at all".into(),
+            false => found.join("; "),
+        };
+        let problem = format!(
+            "no orbit{word}{period} was found near the motions from the start and from {} random starts; found were: {found}; allowed are \
+             other starts (--start; start= in Python) and more random ones (--starts; tries=)",
+            self.request.starts
+        );
+        Error::Described { problem }
+    }
+}

@@ -1,0 +1,91 @@
+//! Orbits of described machines against closed forms, others' numbers, the 3-DOF machine's own
+//! orbits, and the machines' own motions.
+
+mod between;
+mod closed_forms;
+mod closing;
+mod curves;
+mod freewheels;
+mod kept;
+mod knots;
+mod known;
+mod motions;
+mod paper;
+mod resonances;
+mod samples;
+mod series;
+mod sides;
+mod steps;
+mod together;
+mod touches;
+
+use super::problem::Problem;
+use super::*;
+use crate::curve::Equations;
+use nalgebra::DMatrix;
+use std::path::Path;
+use std::sync::Arc;
+use vibro_studies::Machine;
+use vibro_machine::Differentiated;
+use vibro_machine::derivative::By;
+use vibro_machine::file::no_records;
+
+fn machine(text: &str) -> Machine {
+    Machine::parse(text, "machine.toml", &no_records).unwrap()
+}
+
+/// A machine of the gallery.
+fn example(name: &str) -> Machine {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly");
+    Machine::read(&Path::new(folder).join(name)).unwrap()
+}
+
+fn grown(family: &Family, seeds: usize, depth: u32) -> Vec<Branch> {
+    let options = TreeOptions { seeds, depth, ..TreeOptions::default() };
+    tree(family, &options, &mut |_, _| true).unwrap()
+}
+
+/// The values of the special points of a kind on branches with a number of events.
+fn specials(branches: &[Branch], events: usize, kind: &str) -> Vec<f64> {
+    let own = branches.iter().filter(|b| b.word().len() == events);
+    let all = own.flat_map(|b| b.points.iter());
+    let of_kind = |p: &&OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind.name() == kind);
+    all.filter(of_kind).map(|p| p.value).collect()
+}
+
+/// Moduli of the eigenvalues of the motion's own transition over a period, largest first.
+fn moduli_by_motion(orbit: &Orbit) -> Vec<f64> {
+    let (assembly, (time, state)) = (orbit.place().assembly.clone(), orbit.middle_state());
+    let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
+    let mut motion = Differentiated::from_state(assembly, time, &state, &columns).unwrap();
+    motion.advance_to(time + orbit.period()).unwrap();
+    let column = |p: usize| motion.state_derivative(p).unwrap_or_else(|| panic!("{:?}", motion.lost(p)));
+    let all: Vec<f64> = (0..state.len()).flat_map(|p| column(p)[..state.len()].to_vec()).collect();
+    let map = DMatrix::from_vec(state.len(), state.len(), all);
+    let mut own: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
+    own.sort_by(|a, b| b.total_cmp(a));
+    own
+}
+
+/// Relative difference of the parameter's column at an orbit from a difference of the equations.
+fn column_apart(machine: &Machine, orbit: &Orbit, (parameter, span): (&str, f64)) -> f64 {
+    let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{parameter}: {e:?}"));
+    let family = Family::new(machine, parameter, (present - span, present + span)).unwrap();
+    let problem = Problem { family: Arc::new(family), ..orbit.problem.clone() };
+    let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), present);
+    let own = problem.linearize(&u, None).unwrap().matrix.column(problem.size()).into_owned();
+    let at = |by: f64| {
+        let mut moved = u.clone();
+        moved[problem.size()] += by;
+        problem.residual(&problem.place(&moved).unwrap(), &moved, false).unwrap().value
+    };
+    ((at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE) - &own).norm() / own.norm()
+}
+
+/// Step of the differences of [`column_apart`], in the parameter's unit.
+const DIFFERENCE: f64 = 1e-5;
+
+/// Distance of a value from the nearest of some.
+fn nearest(values: &[f64], value: f64) -> f64 {
+    values.iter().map(|x| (x - value).abs()).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,359 @@
+//! Branches grown from settled motions: each is followed in both directions, and at its special
+//! points further ones begin.
+
+use super::branch::{Branch, Kind, Special};
+use super::kept::{KeptPaths, path as followed};
+use super::orbit::Orbit;
+use super::path::{Departure, Follower, Path, PathEnd};
+use super::place::Family;
+use super::problem::Problem;
+use super::switching;
+use crate::label::Label;
+use crate::curve::{CurvePoint, Equations, is_degenerate, tangent};
+use crate::obstacle::Obstacle;
+use crate::path_options::PathOptions;
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::sync::Arc;
+use vibro_studies::now;
+use vibro_studies::{Error, Result};
+use vibro_machine::Start;
+
+/// First step from an orbit.
+const FIRST_STEP: f64 = 1e-2;
+/// Steps from a special point at which the branch that begins there is compared with known ones:
+/// the longer one may lead beyond the end of a short branch.
+const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
+/// Branches followed side by side: a number that does not depend on the machine's threads, so that
+/// the branches found do not either.
+const BATCH: usize = 4;
+/// Most branches.
+const MOST: usize = 400;
+
+/// Options of a tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeOptions {
+    /// Start of the first motion.
+    pub start: Start,
+    /// Values of the parameter at which motions are followed until they settle: rising, falling,
+    /// and for a positive depth from the start.
+    pub seeds: usize,
+    /// Returns to the section discarded at each value; fewer where the motion has settled.
+    pub discard: u32,
+    /// Number of switches at doublings, crossings and touches of rigid stops; 0 follows the curves
+    /// of the settled orbits alone.
+    pub depth: u32,
+    /// Options of following a branch.
+    pub path: PathOptions,
+}
+
+impl Default for TreeOptions {
+    fn default() -> Self {
+        Self { start: Start::default(), seeds: 24, discard: 400, depth: 3, path: PathOptions::default() }
+    }
+}
+
+/// A start from which a branch may be followed.
+struct BranchStart {
+    depth: u32,
+    parent: Option<(usize, usize)>,
+    kind: StartKind,
+}
+
+enum StartKind {
+    Orbit(Box<Orbit>),
+    /// One departure, or two of which the first is followed backwards.
+    Departures(Vec<Departure>),
+}
+
+/// The departures of a branch in both directions from an orbit.
+fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
+    let (problem, u) = (&orbit.problem, &orbit.u);
+    if is_degenerate(&problem.linearize(u, None)?.matrix) {
+        return Err(Obstacle::Singular);
+    }
+    let axis = crate::curve::axis(u.len(), u.len() - 1);
+    let direction = tangent(problem, u, &axis)?;
+    let departure = |direction: DVector<f64>| Departure {
+        problem: problem.clone(),
+        u: u.clone(),
+        direction,
+        step: FIRST_STEP,
+        special: None,
+    };
+    Ok([departure(-&direction), departure(direction)])
+}
+
+/// Follows the branch of one orbit of the family's machine, with its present value of the
+/// parameter, in both directions.
+///
+/// # Errors
+/// [`Error::Described`] where the present value lies outside the range; the orbit's own obstacle,
+/// as an error.
+pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<Branch> {
+    let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
+    let (value, (from, to)) = (family.present()?, family.range);
+    if !(from..=to).contains(&value) {
+        let problem = format!(
+            "{} = {value}: the branch begins here, so it must lie in the range {from} to {to}",
+            family.parameter
+        );
+        return Err(Error::Described { problem });
+    }
+    let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), value);
+    let place = family.place(value)?;
+    let failed =
+        |obstacle| super::orbit::Obstructed { obstacle, residual: f64::NAN, word: String::new() }.error();
+    let orbit = Orbit::at(problem, place, u).map_err(failed)?;
+    let departures = both_ways(&orbit).map_err(|obstacle| match obstacle {
+        Obstacle::Singular => {
+            let problem = format!(
+                "{} = {value}: the orbit is one of a family of this machine, so that no branch over {} passes it alone",
+                family.parameter, family.parameter
+            );
+            Error::Described { problem }
+        }
+        other => failed(other),
+    })?;
+    let (traced, _) = trace(&StartKind::Departures(departures.to_vec()), options, &()).map_err(failed)?;
+    Ok(traced)
+}
+
+/// The branch of a start, with its ends in the order of its points.
+fn trace(
+    start: &StartKind,
+    options: &PathOptions,
+    kept: &dyn KeptPaths,
+) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+    let departures = match start {
+        StartKind::Orbit(orbit) => match both_ways(orbit) {
+            Err(Obstacle::Singular) => return alone(orbit),
+            found => found?.to_vec(),
+        },
+        StartKind::Departures(departures) => departures.clone(),
+    };
+    let paths: Vec<Path> =
+        departures.iter().map(|d| followed(d, options, kept)).collect::<std::result::Result<_, _>>()?;
+    let problem = departures[0].problem.clone();
+    let mut paths = paths.into_iter();
+    let (first, second) = (paths.next(), paths.next());
+    match (first, second) {
+        (Some(first), _) if matches!(first.end, PathEnd::Closed) => {
+            let empty = Path { points: vec![first.points[0].clone()], end: PathEnd::Plain };
+            Ok(Branch::joined(problem, empty, first))
+        }
+        (Some(back), Some(on)) => Ok(Branch::joined(problem, back, on)),
+        (Some(on), None) => {
+            let empty = Path { points: vec![on.points[0].clone()], end: PathEnd::Plain };
+            Ok(Branch::joined(problem, empty, on))
+        }
+        _ => Err(Obstacle::NoConvergence),
+    }
+}
+
+/// The branch of an orbit through which none passes alone.
+fn alone(orbit: &Orbit) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+    let (problem, u) = (&orbit.problem, orbit.u.clone());
+    let tangent = crate::curve::axis(u.len(), u.len() - 1);
+    let follower = Follower { problem };
+    let at = follower.look(CurvePoint { u, tangent, steps: 1 })?;
+    let point = follower.point(&at, Some(Special::of(Label::NoConvergence)));
+    let path = || Path { points: vec![point.clone()], end: PathEnd::Plain };
+    Ok(Branch::joined(problem.clone(), path(), path()))
+}
+
+/// Branches as far as they have grown.
+struct Grower<'a> {
+    family: &'a Arc<Family>,
+    options: &'a TreeOptions,
+    kept: &'a dyn KeptPaths,
+    branches: Vec<Branch>,
+    /// The orbits of branches without length.
+    points: Vec<Orbit>,
+    queue: Vec<BranchStart>,
+}
+
+/// The branches of a family that settled motions and special points lead to. `told` receives the
+/// branches found so far and the number of branches and starts known so far. The growth ends when
+/// `told` returns false.
+///
+/// # Errors
+/// As [`Family::place`].
+pub fn tree(
+    family: &Family,
+    options: &TreeOptions,
+    told: &mut dyn FnMut(&[Branch], usize) -> bool,
+) -> Result<Vec<Branch>> {
+    tree_on(family, options, &(), told)
+}
+
+/// As [`tree`], with the paths that an interrupted growth has kept.
+///
+/// # Errors
+/// As [`tree`].
+pub fn tree_on(
+    family: &Family,
+    options: &TreeOptions,
+    kept: &dyn KeptPaths,
+    told: &mut dyn FnMut(&[Branch], usize) -> bool,
+) -> Result<Vec<Branch>> {
+    let family = Arc::new(family.clone());
+    let (branches, points, queue) = (Vec::new(), Vec::new(), Vec::new());
+    let mut grower = Grower { family: &family, options, kept, branches, points, queue };
+    grower.plant()?;
+    while !grower.queue.is_empty() {
+        grower.grow();
+        let goes_on = told(&grower.branches, grower.branches.len() + grower.queue.len());
+        if !goes_on || grower.branches.len() >= MOST {
+            break;
+        }
+    }
+    Ok(grower.branches)
+}
+
+impl Grower<'_> {
+    /// Queues the orbits on which motions settle with the parameter rising and falling.
+    fn plant(&mut self) -> Result<()> {
+        let (from, to) = self.family.range;
+        let count = self.options.seeds.max(1);
+        // Values inside the range: at its ends symmetric choices of numbers are frequent.
+        let value = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
+        let chain = |upward: bool| -> Vec<Orbit> {
+            let (mut end, mut found): (Option<Start>, Vec<Orbit>) = (None, Vec::new());
+            for k in 0..count {
+                let value = value(if upward { k } else { count - 1 - k });
+                let Some((orbit, now)) = self.settled(value, end.as_ref()) else { continue };
+                found.extend(orbit);
+                end = Some(now);
+            }
+            found
+        };
+        let chains: Vec<Vec<Orbit>> = [true, false].into_par_iter().map(chain).collect();
+        // A motion from the start may settle on another orbit than the motions of both chains. The
+        // chains begin at the start at the first and at the last value.
+        let fresh = if self.options.depth == 0 { 0..0 } else { 1..count.max(1) - 1 };
+        let fresh = fresh.into_par_iter().filter_map(|k| self.settled(value(k), None)?.0);
+        let fresh: Vec<Orbit> = fresh.collect();
+        for orbit in chains.into_iter().flatten().chain(fresh).filter(Orbit::is_certified) {
+            self.queue.push(BranchStart { depth: 0, parent: None, kind: StartKind::Orbit(Box::new(orbit)) });
+        }
+        Ok(())
+    }
+
+    /// The orbit on which a motion settles at a value of the parameter, and where the motion is
+    /// then. It begins on the end of another motion, or at the tree's start.
+    fn settled(&self, value: f64, from: Option<&Start>) -> Option<(Option<Orbit>, Start)> {
+        let machine = self.family.at(value).ok()?;
+        let begun = match from {
+            Some(end) => machine.motion_on(end),
+            None => machine.motion(&self.options.start),
+        };
+        let (motion, section) = begun.ok()?;
+        let mut motion = motion.without_energy_accounts();
+        let settled = Orbit::settled_in(self.family, value, (&mut motion, &section), self.options.discard);
+        Some((settled.ok(), now(&motion)))
+    }
+
+    /// Follows the branches of the next starts side by side, and adds those that are new.
+    fn grow(&mut self) {
+        self.queue.sort_by_key(|start| start.depth);
+        let starts: Vec<BranchStart> = self.queue.drain(..BATCH.min(self.queue.len())).collect();
+        let (path, kept) = (&self.options.path, self.kept);
+        let traced: Vec<_> = starts
+            .into_par_iter()
+            .filter(|start| !self.is_known(&start.kind))
+            .filter_map(|start| Some((trace(&start.kind, path, kept).ok()?, start)))
+            .collect();
+        let known = self.branches.len();
+        for ((mut branch, ends), BranchStart { depth, parent, kind }) in traced {
+            if self.branches.len() > known && self.is_known(&kind) {
+                continue;
+            }
+            let is_departure = matches!(kind, StartKind::Departures(_));
+            // A word that the machine has on neither side of a special point begins no branch.
+            if is_departure && branch.points.len() == 1 {
+                continue;
+            }
+            (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
+            // A branch without length is the point at which its neighbours meet: they begin there.
+            let point = branch.points.first().filter(|_| is_departure && branch.is_point());
+            match point.map(|point| branch.orbit(point)) {
+                None => {
+                    self.switch(&branch, &ends, None);
+                    self.branches.push(branch);
+                }
+                Some(Some(orbit)) if !self.points.iter().any(|own| own.is_same(&orbit)) => {
+                    self.switch(&branch, &ends, parent);
+                    self.points.push(orbit);
+                }
+                Some(_) => {}
+            }
+        }
+    }
+
+    /// Whether a start lies on a branch that is there.
+    fn is_known(&self, start: &StartKind) -> bool {
+        match start {
+            StartKind::Orbit(orbit) => self.branches.iter().any(|branch| branch.passes(orbit)),
+            StartKind::Departures(departures) => {
+                let mut first = KNOWN_STEPS.iter().filter_map(|step| departures[0].first_orbit(*step));
+                first.any(|orbit| self.is_known(&StartKind::Orbit(Box::new(orbit))))
+            }
+        }
+    }
+
+    /// Queues what begins at the special points of a branch; from a branch that is a point, with
+    /// the parent of the branch.
+    fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2], parent: Option<(usize, usize)>) {
+        let goes_on = branch.depth < self.options.depth;
+        let mut add = |point: usize, depth: u32, kind: StartKind| {
+            let parent = parent.or(Some((branch.id, point)));
+            self.queue.push(BranchStart { depth, parent, kind });
+        };
+        let last = branch.points.len() - 1;
+        let further = branch.depth + 1;
+        for (k, point) in branch.points.iter().enumerate().filter(|_| goes_on) {
+            let Some(special) = &point.special else { continue };
+            let is_end = k == 0 || k == last;
+            match special.kind {
+                Kind::As(Label::PeriodDoubling) if !is_end => {
+                    if let Ok(departure) = switching::at_doubling(&branch.problem, &point.u) {
+                        add(k, further, StartKind::Departures(vec![departure]));
+                    }
+                }
+                Kind::As(Label::BranchPoint) if !is_end => {
+                    let along = &branch.points[k + 1].u - &branch.points[k - 1].u;
+                    // The point from which the branch itself began is not taken again.
+                    let began = k > 0 && branch.began_at == Some(k);
+                    if let Ok(both) = switching::at_crossing(&branch.problem, &point.u, &along)
+                        && !began
+                    {
+                        add(k, further, StartKind::Departures(both.to_vec()));
+                    }
+                }
+                _ => {}
+            }
+        }
+        for (end, point) in ends.iter().zip([0, last]) {
+            let PathEnd::Broken(condition) = end else { continue };
+            let at = &branch.points[point];
+            let Some(special) = &at.special else { continue };
+            // At a touch of a rigid stop branches part; elsewhere the curve goes on with other
+            // events.
+            let Ok(place) = branch.problem.place(&at.u) else { continue };
+            let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
+            if parts && !goes_on {
+                continue;
+            }
+            let depth = if parts { further } else { branch.depth };
+            match switching::at_touch(&branch.problem, &at.u, *condition, special) {
+                Ok(departure) => add(point, depth, StartKind::Departures(vec![departure])),
+                Err(_) => {
+                    for orbit in switching::beyond(branch, &at.u) {
+                        add(point, depth, StartKind::Orbit(Box::new(orbit)));
+                    }
+                }
+            }
+        }
+    }
+}

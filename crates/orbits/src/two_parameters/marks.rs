@@ -1,0 +1,200 @@
+//! Special points of two conditions on a curve: where they lie between two of its points.
+
+use super::LocusEnd;
+use super::TwoParameters;
+use crate::curve::{CurvePoint, correct};
+use nalgebra::DVector;
+
+/// Largest number of steps of a bracketing search.
+const STEPS: usize = 40;
+/// Width of a bracket, in parts of the step, at which a search ends.
+const WIDTH: f64 = 1e-11;
+/// Largest value at a located point, relative to the values at the ends of the bracket, at which a
+/// function is zero there. A function that jumps stays above it.
+const ZERO: f64 = 1e-6;
+/// Distance of a point at which the equations are singular from the two points between which it is
+/// interpolated, in parts of the step.
+const APART: f64 = 1e-5;
+/// Largest value of a function without a jump at these two points, relative to its values at the
+/// ends of the bracket: a hundred times the value of a linear function.
+const JUMP: f64 = 1e-3;
+/// Parts of the way that remain to a fold-pitchfork point, from which the point is extrapolated.
+const PARTS: [f64; 3] = [0.5, 0.25, 0.125];
+/// Longest way that may remain to a fold-pitchfork point where a curve can no longer be followed,
+/// in curve units: the longest step.
+const REMAINS: f64 = 0.05;
+
+/// A point of a curve with its values of the functions that are zero at special points.
+#[derive(Clone, Debug)]
+pub(super) struct Marked {
+    pub point: CurvePoint,
+    products: Option<[f64; 2]>,
+    tests: Vec<(LocusEnd, f64)>,
+}
+
+impl Marked {
+    pub fn new(locus: &impl TwoParameters, point: CurvePoint) -> Self {
+        let (products, tests) = (locus.products(&point.u), locus.tests_on_curve(&point.u));
+        Self { point, products, tests }
+    }
+
+    /// Component of the products in the direction of another point's.
+    fn along(&self, other: &Self) -> Option<f64> {
+        let ([a, b], [c, d]) = (self.products?, other.products?);
+        Some((a * c + b * d) / c.hypot(d))
+    }
+
+    /// The speed of the parameters along a fold curve, with a sign. The parameters move across the
+    /// products.
+    fn speed(&self) -> Option<f64> {
+        let ([a, b], n) = (self.products?, self.point.tangent.len());
+        Some((a * self.point.tangent[n - 1] - b * self.point.tangent[n - 2]) / a.hypot(b))
+    }
+
+    fn test(&self, kind: LocusEnd) -> Option<f64> {
+        if kind == LocusEnd::Cusp {
+            return self.speed();
+        }
+        self.tests.iter().find(|(own, _)| *own == kind).map(|(_, value)| *value)
+    }
+
+    /// The special points between two points of a curve a step apart, in their order.
+    pub fn between(
+        &self,
+        locus: &impl TwoParameters,
+        next: &Self,
+        step: f64,
+    ) -> Vec<(DVector<f64>, LocusEnd)> {
+        if self.is_mirrored(next) {
+            let point = self.meeting(locus, next, step);
+            return point.map(|u| (u, LocusEnd::FoldPitchfork)).into_iter().collect();
+        }
+        let kinds = self.tests.iter().map(|(kind, _)| *kind).chain([LocusEnd::Cusp]);
+        let mut found: Vec<(f64, DVector<f64>, LocusEnd)> = kinds
+            .filter_map(|kind| {
+                let (h, u) = self.locate(locus, next, step, kind)?;
+                Some((h, u, kind))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, u, kind)| (u, kind)).collect()
+    }
+
+    /// Whether a fold curve passes a symmetric orbit between two points. Beyond it the curve has
+    /// the mirror images of its orbits, at the same parameters.
+    fn is_mirrored(&self, next: &Self) -> bool {
+        next.along(self).is_some_and(|along| along < 0.0)
+    }
+
+    fn at(&self, locus: &impl TwoParameters, h: f64) -> Option<Self> {
+        let own = &self.point;
+        let point = correct(locus, &(&own.u + &own.tangent * h), &own.tangent).ok()?;
+        Some(Self::new(locus, point))
+    }
+
+    /// The point between two points at which a function is zero, with its distance from the first.
+    fn locate(
+        &self,
+        locus: &impl TwoParameters,
+        next: &Self,
+        step: f64,
+        kind: LocusEnd,
+    ) -> Option<(f64, DVector<f64>)> {
+        let (mut from, mut to) = ((0.0, self.test(kind)?), (step, next.test(kind)?));
+        let changes_sign = from.1 * to.1 < 0.0;
+        if !changes_sign {
+            return None;
+        }
+        let size = from.1.abs().max(to.1.abs());
+        // The rule of false position halves the value of an end that stays (Illinois).
+        let mut side = 0;
+        for _ in 0..STEPS {
+            let h = (from.0 * to.1 - to.0 * from.1) / (to.1 - from.1);
+            let Some(at) = self.at(locus, h) else {
+                return self.across(locus, (h, APART * step), kind, JUMP * size);
+            };
+            let value = at.test(kind)?;
+            if value == 0.0 || (to.0 - from.0).abs() < WIDTH * step || value.abs() < WIDTH * size {
+                return (value.abs() <= ZERO * size).then_some((h, at.point.u));
+            }
+            if value * from.1 < 0.0 {
+                to = (h, value);
+                from.1 *= if side == 1 { 0.5 } else { 1.0 };
+                side = 1;
+            } else {
+                from = (h, value);
+                to.1 *= if side == -1 { 0.5 } else { 1.0 };
+                side = -1;
+            }
+        }
+        None
+    }
+
+    /// The point at which a function is zero where the equations are singular, as where the orbit
+    /// does not depend on the parameters: between a point on either side, with its distance from
+    /// the first point. The function does not jump: its values at both points are small.
+    fn across(
+        &self,
+        locus: &impl TwoParameters,
+        (h, apart): (f64, f64),
+        kind: LocusEnd,
+        small: f64,
+    ) -> Option<(f64, DVector<f64>)> {
+        let (before, after) = (self.at(locus, h - apart)?, self.at(locus, h + apart)?);
+        let (from, to) = (before.test(kind)?, after.test(kind)?);
+        if from * to >= 0.0 || from.abs().max(to.abs()) > small {
+            return None;
+        }
+        let part = from / (from - to);
+        let way = &after.point.u - &before.point.u;
+        Some((h + apart * (2.0 * part - 1.0), before.point.u + way * part))
+    }
+
+    /// The symmetric orbit between two points of a fold curve. The equations are singular there,
+    /// since the pitchfork curve solves them too, so that the point is extrapolated.
+    fn meeting(&self, locus: &impl TwoParameters, next: &Self, step: f64) -> Option<DVector<f64>> {
+        let (from, to) = (self.along(self)?, next.along(self)?);
+        let way = step * from / (from - to);
+        let near = PARTS.iter().filter_map(|part| self.at(locus, way * (1.0 - part)));
+        let all: Vec<Self> = std::iter::once(self.clone()).chain(near).collect();
+        extrapolated(&all)
+    }
+}
+
+/// The fold-pitchfork point to which the last points of a fold curve lead, where the curve can no
+/// longer be followed.
+pub(super) fn ahead(points: &[Marked]) -> Option<DVector<f64>> {
+    let [.., before, last] = points else { return None };
+    let (near, far) = (last.along(last)?, before.along(last)?);
+    let step = (&last.point.u - &before.point.u).norm();
+    let remains = step * near / (far - near);
+    if !(0.0..REMAINS).contains(&remains) {
+        return None;
+    }
+    extrapolated(points)
+}
+
+/// The point at which the products are zero, from the last three points of a fold curve. Both
+/// parameters are even functions of the products, since the mirror image of an orbit has the same
+/// parameters.
+fn extrapolated(points: &[Marked]) -> Option<DVector<f64>> {
+    let own = &points[points.len().saturating_sub(3)..];
+    let last = own.last()?;
+    let along: Vec<f64> = own.iter().map(|point| point.along(last)).collect::<Option<_>>()?;
+    let at_zero = |x: &[f64]| {
+        let weight = |k: usize| -> f64 {
+            let others = (0..x.len()).filter(|j| *j != k);
+            others.map(|j| x[j] / (x[j] - x[k])).product()
+        };
+        let sum = |mut sum: DVector<f64>, k: usize| {
+            sum.axpy(weight(k), &own[k].point.u, 1.0);
+            sum
+        };
+        (0..x.len()).fold(DVector::zeros(last.point.u.len()), sum)
+    };
+    let mut u = at_zero(&along);
+    let even = at_zero(&along.iter().map(|x| x * x).collect::<Vec<_>>());
+    let n = u.len();
+    u.rows_mut(n - 2, 2).copy_from(&even.rows(n - 2, 2));
+    (own.len() > 1 && u.iter().all(|x| x.is_finite())).then_some(u)
+}

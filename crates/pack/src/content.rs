@@ -1,0 +1,87 @@
+//! Everything that an archive of a machine holds: the library that serves all machines, under the
+//! machine's name, and the machine's file in the resources. All but this is generated from the
+//! file.
+
+use crate::archive::{self, Content};
+use crate::error::Result;
+use crate::kit::{Kit, LICENCE_LIST};
+use crate::{page, reference, terminals};
+use fmi_doors::Version;
+use std::path::Path;
+use vibro_machine::Description;
+use vibro_machine_component::{FILE, Plan};
+use vibro_figures::canvas;
+use vibro_sketch::Sketch;
+
+/// Path of the model description inside every archive.
+pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+
+/// End of an archive's file name, which tells its version of FMI.
+pub const fn suffix(version: Version) -> &'static str {
+    match version {
+        Version::Fmi2 => "",
+        Version::Fmi3 => "-FMI3",
+    }
+}
+
+/// File name of a machine's archive: `NAME.fmu` for FMI 2.0, `NAME-FMI3.fmu` for FMI 3.0, so that
+/// both fit into one folder.
+pub fn file_name(machine: &str, version: Version) -> String {
+    format!("{machine}{}.fmu", suffix(version))
+}
+
+/// Content of a version's archive; a plan with arrays gives the archive of FMI 3.0 with arrays.
+///
+/// # Errors
+/// [`Error::Picture`](crate::Error::Picture): only by a defect of this crate.
+pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
+    let mut content = Content::from([
+        (MODEL_DESCRIPTION.to_owned(), plan.xml(version, kit.date.clone()).into_bytes()),
+        (format!("resources/{FILE}"), plan.text().as_bytes().to_vec()),
+        ("documentation/index.html".to_owned(), page::page(plan)?.into_bytes()),
+    ]);
+    content.extend(pictures(version, plan)?);
+    let folder = if version == Version::Fmi2 { "licenses" } else { "documentation/licenses" };
+    for (name, text) in &kit.licences {
+        // FMI 3.0.2, 2.5.1.1.1: `index.html` is the entry point of the documentation.
+        let first = version != Version::Fmi2 && name == LICENCE_LIST;
+        let name = if first { "license.txt" } else { name };
+        content.insert(format!("{folder}/{name}"), text.clone());
+    }
+    let results = reference::files(plan);
+    if !results.is_empty() {
+        let text = reference::EXPLANATION.as_bytes().to_vec();
+        content.insert("documentation/fmi-ls-ref.txt".to_owned(), text);
+    }
+    content.extend(results.into_iter().map(|(name, text)| (format!("{}/{name}", reference::FOLDER), text)));
+    content.extend(kit.binaries.of(version, plan.name()));
+    Ok(content)
+}
+
+/// Writes the archive of a machine for a version of FMI, whole or not at all.
+///
+/// # Errors
+/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start,
+/// [`Error::File`](crate::Error::File).
+pub fn write(machine: &Description, version: Version, kit: &Kit, path: &Path) -> Result<()> {
+    archive::write(&content(version, &Plan::of(machine)?, kit)?, path)
+}
+
+/// Icon, diagram and terminals, by the names that the version gives them (FMI 2.0, 2.3; FMI 3.0.2,
+/// 2.5.1 and 2.4.9).
+fn pictures(version: Version, plan: &Plan) -> Result<Content> {
+    let machine = &plan.assembly.description;
+    let (icon_svg, icon) = canvas::svg_and_png(&Sketch::icon(machine))?;
+    if version == Version::Fmi2 {
+        return Ok(Content::from([("model.png".to_owned(), icon)]));
+    }
+    let (svg, png) = canvas::svg_and_png(&Sketch::new(machine))?;
+    let terminals = terminals::xml(plan).into_bytes();
+    Ok(Content::from([
+        ("documentation/diagram.svg".to_owned(), svg.into_bytes()),
+        ("documentation/diagram.png".to_owned(), png),
+        ("terminalsAndIcons/terminalsAndIcons.xml".to_owned(), terminals),
+        ("terminalsAndIcons/icon.svg".to_owned(), icon_svg.into_bytes()),
+        ("terminalsAndIcons/icon.png".to_owned(), icon),
+    ]))
+}

@@ -1,0 +1,205 @@
+//! What hosts do to an FMU, through the C interface: each test is a habit of a host that was seen
+//! (named where known).
+#![allow(unsafe_code)] // the C interface
+
+#[path = "common/fmi2.rs"]
+mod fmi2;
+
+use fmi2::{ERROR, Fmu2, MOTION, OK, WARNING};
+use vibro_paper_component::component::variables::reference;
+use vibro_paper_component::fmi2::abi::*;
+use vibro_impact::{Parameters, Simulator, State};
+
+/// Largest difference of one motion in other steps: the default motion is stable, so rounding is
+/// not amplified.
+const SAME: f64 = 1e-10;
+
+/// The native library's states at that time, from the default start.
+fn native(time: f64) -> [f64; 6] {
+    let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
+    simulator.advance_to(time).unwrap();
+    let State { x: [x1, x2, x3], v: [v1, v2, v3] } = simulator.state();
+    [x1, x2, x3, v1, v2, v3]
+}
+
+fn assert_same(a: [f64; 6], b: [f64; 6]) {
+    for (name, (a, b)) in MOTION.iter().zip(a.into_iter().zip(b)) {
+        assert!((a - b).abs() <= SAME, "{name}: {a} {b}");
+    }
+}
+
+/// fmpy and others leave a last step of the size of a rounding error.
+#[test]
+fn the_last_step_is_2e_14_long() {
+    let host = Fmu2::logged().start(&[]);
+    host.step(0.0, 100.0);
+    let before = host.motion();
+    host.step(100.0, 2e-14);
+    assert_eq!(host.time(), 100.0 + 2e-14);
+    assert_same(host.motion(), before);
+    host.step(100.0 + 2e-14, 1.0);
+    assert_same(host.motion(), native(101.0));
+}
+
+/// Hosts that add step sizes up: the point drifts away from k h, and each end is another sum than
+/// the next point.
+#[test]
+fn the_communication_point_drifts_by_1e_14_a_step() {
+    let host = Fmu2::logged().start(&[]);
+    let (step, count) = (0.1, 6000);
+    let mut point = 0.0;
+    for _ in 0..count {
+        host.step(point, step);
+        point += step + 1e-14;
+    }
+    assert!((point - 600.0).abs() > 5e-11, "no drift, no test: {point}");
+    assert_same(host.motion(), native(host.time()));
+    assert!(host.log().iter().all(|(status, ..)| *status == OK), "{:?}", host.log().last());
+}
+
+#[test]
+fn a_point_that_is_off_by_more_than_1e_9_is_an_error_with_both_times() {
+    let host = Fmu2::logged().start(&[]);
+    host.step(0.0, 2.5);
+    // The allowed mismatch is 1e-9 max(1, |t|), 2.5e-9 here.
+    host.step(2.5 + 2e-9, 1e-12);
+    let before = host.motion().map(f64::to_bits);
+    for point in [2.5 + 6e-9, 2.5 - 1e-8, 0.0] {
+        assert_eq!(host.try_step(point, 1e-12), ERROR, "{point}");
+        assert_eq!(host.motion().map(f64::to_bits), before);
+    }
+    let (status, category, message) = host.log().last().unwrap();
+    assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"));
+    assert!(
+        message.contains("currentCommunicationPoint = 0 s") && message.contains("at t = 2.5"),
+        "{message}"
+    );
+}
+
+/// `fmi2Warning` from a step makes OMSimulator fail and PyFMI stop: warnings go to the log alone.
+#[test]
+fn valid_steps_are_ok_and_warnings_go_to_the_log() {
+    let host = Fmu2::logged();
+    host.set("mode", 2.0);
+    // Above the stability limit: played, with a warning.
+    // SAFETY: one of each.
+    assert_eq!(unsafe { fmi2SetReal(host.c, &reference("drive.amplitude"), 1, &0.25) }, OK);
+    host.initialize();
+    assert!(host.log().iter().any(|(status, ..)| *status == WARNING), "{:?}", host.log());
+    for i in 0..100 {
+        host.step(f64::from(i) * 0.7, 0.7);
+    }
+    // Impacts, chatter and rest too.
+    let host = Fmu2::logged();
+    let names = ["stop.restitution", "drive.amplitude", "block.v", "block.f"].map(reference);
+    // SAFETY: four of each.
+    assert_eq!(unsafe { fmi2SetReal(host.c, names.as_ptr(), 4, [0.3, 0.4, 0.3, 0.02].as_ptr()) }, OK);
+    host.initialize();
+    for i in 0..300 {
+        host.step(f64::from(i) * 0.7, 0.7);
+    }
+    for word in ["impact", "rest", "leaves"] {
+        let seen = host.log().iter().any(|(status, _, message)| *status == OK && message.contains(word));
+        assert!(seen, "no {word} in the log");
+    }
+}
+
+/// fmusim resumes like this: no initialization between instantiation and step.
+#[test]
+fn a_run_is_resumed_from_serialized_bytes_without_initialization() {
+    let first = Fmu2::logged().start(&[]);
+    first.step(0.0, 77.7);
+    let second = Fmu2::logged();
+    second.restore(&first.bytes());
+    for i in 0..50 {
+        let point = 77.7 + 0.5 * f64::from(i);
+        first.step(point, 0.5);
+        second.step(point, 0.5);
+        assert_eq!(first.motion().map(f64::to_bits), second.motion().map(f64::to_bits));
+    }
+}
+
+#[test]
+fn the_logger_and_memory_callbacks_are_null() {
+    let host = Fmu2::new(1, None, true);
+    assert_eq!(host.try_step(0.0, 1.0), ERROR); // would be logged
+    host.initialize();
+    host.step(0.0, 50.0); // so would its impacts
+}
+
+#[test]
+fn neither_stop_time_nor_tolerance_is_defined() {
+    // `initialize` gives a tolerance that is no number and a stop before the start, neither
+    // defined.
+    let host = Fmu2::logged().start(&[]);
+    host.step(0.0, 1e4);
+    assert_eq!(host.time(), 1e4);
+}
+
+/// Hosts that print messages without expanding arguments show them as they are; those that expand
+/// them need %%.
+#[test]
+fn messages_are_finished_text_with_percent_signs_doubled() {
+    let host = Fmu2::logged().start(&[]);
+    let category = c"50 % of %s %n".as_ptr();
+    // SAFETY: one C string.
+    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
+    let message = &host.log().last().unwrap().2;
+    assert!(message.contains("50 %% of %%s %%n"), "{message}");
+    assert!(!message.replace("%%", "").contains('%'), "{message}");
+}
+
+/// Many instances in many threads, as servers that run studies have them.
+#[test]
+fn a_thousand_instances_in_eight_threads() {
+    let expected = native(20.0);
+    std::thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| {
+                // All alive at once in each thread, stepped in turn.
+                let hosts: Vec<_> = (0..125).map(|_| Fmu2::logged().start(&[])).collect();
+                for i in 0..20 {
+                    for host in &hosts {
+                        host.step(f64::from(i), 1.0);
+                    }
+                }
+                for host in &hosts {
+                    assert_same(host.motion(), expected);
+                }
+            });
+        }
+    });
+}
+
+/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter
+/// ones are carried out.
+#[test]
+fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
+    /// About a second, on a machine with other work to do.
+    const LONGEST: f64 = 15.0;
+    let host = Fmu2::logged();
+    let names = ["stop.restitution", "block.s", "box.f", "block.f"].map(reference);
+    // SAFETY: four of each.
+    assert_eq!(unsafe { fmi2SetReal(host.c, names.as_ptr(), 4, [1.0, 0.99, -100.0, 100.0].as_ptr()) }, OK);
+    host.initialize();
+    // Quiet, so that events are not logged one by one.
+    // SAFETY: one C string.
+    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 0, 1, &c"logEvents".as_ptr()) }, OK);
+    host.step(0.0, 1.0);
+    let before = host.motion().map(f64::to_bits);
+    let begin = std::time::Instant::now();
+    assert_eq!(host.try_step(1.0, 1e5), ERROR);
+    assert!(begin.elapsed().as_secs_f64() < LONGEST);
+    // Nothing has changed, and the text does not say otherwise.
+    assert_eq!((host.time(), host.motion().map(f64::to_bits)), (1.0, before));
+    let (status, category, message) = host.log().last().unwrap();
+    assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"));
+    for part in ["fmi2DoStep: ", "stop.restitution = 1 ", "t = 1 s", "smaller steps"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert!(!message.contains("advance again"), "{message}");
+    for i in 0..20 {
+        host.step(1.0 + f64::from(i), 1.0);
+    }
+    assert_eq!(host.time(), 21.0);
+}

@@ -1,0 +1,83 @@
+//! Elements as connections between bodies, with the symbol of each.
+
+use vibro_machine::description::{Arms, SeriesLaw, Spring, StopLaw};
+use vibro_machine::{Description, Element};
+
+/// The symbol of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Symbol {
+    /// A zigzag, a dashpot, or both in parallel.
+    Spring { zigzag: bool, dashpot: bool },
+    /// A zigzag in series with a dashpot or a slider, and where `dashpot` one in parallel to both.
+    Series { slides: bool, dashpot: bool },
+    /// Two plates with a gap; a zigzag behind one of them if it is compliant.
+    Stop { compliant: bool },
+    /// Two bars in sliding contact.
+    Friction,
+    /// A pawl on a rack.
+    Freewheel,
+    /// A rigid bar.
+    Link,
+}
+
+/// The ends of an element. Between two ends e is that of the second less that of the first, each
+/// with its arm; `None` is ground. Else e is a sum over three bodies or more.
+#[derive(Clone, Debug)]
+pub(crate) enum Ends {
+    Two([Option<usize>; 2]),
+    Many(Vec<usize>),
+}
+
+/// An element that acts between bodies.
+#[derive(Clone, Debug)]
+pub(crate) struct Connection {
+    pub name: String,
+    pub symbol: Symbol,
+    pub ends: Ends,
+    /// Texts of the lever arms, by body.
+    pub arms: Vec<(usize, String)>,
+}
+
+impl Connection {
+    fn new(name: &str, symbol: Symbol, of: &Arms) -> Self {
+        let ends = match *of.terms {
+            [(body, arm)] if arm > 0.0 => Ends::Two([None, Some(body)]),
+            [(body, _)] => Ends::Two([Some(body), None]),
+            [(one, arm), (two, other)] if arm <= other => Ends::Two([Some(one), Some(two)]),
+            [(one, _), (two, _)] => Ends::Two([Some(two), Some(one)]),
+            _ => Ends::Many(of.terms.iter().map(|term| term.0).collect()),
+        };
+        let arms = of.terms.iter().filter(|_| of.levers).map(|&(body, arm)| (body, number(arm))).collect();
+        Self { name: name.into(), symbol, ends, arms }
+    }
+}
+
+/// The text of a number such as a lever arm, with at most three decimals.
+pub(crate) fn number(x: f64) -> String {
+    let text = format!("{x:.3}");
+    let short = text.trim_end_matches('0').trim_end_matches('.').replace('-', "\u{2212}");
+    if matches!(short.as_str(), "0" | "\u{2212}0") || x.abs() >= 1e5 { format!("{x:.2e}") } else { short }
+}
+
+/// Connections of all elements except loads.
+pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
+    let symbol = |element: Element| match element {
+        Element::Spring(Spring { damping, series: Some(series), .. }) => {
+            let slides = matches!(series.law, SeriesLaw::Slider { .. });
+            Symbol::Series { slides, dashpot: *damping > 0.0 }
+        }
+        Element::Spring(spring) => {
+            let dashpot = spring.damping > 0.0;
+            let acts = spring.stiffness > 0.0 || !spring.points.is_empty() || spring.stepped.is_some();
+            Symbol::Spring { zigzag: acts || !dashpot, dashpot }
+        }
+        Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
+        Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
+        Element::Friction(_) => Symbol::Friction,
+        Element::Freewheel(_) => Symbol::Freewheel,
+        Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,
+        Element::Source(_) | Element::Block(_) => Symbol::Link,
+    };
+    let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));
+    machine.elements().filter_map(connection).collect()
+}

@@ -1,0 +1,64 @@
+//! A described machine's motion as columns: the quantities of its bodies and elements. The command
+//! line, FMUs and Python name them so.
+
+use vibro_machine::description::Description;
+use vibro_machine::motion::EventKind;
+use vibro_machine::{Assembly, Motion};
+
+/// Names of the columns, without the time.
+pub fn columns(d: &Description) -> Vec<String> {
+    d.named_quantities().into_iter().map(|quantity| quantity.name).collect()
+}
+
+/// Present values of the columns.
+pub fn values(m: &Motion) -> Vec<f64> {
+    // Zero without a sign.
+    m.assembly().description.quantities().map(|quantity| m.value(quantity) + 0.0).collect()
+}
+
+/// Event by the names of elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedEvent {
+    /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`,
+    /// `knot`, `limit`; `sample` is no row of a table.
+    pub kind: &'static str,
+    /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
+    pub element: String,
+    /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
+    pub value: Option<f64>,
+    /// Number of stops that took part in an impact.
+    pub stops: Option<usize>,
+}
+
+/// An event by the names of things.
+pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
+    let stop = |i: usize| assembly.name_of_stop(i);
+    let friction = |i: usize| assembly.name_of_friction(i);
+    let event = |kind, element, value, stops| NamedEvent { kind, element, value, stops };
+    match *kind {
+        EventKind::Impact { stop: i, speed, stops, .. } => event("impact", stop(i), Some(speed), Some(stops)),
+        EventKind::Close { stop: i } => event("close", stop(i), None, None),
+        EventKind::Open { stop: i } => event("open", stop(i), None, None),
+        EventKind::Press { stop: i, speed } => event("press", stop(i), Some(speed), None),
+        EventKind::Free { stop: i, rate } => event("free", stop(i), Some(rate), None),
+        EventKind::Cap { stop: i, acts } => event("cap", stop(i), Some(f64::from(u8::from(acts))), None),
+        EventKind::Corner { corner, rate } => event("corner", stop(corner), Some(rate), None),
+        EventKind::Stick { friction: i } => event("stick", friction(i), None, None),
+        EventKind::Slip { friction: i, force, .. } => event("slip", friction(i), Some(force), None),
+        EventKind::Level { friction: i, acts } => {
+            event("level", friction(i), Some(f64::from(u8::from(acts))), None)
+        }
+        EventKind::Yield { slider: i, force, .. } => {
+            event("slip", assembly.name_of_branch(i), Some(force), None)
+        }
+        EventKind::Hold { slider: i, force } => event("stick", assembly.name_of_branch(i), Some(force), None),
+        EventKind::Knot => event("knot", String::new(), None, None),
+        EventKind::Limit { block, output, value, .. } => {
+            let name = format!("block.{}", assembly.description.name_of_output((block, output)));
+            event("limit", name, Some(value), None)
+        }
+        EventKind::Sample { action } => {
+            event("sample", format!("block.{}", assembly.description.blocks[action.block].name), None, None)
+        }
+    }
+}

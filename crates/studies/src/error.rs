@@ -1,0 +1,127 @@
+//! Errors of the studies.
+
+/// Error of a study. Every message names what was given and what is allowed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The model or the simulator refuses.
+    #[error(transparent)]
+    Model(#[from] vibro_impact::Error),
+    /// A described machine or its motion is refused.
+    #[error(transparent)]
+    Assembly(#[from] vibro_machine::Error),
+    /// A described machine's new values are refused.
+    #[error(transparent)]
+    Refusal(#[from] vibro_machine::Refusal),
+    /// A study of a described machine is refused: the machine lacks what it asks for, or the motion
+    /// has no section.
+    #[error("{problem}")]
+    Described {
+        /// The given study, and what is allowed.
+        problem: String,
+    },
+    /// No parameter has this name.
+    #[error("no parameter is named `{name}`; {advice}")]
+    UnknownName {
+        /// The given name.
+        name: String,
+        /// The nearest valid name with its meaning and range or, where none is near, all valid
+        /// names.
+        advice: String,
+    },
+    /// No measure has this name.
+    #[error("no output is named `{name}`; {advice}")]
+    UnknownMeasure {
+        /// The given name.
+        name: String,
+        /// The nearest valid name with its meaning or, where none is near, all valid names.
+        advice: String,
+    },
+    /// A number has an unknown unit, or one of another dimension than the parameter's.
+    #[error(
+        "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"
+    )]
+    Unit {
+        /// The parameter.
+        name: &'static str,
+        /// The unit given.
+        unit: String,
+        /// The units of the parameter's dimension.
+        allowed: String,
+    },
+    /// The value of a parameter is no number.
+    #[error("{name} = `{text}` is not a number: allowed is {allowed}")]
+    NotANumber {
+        /// The parameter.
+        name: &'static str,
+        /// The given text.
+        text: String,
+        /// Range of the parameter.
+        allowed: &'static str,
+    },
+    /// A text of another form than the one expected.
+    #[error("`{text}`: expected {expected}")]
+    Form {
+        /// The given text.
+        text: String,
+        /// The form, with an example.
+        expected: &'static str,
+    },
+    /// More results are requested than fit into memory.
+    #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
+    TooMany {
+        /// Kind of the results.
+        what: &'static str,
+        /// The requested number.
+        count: f64,
+        /// The largest number that fits.
+        most: usize,
+        /// For a plane, the largest side of a square that fits.
+        side: Option<usize>,
+    },
+    /// The starts of a plane lead to more attractors than can be numbered.
+    #[error(
+        "the starts lead to more than {most} attractors, the most that are numbered: where nothing holds or damps a body each start may \
+         have one of its own; take fewer cells"
+    )]
+    TooManyAttractors {
+        /// The largest number.
+        most: usize,
+    },
+    /// No periodic orbit with an impact word was found.
+    #[error("no orbit with the word {word}, closing {closing}, period {period}T: {reason}")]
+    NoOrbit {
+        /// The word in letters U and L.
+        word: String,
+        /// Closing sign of the word.
+        closing: char,
+        /// Period in drive periods.
+        period: u32,
+        /// The obstacle, with advice.
+        reason: String,
+    },
+    /// A settled motion is no periodic orbit with impacts only.
+    #[error("the settled motion {reason}")]
+    NoPeriodicMotion {
+        /// What the motion does instead, with advice.
+        reason: String,
+    },
+    /// The [store](crate::parts::PartStore) of finished parts failed.
+    #[error(transparent)]
+    Store(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// Result with the analyses' error.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// Converts a failure of a [store](crate::parts::PartStore), for `map_err`.
+    pub fn store(reason: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Store(Box::new(reason))
+    }
+}
+
+/// The side of a square in the words of [`Error::TooMany`].
+fn in_a_square(side: Option<usize>) -> String {
+    side.map_or_else(String::new, |side| format!(", that is {side} × {side} in a square"))
+}

@@ -1,0 +1,324 @@
+//! Fits of a machine to a record: nonlinear least squares with exact derivatives.
+//!
+//! A motion with impacts follows its parameters only over a time: a plain fit over a long record
+//! ends in a wrong minimum. The fit begins with the horizon over which the motion of the given
+//! numbers keeps near the record, and goes on to longer ones as far as the fitted motion then does.
+
+mod beside;
+mod checks;
+mod elimination;
+mod errors;
+mod evaluated;
+mod finished;
+mod horizons;
+mod loss;
+mod model;
+mod record;
+mod restarts;
+mod rounded;
+mod segments;
+mod solver;
+mod statistics;
+mod unknowns;
+mod verdict;
+
+pub use errors::{Uncertainty, Undetermined};
+pub use loss::Loss;
+pub use verdict::Verdict;
+
+use self::checks::check;
+use self::evaluated::{Point, Solved};
+use self::horizons::over_horizons;
+use self::model::Model;
+use self::restarts::{Found, restarted};
+use self::segments::over_segments;
+use self::solver::{Bounds, Convergence, solve};
+use super::{Machine, QuantityName};
+use crate::error::{Error, Result};
+use crate::sobol;
+use rayon::prelude::*;
+use vibro_machine::Start;
+
+/// Ways to lengthen horizons, the next where the residuals of the one before are more than noise.
+const WAYS: [Way; 4] = [
+    Way { near: 0.3, of_whole: true, growth: (1.25, 2.0) },
+    Way { near: 0.3, of_whole: false, growth: (1.25, 2.0) },
+    Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
+    Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
+];
+/// Starts beside the given one, within a part of the values, that are tried where no way leaves
+/// noise alone.
+const BESIDE: (u32, f64) = (8, 0.3);
+/// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
+const LOOKED_AT: u32 = 128;
+/// Times that columns without a standard deviation are weighed by their residuals.
+const REWEIGHTED: u32 = 2;
+/// Times for losses under which large residuals count less: outliers leave the deviation in steps.
+const REWEIGHTED_ROBUST: u32 = 6;
+/// A motion that is close to the record throughout.
+const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
+/// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
+const AGREED: u32 = 3;
+const SAME: f64 = 1e-6;
+/// Times that a better point beside a fitted one is taken.
+const BETTER: u32 = 6;
+/// Most free numbers.
+const MOST_FREE: usize = 50;
+
+/// How horizons become longer.
+#[derive(Clone, Copy)]
+struct Way {
+    /// Part of a record's own deviation up to which a motion is near it.
+    near: f64,
+    /// Whether this deviation is that of the whole record, else of the record so far.
+    of_whole: bool,
+    /// Least and largest growth of a horizon.
+    growth: (f64, f64),
+}
+
+/// A record: values of quantities at rising times, and times of contacts of stops.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Rising times, s, from the motion's start on.
+    pub times: Vec<f64>,
+    /// Columns with a value for each time, SI.
+    pub columns: Vec<(QuantityName, Vec<f64>)>,
+    /// Stops, each with the rising times of its impacts or first touches, s.
+    pub contacts: Vec<(String, Vec<f64>)>,
+}
+
+/// A number that is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Free {
+    /// A parameter of the machine, a number of the start, `record.shift` (s, the time of the motion
+    /// at the record's time 0) or `record.offset.COLUMN`.
+    pub name: String,
+    /// Least and largest value, SI; those that the parameter allows if `None`.
+    pub within: Option<(f64, f64)>,
+}
+
+/// How the motion is divided into segments, each with a start of its own that continues the segment
+/// before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Segments {
+    /// By the record: one motion where horizons lead to it, else segments that end where changes
+    /// have grown.
+    #[default]
+    Auto,
+    /// Segments of about this length, s.
+    Length(f64),
+    /// One motion.
+    None,
+}
+
+/// The start of a segment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fresh {
+    /// Time of the record, s.
+    pub time: f64,
+    /// Its state, by the names of a start's numbers, SI.
+    pub state: Vec<(String, f64)>,
+    /// The end of the segment before less this state, SI.
+    pub defect: Vec<f64>,
+}
+
+/// What is fitted to which record.
+#[derive(Clone, Debug)]
+pub struct FitRequest {
+    /// The machine with the values from which the fit begins.
+    pub machine: Machine,
+    /// Start of the motion.
+    pub start: Start,
+    /// The record.
+    pub measured: Measured,
+    /// The numbers that are fitted.
+    pub free: Vec<Free>,
+    /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times,
+    /// s. Without them all columns weigh the same by their own deviation.
+    pub sigma: Option<Vec<f64>>,
+    /// How residuals count.
+    pub loss: Loss,
+    /// Whether the motion is divided.
+    pub segments: Segments,
+    /// Number of further starts, spread over the ranges of the free numbers.
+    pub starts: u32,
+}
+
+/// A fitted machine.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// Whether the fitted motion is the record's; errors are those of the record only where it is.
+    pub verdict: Verdict,
+    /// The machine with the fitted numbers.
+    pub machine: Machine,
+    /// The start of its motion.
+    pub start: Start,
+    /// The free numbers' names and values, SI.
+    pub values: Vec<(String, f64)>,
+    /// Standard errors, correlations, what the record does not determine.
+    pub uncertainty: Uncertainty,
+    /// Root mean square of the residuals of each column and of the contacts' times, SI.
+    pub rms: Vec<(String, f64)>,
+    /// For each time of the record and then each column the motion's value less the record's, SI.
+    pub residuals: Vec<Vec<f64>>,
+    /// For each stop the times of the motion's contacts less those of the record, s; NaN where the
+    /// motion has none.
+    pub contacts: Vec<(String, Vec<f64>)>,
+    /// Times of the record at which stops of the fitted motion are hit or touched, with their
+    /// names.
+    pub events: Vec<(f64, String)>,
+    /// Segments after the first; empty of one motion.
+    pub segments: Vec<Fresh>,
+    /// Why the fitted motion has no derivative by a number from some time on; differences stand
+    /// there.
+    pub lost: Vec<String>,
+    /// Number of motions that were followed.
+    pub simulations: u32,
+    /// Time up to which the motion keeps near the record, s: its last where it does throughout.
+    pub near_until: f64,
+    /// Sum of the losses, in units of the standard deviations' squares.
+    pub cost: f64,
+}
+
+/// Fits numbers of a machine to a record. `go_on` ends the fit by returning false; the values
+/// reached by then are kept.
+///
+/// # Errors
+/// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
+/// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
+pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fitted> {
+    check(request)?;
+    let mut model = Model::new(request)?;
+    let bounds = Bounds::of(request, &model)?;
+    let count = bounds.begin.len();
+    if request.starts > 0 && count > sobol::DIMENSIONS {
+        let problem = format!("--starts with {count} free numbers: allowed are up to {}", sobol::DIMENSIONS);
+        return Err(Error::Described { problem });
+    }
+    let further = (1..=request.starts).map(|k| bounds.within(k));
+    let starts: Vec<Vec<f64>> =
+        std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
+    let by = |start: &Vec<f64>| best_from(&model, &bounds, start, request.segments, go_on);
+    let found: Vec<Result<Solved>> = starts.par_iter().map(by).collect();
+    let mut failed = None;
+    let mut note = |error| _ = failed.get_or_insert(error);
+    let sound = found.into_iter().filter_map(|found| found.map_err(&mut note).ok());
+    let best = sound.reduce(|best, own| if own.cost < best.cost { own } else { best });
+    let Some(mut best) = best else {
+        let none = || Error::Described { problem: "no fit: no start was tried".into() };
+        return Err(failed.unwrap_or_else(none));
+    };
+    let turns = match (model.has_sigma, request.loss) {
+        (true, _) => 0,
+        // One column weighs the same whatever its unit is.
+        (false, Loss::Linear) if request.measured.columns.len() + request.measured.contacts.len() == 1 => 0,
+        (false, Loss::Linear) => REWEIGHTED,
+        (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
+    };
+    for _ in 0..turns {
+        model.reweigh(&best.point, &best.reach)?;
+        let found = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
+        best = Solved { is_continuous: best.is_continuous, ..found };
+    }
+    let mut doubt = None;
+    for turn in 0..=BETTER {
+        if !go_on() {
+            doubt = Some("the fit was ended before its end".to_owned());
+            break;
+        }
+        match restarted(&model, &bounds, &best, go_on)? {
+            Found::Same => break,
+            Found::Other(values) => {
+                doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));
+                break;
+            }
+            Found::Better(_) if turn == BETTER => {
+                doubt = Some(format!("starts beside it led to better numbers {BETTER} times"));
+            }
+            Found::Better(next) => {
+                let is_continuous = best.is_continuous;
+                let found = solve(&model, &bounds, &next.point, (&next.reach, Convergence::Whole), go_on)?;
+                best = Solved { is_continuous, ..found };
+            }
+        }
+    }
+    if !best.is_continuous {
+        doubt = Some("segments do not make one motion".into());
+    }
+    model.finish(request, &best.point, &best.reach, best.cost, doubt)
+}
+
+/// The point reached from a start by the first way that leaves noise alone, else by segments, else
+/// from the first start beside it that does, else the best one.
+fn best_from(
+    model: &Model,
+    bounds: &Bounds,
+    start: &[f64],
+    segments: Segments,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Solved> {
+    let (mut best, mut same): (Option<Solved>, u32) = (None, 0);
+    // Without stops a motion that keeps near the record from the start on has one valley.
+    let is_regular = !model.has_stops() && model.is_near(start, WAYS[0]);
+    let is_small = start.len() <= sobol::DIMENSIONS;
+    let beside = std::iter::once(()).filter(|()| is_small).flat_map(|()| starts_beside(model, bounds, start));
+    let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);
+    let divided = |begin: &[f64], length: Option<f64>| {
+        over_segments(&model.for_segments(), bounds, begin, length, go_on)
+    };
+    let length = if let Segments::Length(length) = segments { Some(length) } else { None };
+    let ways = WAYS
+        .iter()
+        .take(if is_regular { 1 } else { WAYS.len() })
+        .map(|way| Box::new(|| horizons(start, *way)) as Attempt);
+    // Times of contacts say too little of the states in which segments begin.
+    let is_divided = segments != Segments::None && (!model.is_of_contacts() || length.is_some());
+    let by_segments = is_divided.then(|| Box::new(|| divided(start, length)) as Attempt);
+    let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
+    for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
+        let Ok(mut found) = attempt() else { continue };
+        found.cost = model.cost(&found)?;
+        let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
+            || is_regular && model.is_near(&found.point.values, CLOSE)
+            || !go_on();
+        let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+        if !found.is_continuous && best.is_some() {
+            continue;
+        }
+        if (found.cost / before - 1.0).abs() < SAME {
+            // Ways from one start may end in one wrong minimum.
+            same += u32::from(k >= WAYS.len());
+        } else if found.cost < before {
+            same = 1;
+        }
+        if found.cost < before {
+            best = Some(found);
+        }
+        if is_done || same >= AGREED {
+            break;
+        }
+    }
+    // The reason for none at all is that of the given start.
+    let best = best.map_or_else(|| horizons(start, WAYS[0]), Ok)?;
+    match length {
+        Some(_) if best.reach.nodes.is_empty() => divided(&best.point.values, length),
+        _ => Ok(best),
+    }
+}
+
+/// Starts around a given one; of contacts alone those whose motions keep near the record longest,
+/// since all that follow a contact which comes or goes are matched wrongly.
+fn starts_beside(model: &Model, bounds: &Bounds, start: &[f64]) -> Vec<Vec<f64>> {
+    let (count, part) = BESIDE;
+    let of = |count: u32| (1..=count).map(|k| bounds.beside(start, k, part));
+    if !model.is_of_contacts() {
+        return of(count).collect();
+    }
+    let near = |values: Vec<f64>| (model.near_until(&Point::from(values.clone()), &[], WAYS[1]), values);
+    let mut all: Vec<_> = of(LOOKED_AT).collect::<Vec<_>>().into_par_iter().map(near).collect();
+    all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    all.into_iter().take(count as usize).map(|(_, values)| values).collect()
+}
+
+/// A way to a fit.
+type Attempt<'a> = Box<dyn Fn() -> Result<Solved> + 'a>;

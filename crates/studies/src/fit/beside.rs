@@ -1,0 +1,341 @@
+//! The motion of a machine beside a record, segment by segment.
+
+use super::Measured;
+use super::evaluated::{Point, Reach, Rows, Segment, Varied};
+use super::statistics::interval;
+use super::unknowns::{Columns, Made, Unknowns};
+use crate::QuantityName;
+use crate::error::{Error, Result};
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use vibro_machine::description::Description;
+use vibro_machine::motion::{Event, EventKind};
+use vibro_machine::{Assembly, Differentiated, Quantity, What};
+
+/// Part of a number by which it is moved for a difference; of 0 so many SI units.
+const MOVED: f64 = 1e-6;
+
+/// What a record is compared with: quantities of the motion, and contacts of stops.
+pub(super) struct Compared<'a> {
+    pub measured: &'a Measured,
+    quantities: Vec<Quantity>,
+    /// The rate of each column's quantity, where a quantity has it.
+    pub rates: Vec<Option<Quantity>>,
+    /// Index of the stop of each list of contacts.
+    stops: Vec<usize>,
+    simulations: AtomicU32,
+}
+
+/// A segment of the motion.
+#[derive(Clone, Default)]
+pub(super) struct Followed {
+    /// Index of the first sample.
+    first: usize,
+    /// For each time and column the motion's value less the record's.
+    pub samples: Vec<Vec<Varied>>,
+    /// For each list of contacts the first index among the record's, and times of the motion's.
+    contacts: Vec<(Range<usize>, Vec<Varied>)>,
+    /// The state where the next segment begins; empty for the last one.
+    pub end: Vec<Varied>,
+    /// Time of the record where it ends, s.
+    until: f64,
+    /// Times of the record at which stops are hit or touched, with their indices.
+    pub events: Vec<(f64, usize)>,
+    /// Why there is no derivative by a number any more, in words.
+    lost: Vec<String>,
+}
+
+/// The motion beside the record.
+pub(super) struct Beside(pub Vec<Followed>);
+
+impl Beside {
+    /// For each time the residuals of all columns.
+    pub fn samples(&self) -> impl Iterator<Item = &[Varied]> {
+        self.0.iter().flat_map(|own| own.samples.iter().map(Vec::as_slice))
+    }
+
+    /// The residuals of a column.
+    pub fn residuals(&self, column: usize) -> impl Iterator<Item = f64> {
+        self.samples().map(move |sample| sample[column].0)
+    }
+
+    /// The times of the motion's contacts of a list by the indices of the record's, where there is
+    /// one.
+    pub fn contacts(&self, list: usize) -> impl Iterator<Item = (usize, Option<f64>)> {
+        self.0.iter().flat_map(move |own| {
+            let (range, times) = &own.contacts[list];
+            range.clone().enumerate().map(|(i, place)| (place, times.get(i).map(|(time, _)| *time)))
+        })
+    }
+
+    /// The length of what two motions of one record differ by, in units of deviations of columns,
+    /// then of lists of contacts; infinite where one has contacts that the other lacks.
+    pub fn apart(&self, other: &Self, sigma: &[f64]) -> f64 {
+        let one = |(a, b): (&Varied, &Varied), sigma: &f64| ((a.0 - b.0) / sigma).powi(2);
+        let mut sum = 0.0;
+        for (own, other) in self.samples().zip(other.samples()) {
+            sum += own.iter().zip(other).zip(sigma).map(|(pair, sigma)| one(pair, sigma)).sum::<f64>();
+        }
+        for (own, other) in self.0.iter().zip(&other.0) {
+            let columns = own.samples.first().map_or(sigma.len() - own.contacts.len(), Vec::len);
+            for (k, ((range, a), (_, b))) in own.contacts.iter().zip(&other.contacts).enumerate() {
+                if a.len().min(range.len()) != b.len().min(range.len()) {
+                    return f64::INFINITY;
+                }
+                let pairs = a.iter().zip(b).take(range.len());
+                sum += pairs.map(|pair| one(pair, &sigma[columns + k])).sum::<f64>();
+            }
+        }
+        sum.sqrt()
+    }
+
+    /// Why derivatives are lost, in words.
+    pub fn lost(&self) -> Vec<String> {
+        self.0.iter().flat_map(|own| own.lost.iter().cloned()).collect()
+    }
+}
+
+/// The quantity that is the rate of another, where there is one.
+fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
+    let what = match name.what {
+        What::S => What::V,
+        What::V => What::A,
+        What::E => What::Rate,
+        _ => return None,
+    };
+    QuantityName { of: name.of.clone(), what }.find(d).ok().map(|named| named.quantity)
+}
+
+/// The indices of the stops whose contacts a record has.
+pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
+    let of = |(element, _): &(String, Vec<f64>)| {
+        let plain = element.strip_prefix("stop.").unwrap_or(element);
+        d.stops.iter().position(|stop| stop.name == plain).ok_or_else(|| {
+            let known: Vec<&str> = d.stops.iter().map(|stop| stop.name.as_str()).collect();
+            let problem = format!("no stop is named `{element}`; allowed are {}", known.join(", "));
+            Error::Described { problem }
+        })
+    };
+    measured.contacts.iter().map(of).collect()
+}
+
+impl<'a> Compared<'a> {
+    pub fn new(measured: &'a Measured, d: &Description) -> Result<Self> {
+        let quantity = |(name, _): &(QuantityName, Vec<f64>)| Ok(name.find(d)?.quantity);
+        Ok(Self {
+            measured,
+            quantities: measured.columns.iter().map(quantity).collect::<Result<_>>()?,
+            rates: measured.columns.iter().map(|(name, _)| rate_of(name, d)).collect(),
+            stops: stops_of(measured, d)?,
+            simulations: AtomicU32::new(0),
+        })
+    }
+
+    /// The longest mean interval between contacts of a list, s; 0 without contacts.
+    pub fn longest_interval(&self) -> f64 {
+        let lists = self.measured.contacts.iter().map(|(_, times)| times);
+        lists.filter(|times| !times.is_empty()).fold(0.0, |most: f64, times| most.max(interval(times)))
+    }
+
+    /// Number of motions that were followed.
+    pub fn simulations(&self) -> u32 {
+        self.simulations.load(Ordering::Relaxed)
+    }
+
+    /// Follows all segments, with derivatives on request.
+    pub fn beside(&self, unknowns: &Unknowns, point: &Point, reach: &Reach, varied: bool) -> Result<Beside> {
+        self.simulations.fetch_add(1, Ordering::Relaxed);
+        let one = |k: usize| {
+            let found = self.follow(unknowns, point, reach, k, varied)?;
+            if varied { self.filled(unknowns, point, reach, k, found) } else { Ok(found) }
+        };
+        (0..=reach.nodes.len()).map(one).collect::<Result<_>>().map(Beside)
+    }
+
+    /// The motion of a segment, at its begin.
+    fn begin(
+        &self,
+        made: &Made,
+        point: &Point,
+        (k, node): (usize, f64),
+        columns: &Columns,
+        note: &mut dyn FnMut(&Event, &[Option<f64>]),
+    ) -> Result<Differentiated> {
+        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
+        if k == 0 {
+            return Ok(made.start.differentiated_by(assembly, &columns.by, note)?);
+        }
+        let (time, state) = (node + made.shift, &point.states[k - 1]);
+        Ok(Differentiated::from_state_observed(assembly, time, state, &columns.by, note)?)
+    }
+
+    /// Follows a segment.
+    fn follow(
+        &self,
+        unknowns: &Unknowns,
+        point: &Point,
+        reach: &Reach,
+        k: usize,
+        varied: bool,
+    ) -> Result<Followed> {
+        let made = unknowns.with(&point.values)?;
+        let node = |k: usize| k.checked_sub(1).map_or(f64::NEG_INFINITY, |k| reach.nodes[k]);
+        let (from, next) = (node(k), reach.nodes.get(k).copied());
+        let until = next.unwrap_or(reach.end);
+        let states = (k > 0).then(|| point.states[k - 1].len());
+        let columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
+        let inside = |times: &[f64]| {
+            let end = |time: &f64| if next.is_some() { *time < until } else { *time <= until };
+            times.partition_point(|time| *time < from)..times.partition_point(end)
+        };
+        let lists = self.measured.contacts.iter();
+        let mut contacts: Vec<_> = lists.map(|(_, times)| (inside(times), Vec::new())).collect();
+        let mut events = Vec::new();
+        let mut note = |event: &Event, by: &[Option<f64>]| {
+            let (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }) = event.kind else { return };
+            events.push((event.time - made.shift, stop));
+            if let Some(list) = self.stops.iter().position(|own| *own == stop) {
+                let by = columns.all(|k| by[k], Some(-1.0), None);
+                contacts[list].1.push((event.time - made.shift, by));
+            }
+        };
+        let mut motion = self.begin(&made, point, (k, from), &columns, &mut note)?;
+        let begin = motion.motion().time();
+        let mut samples = Vec::new();
+        let data = &self.measured.columns;
+        let range = if data.is_empty() { 0..0 } else { inside(&self.measured.times) };
+        for row in range.clone() {
+            // Before its start there is no motion.
+            motion.advance_observed((self.measured.times[row] + made.shift).max(begin), &mut note)?;
+            let sample = |k: usize| {
+                let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
+                let rate = self.rates[k].map(|rate| motion.motion().value(rate));
+                (value, columns.all(|p| motion.derivative(self.quantities[k], p), rate, Some(k)))
+            };
+            samples.push((0..data.len()).map(sample).collect());
+        }
+        if (next.is_some() || !self.stops.is_empty()) && until + made.shift > motion.motion().time() {
+            motion.advance_observed(until + made.shift, &mut note)?;
+        }
+        let end = if next.is_some() { end_of(&motion, &columns) } else { Vec::new() };
+        let lost =
+            (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
+        let lost = lost.collect();
+        if next.is_none() && !self.stops.is_empty() {
+            // The motion's own contact may come later than the record's last one. A motion that
+            // cannot go on has covered the record.
+            let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
+            events.retain(|(time, _)| *time <= until);
+        }
+        Ok(Followed { first: range.start, samples, contacts, end, until, events, lost })
+    }
+
+    /// A segment with derivatives by differences where it has none.
+    fn filled(
+        &self,
+        unknowns: &Unknowns,
+        point: &Point,
+        reach: &Reach,
+        k: usize,
+        mut found: Followed,
+    ) -> Result<Followed> {
+        let count = point.values.len();
+        let states = if k > 0 { point.states[k - 1].len() } else { 0 };
+        for column in (0..count + states).filter(|&column| found.lacks(column)).collect::<Vec<_>>() {
+            let moved = |sign: f64| {
+                let mut other = point.clone();
+                let own = match column.checked_sub(count) {
+                    None => &mut other.values[column],
+                    Some(i) => &mut other.states[k - 1][i],
+                };
+                let by = sign * if *own == 0.0 { MOVED } else { MOVED * own.abs() };
+                *own += by;
+                self.simulations.fetch_add(1, Ordering::Relaxed);
+                Some((by, self.follow(unknowns, &other, reach, k, false).ok()?))
+            };
+            // At a limit both sides count; where there is but one, that one.
+            let same = || Some((0.0, found.clone()));
+            let (Some((high, after)), Some((low, before))) =
+                (moved(1.0).or_else(same), moved(-1.0).or_else(same))
+            else {
+                continue;
+            };
+            if high > low {
+                found.fill(column, &after, &before, high - low);
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl Followed {
+    /// All its numbers; of contacts those that the others have too.
+    fn numbers<'f>(&'f mut self, counts: &'f [usize]) -> impl Iterator<Item = &'f mut Varied> {
+        let contacts = self.contacts.iter_mut().zip(counts).flat_map(|((_, own), n)| own.iter_mut().take(*n));
+        self.samples.iter_mut().flatten().chain(contacts).chain(&mut self.end)
+    }
+
+    /// Whether a number has no derivative by a column.
+    fn lacks(&self, column: usize) -> bool {
+        let contacts = self.contacts.iter().flat_map(|(_, own)| own.iter());
+        let mut all = self.samples.iter().flatten().chain(contacts).chain(&self.end);
+        all.any(|(_, by)| by[column].is_none())
+    }
+
+    /// Fills what a column lacks from two motions that differ by a width in its number.
+    fn fill(&mut self, column: usize, after: &Self, before: &Self, width: f64) {
+        let lists = self.contacts.iter().zip(&after.contacts).zip(&before.contacts);
+        let counts: Vec<usize> = lists.map(|((a, b), c)| a.1.len().min(b.1.len()).min(c.1.len())).collect();
+        let (mut after, mut before) = (after.clone(), before.clone());
+        let pairs = after.numbers(&counts).zip(before.numbers(&counts));
+        for ((_, by), ((a, _), (b, _))) in self.numbers(&counts).zip(pairs) {
+            by[column].get_or_insert((*a - *b) / width);
+        }
+    }
+
+    /// Residuals with derivatives, in units of the standard deviations, sorted by time.
+    pub fn segment(
+        &self,
+        measured: &Measured,
+        sigma: &[f64],
+        shape: (usize, usize),
+        joint: Option<(&[f64], &[f64])>,
+    ) -> Segment {
+        let mut rows: Vec<((f64, usize), (Varied, f64))> = Vec::new();
+        let columns = measured.columns.len();
+        let times = &measured.times[self.first.min(measured.times.len())..];
+        for (time, sample) in times.iter().zip(&self.samples) {
+            rows.extend(sample.iter().enumerate().map(|(k, own)| ((*time, k), (own.clone(), sigma[k]))));
+        }
+        for (k, ((_, times), (range, own))) in measured.contacts.iter().zip(&self.contacts).enumerate() {
+            for (i, time) in times[range.clone()].iter().enumerate() {
+                // A contact that the motion does not have counts as one at the end.
+                let none = || (self.until, vec![None; shape.0 + shape.1]);
+                let (at, by) = own.get(i).cloned().unwrap_or_else(none);
+                rows.push(((*time, columns + k), ((at - time, by), sigma[columns + k])));
+            }
+        }
+        rows.sort_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (places, rows): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+        let defect = joint.map(|(next, weights)| {
+            let own = self.end.iter().zip(next).zip(weights);
+            let rows: Vec<_> =
+                own.map(|(((end, by), next), weight)| ((end - next, by.clone()), 1.0 / weight)).collect();
+            Rows::of(&rows, shape)
+        });
+        let weights = joint.map_or(Vec::new(), |(_, weights)| weights.to_vec());
+        let has_differences = !self.lost.is_empty();
+        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences }
+    }
+}
+
+/// The state of a motion with its derivatives.
+fn end_of(motion: &Differentiated, columns: &Columns) -> Vec<Varied> {
+    let own = motion.motion();
+    let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();
+    let rates = own.state_derivatives();
+    let all =
+        |(i, state): (usize, f64)| (state, columns.all(|p| Some(by[p].as_ref()?[i]), Some(rates[i]), None));
+    own.states().into_iter().enumerate().map(all).collect()
+}

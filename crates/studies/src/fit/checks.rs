@@ -1,0 +1,179 @@
+//! What a record may be: numbers of sensible sizes at rising times within the machine's motion.
+
+use super::beside::stops_of;
+use super::{FitRequest, Free, Measured, Segments};
+use crate::error::{Error, Result};
+use vibro_machine::Start;
+use vibro_machine::description::Description;
+
+/// Least and largest size of what is fitted, SI: its squares, and products of these with squares of
+/// derivatives, are numbers in double precision.
+const SIZES: (f64, f64) = (1e-60, 1e60);
+/// The record's own durations after the motion's start at which it begins at most, and seconds: a
+/// motion is followed from its start on, and would take as long.
+const LATE: f64 = 1000.0;
+const LATE_SECONDS: f64 = 1e8;
+/// Part of the record's duration by which it may begin before the motion: rounding of its times.
+pub(super) const EARLY: f64 = 1e-9;
+
+fn refused<T>(problem: String) -> Result<T> {
+    Err(Error::Described { problem })
+}
+
+/// Refuses times that do not rise; `row` is the word for one of them.
+fn rising(name: &str, row: &str, times: &[f64]) -> Result<()> {
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(at) => refused(format!(
+            "{name}: {row} {} has the time {:?} s after {:?} s; allowed are rising times",
+            at + 2,
+            times[at + 1],
+            times[at]
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Refuses numbers that are not finite, too large, or all too small.
+fn sizes(name: &str, row: &str, values: &[f64]) -> Result<()> {
+    let (least, most) = SIZES;
+    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+        return refused(format!("{name}: {row} {} is {}; allowed are finite numbers", at + 1, values[at]));
+    }
+    if let Some(at) = values.iter().position(|x| x.abs() > most) {
+        let value = values[at];
+        return refused(format!("{name}: {row} {} is {value:e}; allowed are {most:e} at most, SI", at + 1));
+    }
+    let largest = values.iter().enumerate().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+    match largest {
+        Some((at, value)) if *value != 0.0 && value.abs() < least => refused(format!(
+            "{name}: {row} {} is {value:e}, and none is larger; allowed are columns with a number of {least:e} at least, SI",
+            at + 1
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a first time before the motion's start, unless a shift of the record or a start's time
+/// that is free may move it inside, and one that is long after it.
+fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> Result<()> {
+    let (Some(first), Some(last)) = (times.first(), times.last()) else { return Ok(()) };
+    let (from, duration) = (start.time, last - first);
+    let moves = |own: &Free| match (own.name.as_str(), own.within) {
+        ("record.shift", within) => within.is_none_or(|(_, high)| first + high >= from),
+        ("start.time", within) => within.is_none_or(|(low, _)| low <= *first),
+        _ => false,
+    };
+    // Of a record that is wholly before it nothing says where to.
+    let is_moved = *last > from && free.iter().any(moves);
+    if *first < from - EARLY * duration && !is_moved {
+        return refused(format!(
+            "{name}: {row} 1 is {first:?} s, before the motion's start at {from:?} s; allowed are times from there \
+             on, or record.shift among the free numbers"
+        ));
+    }
+    // A single sample, or a burst of contacts, may come late.
+    let is_late = row == ROW && duration > 0.0 && first - from > LATE * duration;
+    if is_late || first - from > LATE_SECONDS {
+        return refused(format!(
+            "{name}: {row} 1 is {first:?} s: times count from the machine's start at {from:?} s, and the motion is \
+             followed from there; allowed is a record that begins within {LATE} times its own duration and \
+             {LATE_SECONDS:e} s, or a start at a later time"
+        ));
+    }
+    Ok(())
+}
+
+/// The words for one number of a column and of a list of contacts.
+const ROW: &str = "row";
+const CONTACT: &str = "contact";
+
+impl Measured {
+    /// Refuses columns that a machine does not have, that stand twice, or whose numbers or times
+    /// are not allowed.
+    ///
+    /// # Errors
+    /// [`Error::Described`] with the column, the row and what is allowed; [`Error::Refusal`] for a
+    /// name that the machine does not have.
+    pub fn check_columns(&self, d: &Description, start: &Start, free: &[Free]) -> Result<()> {
+        sizes("time", ROW, &self.times)?;
+        rising("time", ROW, &self.times)?;
+        let mut found = Vec::new();
+        for (name, values) in &self.columns {
+            let quantity = name.find(d)?.quantity;
+            if found.contains(&quantity) {
+                return refused(format!("{name} has two columns; allowed is one of each quantity"));
+            }
+            found.push(quantity);
+            sizes(&name.to_string(), ROW, values)?;
+            if values.len() != self.times.len() {
+                return refused(format!("{name}: {} values for {} times", values.len(), self.times.len()));
+            }
+        }
+        if self.columns.is_empty() { Ok(()) } else { begin("time", ROW, &self.times, start, free) }
+    }
+
+    /// Refuses contacts of stops that a machine does not have, that stand twice, or whose times are
+    /// not allowed.
+    ///
+    /// # Errors
+    /// As of [`check_columns`](Self::check_columns).
+    pub fn check_contacts(&self, d: &Description, start: &Start, free: &[Free]) -> Result<()> {
+        let stops = stops_of(self, d)?;
+        for (k, (name, times)) in self.contacts.iter().enumerate() {
+            if stops[..k].contains(&stops[k]) {
+                return refused(format!(
+                    "{name} has two lists of contacts; allowed is one name for each stop"
+                ));
+            }
+            sizes(name, CONTACT, times)?;
+            rising(name, CONTACT, times)?;
+            begin(name, CONTACT, times, start, free)?;
+        }
+        Ok(())
+    }
+
+    /// Number of values and of times of contacts.
+    pub fn samples(&self) -> usize {
+        let contacts = self.contacts.iter().map(|(_, times)| times.len()).sum::<usize>();
+        self.columns.len() * self.times.len() + contacts
+    }
+}
+
+/// Refuses a record that is empty or not allowed, and segments that are too short.
+pub(super) fn check(request: &FitRequest) -> Result<()> {
+    let FitRequest { machine, start, measured, free, .. } = request;
+    if measured.samples() == 0 {
+        return refused("the record has no sample; allowed is one with columns or times of contacts".into());
+    }
+    measured.check_columns(&machine.description, start, free)?;
+    measured.check_contacts(&machine.description, start, free)?;
+    check_sigma(request)?;
+    let Segments::Length(length) = request.segments else { return Ok(()) };
+    let all = measured.times.iter().chain(measured.contacts.iter().flat_map(|(_, times)| times));
+    let (low, high) =
+        all.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    // A shorter one has fewer samples than numbers.
+    let least = free.len() as f64 * (high - low) / all.count().max(2).saturating_sub(1) as f64;
+    if length < least {
+        return refused(format!(
+            "segments of {length:?} s: allowed are {} s at least, {} times the mean interval of samples",
+            crate::significant(least),
+            free.len()
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses standard deviations whose squares are no numbers.
+fn check_sigma(request: &FitRequest) -> Result<()> {
+    let (least, most) = SIZES;
+    let names = request.measured.columns.iter().map(|(name, _)| name.to_string());
+    let names = names.chain(std::iter::once("contacts".to_owned()));
+    let given = request.sigma.iter().flatten();
+    match names.zip(given).find(|(_, sigma)| **sigma > 0.0 && !(least..=most).contains(*sigma)) {
+        Some((name, sigma)) => refused(format!(
+            "sigma of {name} = {sigma:e}: allowed is a standard deviation from {least:e} to {most:e}, SI"
+        )),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,45 @@
+//! Blocks that round what they read: derivatives do not see the steps.
+
+use super::FitRequest;
+use super::beside::Beside;
+use super::evaluated::{Point, Reach};
+use super::model::Model;
+use super::unknowns::Unknowns;
+use crate::Machine;
+use crate::error::Result;
+
+/// Length of what rounding changes in all samples, in units of their noise, up to which it does not
+/// count: it moves no number by more of its standard errors, whatever the number is.
+const NEGLIGIBLE: f64 = 0.5;
+
+/// A machine whose blocks read without rounding; `None` where it has no rounding.
+fn exact(machine: &Machine) -> Option<Machine> {
+    let mut exact = machine.clone();
+    let samplings = exact.description.blocks.iter_mut().filter_map(|block| block.sampling.as_mut());
+    let mut rounds = false;
+    for quantum in samplings.flat_map(|sampling| &mut sampling.quanta) {
+        rounds |= quantum.take().is_some();
+    }
+    rounds.then_some(exact)
+}
+
+impl Model<'_> {
+    /// Why the errors of a point may be wrong, in words, where its machine rounds what a block reads
+    /// and the motion shows it; `variance` is that of the residuals.
+    pub(super) fn rounding(
+        &self,
+        request: &FitRequest,
+        (point, reach): (&Point, &Reach),
+        beside: &Beside,
+        variance: f64,
+    ) -> Result<Option<String>> {
+        let Some(machine) = exact(&request.machine) else { return Ok(None) };
+        let request = FitRequest { machine, ..request.clone() };
+        // A quantum that is free has no place in the other machine.
+        let unknowns = Unknowns::new(&request, &self.compared.rates);
+        let other = unknowns.and_then(|own| self.compared.beside(&own, point, reach, false));
+        let apart = other.map_or(f64::INFINITY, |other| beside.apart(&other, self.deviations()));
+        let why = "a block rounds what it reads, and derivatives do not see the steps of its quantum";
+        Ok((apart > NEGLIGIBLE * variance.sqrt()).then(|| why.to_owned()))
+    }
+}

@@ -1,0 +1,211 @@
+//! Fits by segments with starts of their own (H. G. Bock, Recent advances in parameter
+//! identification techniques for ODE, 1983): chaotic motions, which follow their numbers over a few
+//! periods only.
+//!
+//! A segment begins in mid-flight in the state that the fitted motion has there. How much its start
+//! may differ from the end of the segment before falls step by step, to rounding in the end.
+
+use super::beside::Followed;
+use super::evaluated::{Point, Reach, Solved};
+use super::horizons::LEAST_ROWS;
+use super::model::Model;
+use super::solver::{Bounds, Convergence, solve};
+use super::{WAYS, Way};
+use crate::error::Result;
+use std::sync::Arc;
+use vibro_machine::derivative::By;
+use vibro_machine::{Assembly, Differentiated, Motion};
+
+/// Growth of a small change, relative to the sizes of states, after which a segment ends.
+const GROWTH: f64 = 20.0;
+/// Part of a segment's length, before its end, in which the next one may begin.
+const PLACE: f64 = 0.5;
+/// Contacts that a segment has at least, in the mean.
+const CONTACTS: f64 = 3.0;
+/// Instants at which growth is looked at, between two samples at most one.
+const LOOKS: usize = 400;
+/// How near a horizon has to be to grow.
+const WAY: Way = WAYS[2];
+/// Least and largest growth of a horizon, in segments.
+const LONGER: (f64, f64) = (0.1, 0.6);
+/// Part of a column's size that its noise is taken to be at least while horizons grow.
+const NOISE: f64 = 1e-3;
+/// How far segments may miss the next one's start, in parts of the states' sizes, one after
+/// another.
+const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
+
+/// Miss of a next start, in parts of the states' sizes, up to which segments are one motion.
+const CONTINUOUS: f64 = 1e-6;
+
+/// Ends of segments: by the growth of changes, or by a length, s.
+pub(super) type Length = Option<f64>;
+
+/// The point reached from values by segments. `model` weighs residuals by their noise.
+pub(super) fn over_segments(
+    model: &Model,
+    bounds: &Bounds,
+    start: &[f64],
+    length: Length,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Solved> {
+    let (first, end) = (model.first(), model.end());
+    let sizes = model.sizes_of_states(start)?;
+    let weights = |defect: f64| sizes.iter().map(|size| 1.0 / (defect * size)).collect();
+    let mut point = Point::from(start.to_vec());
+    let mut reach = Reach { weights: weights(DEFECTS[0]), ..Reach::whole(end) };
+    let least = model.least_horizon(LEAST_ROWS * start.len());
+    reach.end = model.near_until(&point, &[], WAY).max(least).min(end);
+    let mut span = length.unwrap_or(reach.end - first);
+    // A stiff buffer makes changes grow within one touch.
+    let contacts =
+        model.beside(&point, &Reach::whole(end))?.0.iter().map(|own| own.events.len()).sum::<usize>();
+    let spacing = CONTACTS * (end - first) / contacts.max(1) as f64;
+    loop {
+        point = solve(model, bounds, &point, (&reach, Convergence::Rough), go_on)?.point;
+        while let Some((node, state)) = next_node(model, &point, &reach, (length, spacing), &sizes)? {
+            span = node - reach.nodes.last().copied().unwrap_or(first);
+            reach.nodes.push(node);
+            point.states.push(state);
+        }
+        if reach.end >= end || !go_on() {
+            break;
+        }
+        let near = model.near_until(&point, &reach.nodes, WAY);
+        let span = span.max(length.unwrap_or(spacing));
+        reach.end = near.clamp(reach.end + LONGER.0 * span, reach.end + LONGER.1 * span).min(end);
+    }
+    reach.end = end;
+    for (k, defect) in DEFECTS.iter().enumerate() {
+        reach.weights = weights(*defect);
+        let is_last = k + 1 == DEFECTS.len();
+        let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
+        point = solve(model, bounds, &point, (&reach, convergence), go_on)?.point;
+    }
+    let beside = model.beside(&point, &reach)?;
+    let misses = |(before, state): (&Followed, &Vec<f64>)| {
+        let missed = before.end.iter().zip(state).zip(&sizes);
+        missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
+    };
+    let is_continuous = beside.0.iter().zip(&point.states).all(|own| misses(own) < CONTINUOUS);
+    Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
+}
+
+/// Where the last segment ends, and its state there: in the middle of the longest time without an
+/// event and without what is held; `None` where the horizon comes before.
+fn next_node(
+    model: &Model,
+    point: &Point,
+    reach: &Reach,
+    (length, spacing): (Length, f64),
+    sizes: &[f64],
+) -> Result<Option<(f64, Vec<f64>)>> {
+    let (mut motion, shift) = model.last_segment(point, &reach.nodes, length.is_none())?;
+    let from = motion.motion().time();
+    let horizon = reach.end + shift;
+    let end = match length {
+        Some(length) => from + length,
+        None => match grown(&mut motion.clone(), horizon, sizes)? {
+            Some(time) => time.max(from + spacing),
+            None => return Ok(None),
+        },
+    };
+    // A last segment that is short says little of its start.
+    if end >= horizon {
+        return Ok(None);
+    }
+    let begin = end - PLACE * (end - from);
+    let mut quiet: Option<(f64, f64)> = None;
+    motion.advance_to(begin)?;
+    let mut last = begin;
+    while last < end {
+        let mut events = false;
+        let before = last;
+        let mut own: Motion = motion.motion().clone();
+        let reached = {
+            let mut time = end;
+            let mut note = |event: &vibro_machine::motion::Event| {
+                if event.contact().is_some() && !events {
+                    (events, time) = (true, event.time);
+                }
+            };
+            own.advance_observed(end, &mut note)?;
+            time
+        };
+        let is_free = motion.motion().mode().contacts().next().is_none();
+        if is_free && quiet.is_none_or(|(a, b)| reached - before > b - a) {
+            quiet = Some((before, reached));
+        }
+        last = if events { reached } else { end };
+        motion.advance_to(last)?;
+        if last <= before {
+            // Events at one instant: step over them.
+            last = before + 1e-3 * (end - begin);
+            motion.advance_to(last)?;
+        }
+    }
+    let Some((a, b)) = quiet else { return Ok(None) };
+    let (mut motion, _) = model.last_segment(point, &reach.nodes, false)?;
+    motion.advance_to(0.5 * (a + b))?;
+    let own = motion.motion();
+    Ok(Some((own.time() - shift, own.states())))
+}
+
+/// The time at which changes of a motion's start have grown, up to a horizon.
+fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Option<f64>> {
+    let from = motion.motion().time();
+    for i in 1..=LOOKS {
+        motion.advance_to(from + (horizon - from) * i as f64 / LOOKS as f64)?;
+        let growth = |p: usize| {
+            let by = motion.state_derivative(p)?;
+            Some(by.iter().zip(sizes).map(|(x, size)| (x / size * sizes[p]).abs()).fold(0.0, f64::max))
+        };
+        // Where there is no derivative, a change makes another motion.
+        if (0..sizes.len()).any(|p| growth(p).is_none_or(|growth| growth > GROWTH)) {
+            return Ok(Some(motion.motion().time()));
+        }
+    }
+    Ok(None)
+}
+
+impl Model<'_> {
+    /// The motion of the last segment at its begin, with its derivatives by the state there on
+    /// request, and the shift of the record's times.
+    fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {
+        let made = self.unknowns.with(&point.values)?;
+        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
+        let columns: Vec<By> =
+            if varied { (0..assembly.system().states()).map(By::Start).collect() } else { Vec::new() };
+        let motion = match (nodes.last(), point.states.last()) {
+            (Some(node), Some(state)) => {
+                Differentiated::from_state(assembly, node + made.shift, state, &columns)?
+            }
+            _ => made.start.differentiated_by(assembly, &columns, &mut |_, _| ())?,
+        };
+        Ok((motion, made.shift))
+    }
+
+    /// Half the range of each number of the state over the record's times, as far as the motion
+    /// goes.
+    fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
+        let (motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], false)?;
+        let mut motion = motion.motion().clone();
+        let states = motion.assembly().system().states();
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); states];
+        for i in 0..=LOOKS {
+            let time = self.first() + (self.end() - self.first()) * i as f64 / LOOKS as f64 + shift;
+            if motion.advance_to(time.max(motion.time())).is_err() {
+                break;
+            }
+            for (range, x) in ranges.iter_mut().zip(&motion.states()) {
+                *range = (range.0.min(*x), range.1.max(*x));
+            }
+        }
+        let size = |(low, high): &(f64, f64)| Some(0.5 * (high - low)).filter(|s| *s > 0.0 && s.is_finite());
+        Ok(ranges.iter().map(|range| size(range).unwrap_or(1.0)).collect())
+    }
+
+    /// The model with residuals weighed by their noise, as segments need.
+    pub(super) fn for_segments(&self) -> Self {
+        self.by_noise(NOISE)
+    }
+}

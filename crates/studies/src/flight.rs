@@ -1,0 +1,395 @@
+//! Flights of a described machine's motion, over each of which one linear system z' = A z holds,
+//! and the events between them.
+//!
+//! Everything read off a motion along the way (extrema, mean squares, maxima, variations) comes
+//! through
+//! [`follow`]: the engine decides where flights end, and within one the states are a power series.
+
+use nalgebra::{DMatrix, DVector};
+use std::collections::HashMap;
+use std::sync::Arc;
+use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
+use vibro_machine::mode::{Linear, Mode, Watch};
+use vibro_machine::motion::{Event, Reached};
+use vibro_machine::system::{StateRow, System};
+use vibro_machine::{Error, Motion, Quantity};
+use vibro_impact::events::turns;
+
+/// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
+/// out less than 2²⁶/26! of the state.
+const RADIUS: f64 = 2.0;
+/// Size of a series' last term relative to the state's rate bound.
+const REMAINDER: f64 = 1e-19;
+
+/// Bound of the norm of A times the part of a span whose series is squared.
+const PART: f64 = 0.5;
+
+/// Stretches of a flight beyond which variations are carried by a matrix, by squaring.
+const MANY: f64 = 64.0;
+/// Largest size of an augmented state for that: the products cost its cube.
+const LARGE: usize = 160;
+
+/// Power series of the states over a stretch of a flight, in the part of the stretch.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    size: usize,
+    terms: Vec<f64>,
+}
+
+impl Series {
+    /// Its terms, the state at the begin first.
+    pub fn terms(&self) -> impl DoubleEndedIterator<Item = &[f64]> {
+        self.terms.chunks_exact(self.size.max(1))
+    }
+}
+
+/// Linear system of a mode, by rows.
+#[derive(Debug)]
+pub struct Flow {
+    /// The mode.
+    pub mode: Mode,
+    /// A.
+    a: SparseMatrix,
+    /// Bound of the norm of A, 1/s.
+    rate: f64,
+    /// Forces of the mode's independent contacts.
+    pub lambda: Vec<Sparse>,
+    /// Functionals that end the mode, each negative inside it.
+    pub watched: Vec<(Watch, StateRow)>,
+}
+
+impl Flow {
+    /// The linear system of a mode.
+    pub fn new(system: &System, mode: &Mode) -> Self {
+        let Linear { a, lambda, watched, .. } = system.linear(mode);
+        let rate = rate_bound(&a, system.signals.one);
+        let dense = |row: &Sparse| StateRow::from_vec(row.dense(system.signals.size));
+        let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
+        Self { mode: mode.clone(), a, rate, lambda, watched }
+    }
+
+    /// z' at a state.
+    pub fn derivative(&self, z: &[f64]) -> Vec<f64> {
+        self.a.rows_times(0..z.len(), z).as_slice().to_vec()
+    }
+
+    /// Row of the rate of a functional: r A.
+    pub fn rate_of(&self, row: &[f64]) -> Vec<f64> {
+        let mut rate = vec![0.0; row.len()];
+        self.a.after_row(row, 1.0, &mut rate);
+        rate
+    }
+
+    /// Writes the terms of the power series of the states over a time `span`, as a function of its
+    /// part from 0 to 1; at most [`ORDERS`].
+    fn series(&self, z: &[f64], span: f64, to: &mut Series) {
+        let count = z.len();
+        to.size = count;
+        to.terms.clear();
+        to.terms.extend_from_slice(z);
+        let mut size = 1.0;
+        for k in 1..ORDERS {
+            let factor = span / k as f64;
+            to.terms.resize((k + 1) * count, 0.0);
+            let (before, next) = to.terms.split_at_mut(k * count);
+            self.a.rows_times_to(0, &before[(k - 1) * count..], factor, next);
+            size *= self.rate * factor;
+            if size < REMAINDER {
+                break;
+            }
+        }
+    }
+
+    /// Approximate length of a flight in sub-steps of the mode, for which rate times time is at
+    /// most 3.
+    pub fn sub_steps_of(&self, span: f64) -> f64 {
+        self.rate * span / 3.0
+    }
+
+    /// Number of stretches of a flight.
+    pub fn stretches_of(&self, span: f64) -> f64 {
+        (self.rate * span / RADIUS).ceil().max(1.0)
+    }
+
+    /// Variation at the end of a flight by a parameter: of one at its begin, and of the system,
+    /// which two systems that are `width` of the parameter apart tell. Each system's states are
+    /// numbered alike. Requires a state and a variation at the begin.
+    pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
+        let (count, size) = (self.stretches_of(span), z.len());
+        let part = span / count;
+        let (mut state, mut variation) = (z.to_vec(), v.to_vec());
+        let mut buffers = [const { Vec::new() }; 5];
+        buffers.iter_mut().for_each(|buffer| buffer.resize(size, 0.0));
+        let [x, y, next, below, above] = &mut buffers;
+        for _ in 0..count as u64 {
+            x.copy_from_slice(&state);
+            y.copy_from_slice(&variation);
+            let mut bound = 1.0;
+            for k in 1..ORDERS {
+                let factor = part / k as f64;
+                beside[0].a.rows_times_to(0, x, factor / width, below);
+                beside[1].a.rows_times_to(0, x, factor / width, above);
+                self.a.rows_times_to(0, y, factor, next);
+                (0..size).for_each(|i| y[i] = next[i] + (above[i] - below[i]));
+                self.a.rows_times_to(0, x, factor, next);
+                std::mem::swap(x, next);
+                (0..size).for_each(|i| {
+                    state[i] += x[i];
+                    variation[i] += y[i];
+                });
+                bound *= self.rate * factor.abs();
+                if bound < REMAINDER {
+                    break;
+                }
+            }
+        }
+        variation
+    }
+
+    /// Calls `visit` with the series of each stretch of a flight and its length in s; returns the
+    /// state at the end.
+    pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&Series, f64)) -> Vec<f64> {
+        let count = self.stretches_of(span);
+        let part = span / count;
+        let (mut state, mut series) = (z.to_vec(), Series::default());
+        for _ in 0..count as u64 {
+            self.series(&state, part, &mut series);
+            visit(&series, part);
+            state.fill(0.0);
+            for term in series.terms().rev() {
+                state.iter_mut().zip(term).for_each(|(sum, x)| *sum += x);
+            }
+        }
+        state
+    }
+
+    /// Carries variations over a flight: each by its series, or, over many stretches, all by the
+    /// matrix exp(A t), found by squaring.
+    pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
+        let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
+        if count <= MANY || size > LARGE {
+            for v in variations.iter_mut() {
+                *v = self.stretches(v, span, &mut |_, _| ());
+            }
+            return;
+        }
+        let matrix = self.propagator(span);
+        for v in variations.iter_mut() {
+            let end = &matrix * DVector::from_column_slice(v);
+            v.copy_from_slice(end.as_slice());
+        }
+    }
+
+    /// exp(A t) of a span of either sign, by the series of a part of it, squared: of E - 1, so that
+    /// a short span keeps its digits. Its terms are products with the few entries of A.
+    pub fn propagator(&self, span: f64) -> DMatrix<f64> {
+        let size = self.a.len();
+        let doublings = (self.rate * span.abs() / PART).log2().ceil().max(0.0);
+        let part = span / doublings.exp2();
+        // Columns of these matrices are rows of the terms.
+        let mut term = DMatrix::identity(size, size);
+        let (mut change, mut next) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+        let mut bound = 1.0;
+        for k in 1..ORDERS {
+            let factor = part / k as f64;
+            let rows = term.as_slice().chunks_exact(size.max(1));
+            for (row, to) in rows.zip(next.as_mut_slice().chunks_exact_mut(size.max(1))) {
+                self.a.after_row(row, factor, to);
+            }
+            std::mem::swap(&mut term, &mut next);
+            change += &term;
+            bound *= self.rate * factor.abs();
+            if bound < REMAINDER {
+                break;
+            }
+        }
+        for _ in 0..doublings as u32 {
+            multiply(&change, &change, 1.0, &mut next);
+            next.iter_mut().zip(change.iter()).for_each(|(square, x)| *square += 2.0 * x);
+            std::mem::swap(&mut change, &mut next);
+        }
+        for i in 0..size {
+            change[(i, i)] += 1.0;
+        }
+        change.transpose()
+    }
+}
+
+/// Rows below which a product is summed in place: a library's product packs its factors first,
+/// which takes longer than such a product.
+const SMALL: usize = 32;
+
+/// Writes `factor` a b to a matrix of the product's shape.
+pub fn multiply(a: &DMatrix<f64>, b: &DMatrix<f64>, factor: f64, to: &mut DMatrix<f64>) {
+    if a.nrows() > SMALL {
+        return to.gemm(factor, a, b, 0.0);
+    }
+    let rows = a.nrows();
+    let columns = b.as_slice().chunks_exact(b.nrows());
+    for (to, b) in to.as_mut_slice().chunks_exact_mut(rows).zip(columns) {
+        to.fill(0.0);
+        for (a, b) in a.as_slice().chunks_exact(rows).zip(b).filter(|(_, b)| **b != 0.0) {
+            let b = factor * b;
+            to.iter_mut().zip(a).for_each(|(sum, a)| *sum += b * a);
+        }
+    }
+}
+
+/// Product of a row and a state.
+pub fn dot(row: &[f64], z: &[f64]) -> f64 {
+    row.iter().zip(z).map(|(a, b)| a * b).sum()
+}
+
+/// Coefficients of a functional along a series.
+pub fn coefficients(row: &[f64], series: &Series) -> [f64; ORDERS] {
+    let mut c = [0.0; ORDERS];
+    c.iter_mut().zip(series.terms()).for_each(|(c, term)| *c = dot(row, term));
+    c
+}
+
+/// Value of a polynomial.
+pub fn value_at(q: &[f64; ORDERS], u: f64) -> f64 {
+    q.iter().rev().fold(0.0, |sum, c| sum * u + c)
+}
+
+/// Visits the values of a polynomial at 0, at every extremum in between and at 1, in this order. It
+/// is monotone from one to the next.
+pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
+    turning_points(q, &mut |_, value| visit(value));
+}
+
+/// [`monotone_pieces`] with the places of the values.
+pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
+    visit(0.0, q[0]);
+    let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
+    if spread > 0.0 {
+        let slope: [f64; ORDERS] =
+            std::array::from_fn(|k| if k + 1 < ORDERS { (k + 1) as f64 * q[k + 1] } else { 0.0 });
+        turns(&slope, (0.0, 1.0), &mut (slope[0] > 0.0), |u, _| visit(u, value_at(q, u)));
+    }
+    visit(1.0, value_at(q, 1.0));
+}
+
+/// Flight as an observer receives it.
+#[derive(Clone, Copy, Debug)]
+pub struct ObservedFlight<'a> {
+    /// Time of its begin, s.
+    pub time: f64,
+    /// Linear system that holds.
+    pub flow: &'a Flow,
+    /// Augmented state at its begin.
+    pub start: &'a [f64],
+    /// Duration, s.
+    pub span: f64,
+}
+
+/// Event between two flights.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<'a> {
+    /// Time, s.
+    pub time: f64,
+    /// Functional that ended the flight; `None` for a knot of a signal.
+    pub watch: Option<Watch>,
+    /// Linear systems before and after.
+    pub flows: [&'a Flow; 2],
+    /// States before and after the event's law.
+    pub states: [&'a [f64]; 2],
+    /// Reported events.
+    pub events: &'a [Event],
+    /// Energy lost by it at impacts, J, by the engine's account; 0 where the motion keeps none.
+    pub lost: f64,
+}
+
+/// Observer of a motion that is followed.
+pub trait Observer {
+    /// Receives a flight that is over.
+    fn flight(&mut self, system: &System, flight: ObservedFlight<'_>);
+    /// Receives the event after it.
+    fn passage(&mut self, system: &System, passage: Passage<'_>);
+    /// Receives a reported event at once, also where its law then fails.
+    fn told(&mut self, _event: &Event) {}
+}
+
+/// Linear systems of the modes met so far.
+#[derive(Debug, Default)]
+pub struct Flows(HashMap<Mode, Arc<Flow>>);
+
+impl Flows {
+    /// The linear system of a mode.
+    pub fn of(&mut self, system: &System, mode: &Mode) -> Arc<Flow> {
+        if let Some(flow) = self.0.get(mode) {
+            return flow.clone();
+        }
+        let flow = Arc::new(Flow::new(system, mode));
+        self.0.insert(mode.clone(), flow.clone());
+        flow
+    }
+}
+
+impl Flows {
+    /// The value of a quantity now.
+    pub fn value(&mut self, motion: &Motion, quantity: Quantity) -> f64 {
+        let system = motion.assembly().system();
+        let flow = self.of(system, motion.mode());
+        dot(&flow.row_of(system, quantity), motion.state().as_slice())
+    }
+}
+
+/// Follows a motion to a time, or to the first event for which `stops` returns true, and passes its
+/// flights and events to the observers. Returns whether an event ended it.
+///
+/// # Errors
+/// As [`Motion::advance_to`].
+pub fn follow(
+    motion: &mut Motion,
+    flows: &mut Flows,
+    end: f64,
+    observers: &mut [&mut dyn Observer],
+    stops: &mut dyn FnMut(&[Event]) -> bool,
+) -> Result<bool, Error> {
+    let assembly = motion.assembly().clone();
+    let system = assembly.system();
+    let mut events = Vec::new();
+    // At a knot at the end samples are still to come.
+    while motion.time() < end || motion.has_time_event_until(end) {
+        let (start, from) = (own(motion.state()), motion.time());
+        let flow = flows.of(system, motion.mode());
+        events.clear();
+        let mut tell = |event: &Event| {
+            observers.iter_mut().for_each(|o| o.told(event));
+            events.push(event.clone());
+        };
+        let outcome = motion.advance_flight(end, &mut tell);
+        let span = motion.time() - from;
+        // A state that has overflowed is not observed.
+        if span > 0.0 && !matches!(outcome, Err(Error::Beyond { .. })) {
+            let flight = ObservedFlight { time: from, flow: &flow, start: &start, span };
+            observers.iter_mut().for_each(|o| o.flight(system, flight));
+        }
+        if outcome? == Reached::Event {
+            let (before, watch, time) = (own(motion.state()), motion.due(), motion.time());
+            let impacts = motion.energy().impacts;
+            let mut tell = |event: &Event| {
+                observers.iter_mut().for_each(|o| o.told(event));
+                events.push(event.clone());
+            };
+            motion.apply_event(&mut tell)?;
+            let lost = motion.energy().impacts.minus(impacts).value();
+            let (after, next) = (own(motion.state()), flows.of(system, motion.mode()));
+            let (flows, states) = ([&*flow, &*next], [&before[..], &after[..]]);
+            let passage = Passage { time, watch, flows, states, events: &events, lost };
+            observers.iter_mut().for_each(|o| o.passage(system, passage));
+            if stops(&events) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+fn own(z: &DVector<f64>) -> Vec<f64> {
+    z.iter().copied().collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,200 @@
+use super::*;
+use crate::tests::{OSCILLATOR, example, text};
+use crate::{Machine, Start};
+
+/// Roundings of some hundred stretches.
+const ROUNDING: f64 = 1e-11;
+
+fn started(machine: &Machine) -> Motion {
+    machine.motion(&Start::default()).unwrap().0
+}
+
+/// An undamped oscillation at 20/s from 0.1 m.
+fn swinging() -> Motion {
+    started(&text(
+        "name = \"S\"\n[body.a]\nmass = 2.0\nstart = { s = 0.1 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
+         [load.f]\non = \"a\"\namplitude = 0.0\nfrequency = 5.0\n",
+    ))
+}
+
+fn flow_of(motion: &Motion) -> Arc<Flow> {
+    Flows::default().of(motion.assembly().system(), motion.mode())
+}
+
+#[test]
+fn closed_form_polynomials_and_their_turning_points() {
+    let q = |low: &[f64]| {
+        let mut q = [0.0; ORDERS];
+        q[..low.len()].copy_from_slice(low);
+        q
+    };
+    assert_eq!(value_at(&q(&[1.0, 2.0, 3.0]), 2.0), 17.0);
+    assert_eq!(dot(&[1.0, 2.0], &[3.0, -4.0]), -5.0);
+    let series = Series { size: 2, terms: vec![3.0, -4.0, 0.5, 1.0] };
+    assert_eq!(coefficients(&[1.0, 2.0], &series)[..3], [-5.0, 2.5, 0.0]);
+    for (low, expected) in [
+        (&[2.0][..], &[(0.0, 2.0), (1.0, 2.0)][..]),
+        (&[2.0, -1.0], &[(0.0, 2.0), (1.0, 1.0)]),
+        (&[1.0, -4.0, 4.0], &[(0.0, 1.0), (0.5, 0.0), (1.0, 1.0)]),
+        (&[-1.0, 4.0, -4.0], &[(0.0, -1.0), (0.5, 0.0), (1.0, -1.0)]),
+        // (u - ¼)(u - ¾) is the slope.
+        (&[0.0, 0.1875, -0.5, 1.0 / 3.0], &[(0.0, 0.0), (0.25, 1.0 / 48.0), (0.75, 0.0), (1.0, 1.0 / 48.0)]),
+    ] {
+        let (mut found, mut values) = (Vec::new(), Vec::new());
+        turning_points(&q(low), &mut |u, x| found.push((u, x)));
+        monotone_pieces(&q(low), &mut |x| values.push(x));
+        assert_eq!(found.len(), expected.len(), "{low:?} {found:?}");
+        for ((found, value), expected) in found.iter().zip(values).zip(expected) {
+            assert!(
+                (found.0 - expected.0).abs() < ROUNDING && (found.1 - expected.1).abs() < ROUNDING,
+                "{low:?} {found:?}"
+            );
+            assert_eq!(value, found.1);
+        }
+    }
+}
+
+#[test]
+fn closed_form_a_flight_is_an_oscillation_by_series_of_bounded_length() {
+    let motion = swinging();
+    let (flow, z) = (flow_of(&motion), motion.state().as_slice());
+    assert!((flow.derivative(z)[1] + 40.0).abs() < ROUNDING);
+    let rate = flow.rate_of(&[0.0, 1.0, 0.0, 0.0, 0.0]);
+    assert!((rate[0] + 400.0).abs() < ROUNDING && rate[1].abs() < ROUNDING, "{rate:?}");
+    for span in [1e-3, 0.05, 3.0] {
+        let (mut time, mut count) = (0.0, 0);
+        let end = flow.stretches(z, span, &mut |series, length| {
+            let now = |u: f64| {
+                (0.1 * (20.0 * (time + u * length)).cos(), -2.0 * (20.0 * (time + u * length)).sin())
+            };
+            for u in [0.0, 0.3, 1.0] {
+                let at = |i: usize| series.terms().rev().fold(0.0, |sum, term| sum * u + term[i]);
+                assert!(
+                    (at(0) - now(u).0).abs() < ROUNDING && (at(1) - now(u).1).abs() < 20.0 * ROUNDING,
+                    "{span} {time} {u}"
+                );
+            }
+            (time, count) = (time + length, count + 1);
+        });
+        assert!((time - span).abs() < ROUNDING);
+        assert_eq!(f64::from(count), flow.stretches_of(span));
+        assert!((end[0] - 0.1 * (20.0 * span).cos()).abs() < ROUNDING, "{span}");
+    }
+    // A stretch is at most two, and a sub-step three, of the rate's inverse; the rate is at least
+    // 20/s.
+    let steps = flow.sub_steps_of(30.0);
+    assert!(steps >= 200.0 && flow.stretches_of(30.0) == (1.5 * steps).ceil(), "{steps}");
+    assert_eq!(flow.stretches_of(1e-9), 1.0);
+}
+
+#[test]
+fn second_method_variations_are_carried_by_a_matrix_as_each_by_its_series() {
+    let motion = started(&text(OSCILLATOR));
+    let flow = flow_of(&motion);
+    let size = motion.state().len();
+    let unit = |k: usize| (0..size).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
+    // Some stretches, and more than are carried one by one.
+    for span in [0.1, 6.0, 30.0] {
+        let mut all = [unit(0), unit(1), motion.state().as_slice().to_vec()];
+        let alone = all.clone().map(|v| flow.stretches(&v, span, &mut |_, _| ()));
+        flow.carry(&mut all, span);
+        for (carried, alone) in all.iter().zip(&alone) {
+            for (a, b) in carried.iter().zip(alone) {
+                assert!((a - b).abs() <= ROUNDING * b.abs().max(1.0), "{span}: {a} {b}");
+            }
+        }
+    }
+    assert!(flow.stretches_of(0.1) <= MANY && flow.stretches_of(6.0) > MANY);
+}
+
+/// What is seen of a motion.
+#[derive(Default)]
+struct Seen {
+    time: f64,
+    flights: u32,
+    told: Vec<Event>,
+    passed: Vec<Event>,
+    lost: f64,
+}
+
+impl Observer for Seen {
+    fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
+        assert!((flight.time - self.time).abs() < ROUNDING, "{} {}", flight.time, self.time);
+        self.time = flight.time + flight.span;
+        self.flights += 1;
+        let end = flight.flow.stretches(flight.start, flight.span, &mut |_, _| ());
+        assert!(end.iter().all(|x| x.is_finite()));
+    }
+    fn passage(&mut self, _: &System, passage: Passage<'_>) {
+        assert!((passage.time - self.time).abs() < ROUNDING);
+        assert!(
+            passage.watch.is_none_or(|own| passage.flows[0].watched.iter().any(|(watch, _)| *watch == own))
+        );
+        self.passed.extend_from_slice(passage.events);
+        self.lost += passage.lost;
+    }
+    fn told(&mut self, event: &Event) {
+        self.told.push(event.clone());
+    }
+}
+
+#[test]
+fn second_method_flights_and_passages_are_the_engines_motion() {
+    for name in ["damper_with_buffer.toml", "impact_pair.toml", "three_balls.toml", "brake_squeal.toml"] {
+        let mut motion = started(&example(name));
+        let mut by_engine = motion.clone();
+        let mut events = Vec::new();
+        by_engine.advance_observed(4.0, &mut |event| events.push(event.clone())).unwrap();
+        let mut seen = Seen::default();
+        let stopped =
+            follow(&mut motion, &mut Flows::default(), 4.0, &mut [&mut seen], &mut |_| false).unwrap();
+        assert!(
+            !stopped && (motion.time() - 4.0).abs() < ROUNDING && (seen.time - 4.0).abs() < ROUNDING,
+            "{name}"
+        );
+        assert_eq!((&seen.told, &seen.passed), (&events, &events), "{name}");
+        let lost = by_engine.energy().impacts.value();
+        assert!((seen.lost - lost).abs() <= ROUNDING * lost.abs(), "{name}");
+        // To the first event that is asked for, and no further.
+        let mut motion = started(&example(name));
+        let times: Vec<f64> = events.chunk_by(|a, b| a.time == b.time).map(|now| now[0].time).collect();
+        let mut count = 0;
+        let mut last = |now: &[Event]| {
+            count += usize::from(!now.is_empty());
+            count == times.len().min(3)
+        };
+        assert!(follow(&mut motion, &mut Flows::default(), 20.0, &mut [], &mut last).unwrap(), "{name}");
+        assert!((motion.time() - times[count - 1]).abs() < ROUNDING, "{name} {} {times:?}", motion.time());
+    }
+}
+
+/// The row of a quantity in the mode in force is what the motion says of it, in flights, rests and
+/// contacts.
+#[test]
+fn second_method_values_by_rows_are_the_columns_of_the_motion() {
+    for name in [
+        "damper_with_buffer.toml",
+        "gear_backlash.toml",
+        "brake_squeal.toml",
+        "bouncing_ball.toml",
+        "two_blocks.toml",
+    ] {
+        let mut motion = started(&example(name));
+        let d = motion.assembly().description.clone();
+        let mut flows = Flows::default();
+        for k in 1..=60 {
+            motion.advance_to(0.05 * f64::from(k)).unwrap();
+            let columns = crate::values(&motion);
+            for (quantity, value) in d.quantities().zip(columns) {
+                let row = flow_of(&motion).row_of(motion.assembly().system(), quantity);
+                let z = motion.state();
+                let size: f64 = row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum();
+                let found = flows.value(&motion, quantity);
+                assert!(
+                    (found - value).abs() <= ROUNDING * size.max(1e-9),
+                    "{name} {quantity:?}: {found} {value}"
+                );
+            }
+        }
+    }
+}

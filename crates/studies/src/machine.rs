@@ -1,0 +1,169 @@
+//! Described machine as the studies take it: with the rule of its section and the units of its
+//! parameters.
+
+use crate::Section;
+use crate::SectionRule;
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use vibro_machine::Start;
+use vibro_machine::description::{Body, Description};
+use vibro_machine::start::BodyStart;
+use vibro_machine::{Assembly, Motion, file};
+use vibro_impact::quantities::{Unit, quantity_in};
+
+/// Described machine, with its section and the units in which its parameters were written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub struct Machine {
+    /// Bodies and elements.
+    pub description: Description,
+    /// Rule of the section.
+    pub section: SectionRule,
+    /// Unit in which each parameter is shown, where it is not SI.
+    pub units: BTreeMap<String, String>,
+    /// Values that differ from those of the file, in words, by parameter.
+    pub changes: BTreeMap<String, String>,
+}
+
+/// Serialized form of a machine: the text of its file.
+#[derive(Serialize, Deserialize)]
+struct Written {
+    file: String,
+    section: SectionRule,
+    units: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    changes: BTreeMap<String, String>,
+}
+
+impl From<Machine> for Written {
+    fn from(machine: Machine) -> Self {
+        let Machine { description, section, units, changes } = machine;
+        Self { file: description.to_toml(), section, units, changes }
+    }
+}
+
+impl TryFrom<Written> for Machine {
+    type Error = Error;
+
+    fn try_from(written: Written) -> Result<Self> {
+        let description = file::parse(&written.file, "machine", &file::no_records)?;
+        let Written { section, units, changes, .. } = written;
+        Ok(Self { description, section, units, changes })
+    }
+}
+
+/// Rounding of e - gap relative to its terms.
+const ROUNDING: f64 = 1e-12;
+
+impl Machine {
+    /// A machine with the default section and SI units.
+    pub fn new(description: Description) -> Self {
+        Self { description, section: SectionRule::Auto, units: BTreeMap::new(), changes: BTreeMap::new() }
+    }
+
+    /// Its name, with the values that differ from those of its file.
+    ///
+    /// ```
+    /// # use vibro_studies::Machine;
+    /// # let text = "name = \"Pendulum\"\nbody.a = { mass = 1.0 }\n\
+    /// #     spring.s = { between = [\"ground\", \"a\"], stiffness = 1.0 }";
+    /// # let mut machine = Machine::parse(text, "pendulum.toml", &vibro_machine::file::no_records)?;
+    /// machine.changes.insert("body.a.mass".into(), "2 kg".into());
+    /// assert_eq!(machine.name_with_changes(), "Pendulum with body.a.mass = 2 kg");
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
+    pub fn name_with_changes(&self) -> String {
+        let changes: Vec<String> =
+            self.changes.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        let with = if changes.is_empty() { "" } else { " with " };
+        format!("{}{with}{}", self.description.name, changes.join(", "))
+    }
+
+    /// The machine with other values of some parameters, SI.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for unknown names and values that are not allowed.
+    pub fn with<'n>(&self, values: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self> {
+        Ok(Self { description: self.description.with(values)?, ..self.clone() })
+    }
+
+    /// SI unit of a parameter; `1` where there is none, and for an unknown name.
+    pub fn si_unit(&self, name: &str) -> &'static str {
+        self.description.parameter(name).map_or("1", |p| p.unit)
+    }
+
+    /// Unit in which a parameter was written, if it was.
+    pub fn written_unit(&self, name: &str) -> Option<&'static Unit> {
+        let symbol = self.units.get(name)?;
+        quantity_in(self.si_unit(name), &format!("1 {symbol}"))?.unit
+    }
+
+    /// Unit in which a parameter is shown: number of units in one of SI, and symbol.
+    pub fn unit(&self, name: &str) -> (f64, String) {
+        match (self.written_unit(name), self.si_unit(name)) {
+            (Some(unit), _) => (unit.number(1.0), unit.symbol()),
+            (None, "1") => (1.0, String::new()),
+            (None, si) => (1.0, si.replace('.', "·")),
+        }
+    }
+
+    /// A value of a parameter with its unit: `4 mm`.
+    pub fn told(&self, name: &str, value: f64) -> String {
+        let (factor, symbol) = self.unit(name);
+        let number = crate::significant(factor * value);
+        if symbol.is_empty() { number } else { format!("{number} {symbol}") }
+    }
+
+    /// The motion from a start, with its section.
+    ///
+    /// # Errors
+    /// What the machine's matrices or its section refuse; as [`Start::motion`].
+    pub fn motion(&self, start: &Start) -> Result<(Motion, Section)> {
+        let section = Section::of(&self.description, &self.section)?;
+        Ok((start.motion(Arc::new(Assembly::new(self.description.clone())?))?, section))
+    }
+
+    /// The motion from the [end](now) of another motion, of a machine with other numbers. Where its
+    /// state violates rigid stops, the engine moves bodies by the least amount in the inertia's
+    /// metric. If that fails, or no motion begins there, the machine's own start is taken.
+    ///
+    /// # Errors
+    /// What the machine's matrices, its own start or its section refuse.
+    pub fn motion_on(&self, end: &Start) -> Result<(Motion, Section)> {
+        let section = Section::of(&self.description, &self.section)?;
+        let assembly = Assembly::new(self.description.clone())?;
+        let body = |body: &Body| {
+            let given = end.bodies.get(&body.name).copied().unwrap_or_default();
+            (given.s.unwrap_or(0.0), given.v.unwrap_or(0.0))
+        };
+        let bodies = self.description.bodies.iter().map(body).collect();
+        let placed = Motion::starting_at(Arc::new(assembly.clone().starting_from(bodies)), end.time).ok();
+        let motion = match placed.filter(is_between_stops) {
+            Some(motion) => motion,
+            None => Motion::new(Arc::new(assembly))?,
+        };
+        Ok((motion, section))
+    }
+}
+
+/// Whether no rigid stop is violated.
+pub(crate) fn is_between_stops(motion: &Motion) -> bool {
+    let (system, z) = (motion.assembly().system(), motion.state());
+    system.stops.iter().filter(|stop| stop.keeps_gap()).all(|stop| {
+        let size: f64 = stop.excess.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum();
+        stop.excess.dot(z) <= ROUNDING * size
+    })
+}
+
+/// The present state of a motion, from which one of a machine with other numbers goes
+/// [on](Machine::motion_on): all bodies, since other arms may leave other coordinates free.
+pub fn now(motion: &Motion) -> Start {
+    let body = |(i, body): (usize, &Body)| {
+        let [s, v, _] = motion.body(i);
+        (body.name.clone(), BodyStart { s: Some(s), v: Some(v) })
+    };
+    let bodies = motion.assembly().description.bodies.iter().enumerate();
+    Start { bodies: bodies.map(body).collect(), ..Start::of(motion) }
+}

@@ -1,0 +1,55 @@
+//! Own values of a machine's modes, part by part: parts that nothing couples cost their sum.
+
+mod span;
+
+pub use span::{Oscillation, SHOWN, Span};
+
+use super::eigenvalues::eigenvalues;
+use nalgebra::{Complex, DMatrix};
+use vibro_machine::components::components;
+use vibro_machine::mode::Linear;
+use vibro_machine::system::System;
+
+/// Most states of a part whose values are all computed, by a dense matrix: its time grows with the
+/// third power of the states, and here is under a second.
+const DENSE: usize = 600;
+
+/// Own values of a machine's mode.
+#[derive(Debug)]
+pub struct Natural {
+    /// All values of the parts of at most 600 states, rad/s.
+    pub values: Vec<Complex<f64>>,
+    /// The lowest and highest oscillations of each larger part.
+    pub spans: Vec<Span>,
+}
+
+/// The own values of a mode's system among some of its states.
+pub fn natural(system: &System, linear: &Linear, places: &[usize]) -> Natural {
+    natural_above(system, linear, places, DENSE)
+}
+
+/// [`natural`] with the most states of a part that is computed as a dense matrix. A larger part is
+/// one, too, where its forces are not those of springs and dashpots among bodies alone.
+pub(super) fn natural_above(system: &System, linear: &Linear, places: &[usize], dense: usize) -> Natural {
+    let mut index = vec![usize::MAX; system.states()];
+    places.iter().enumerate().for_each(|(k, &place)| index[place] = k);
+    let rows = places.iter().enumerate().flat_map(|(k, &place)| {
+        let entries = linear.a.row(place).iter().filter(|entry| entry.0 < index.len());
+        entries.map(move |entry| (k, entry.0)).collect::<Vec<_>>()
+    });
+    let pairs = rows.map(|(k, j)| (k, index[j])).filter(|pair| pair.1 != usize::MAX);
+    let mut found = Natural { values: Vec::new(), spans: Vec::new() };
+    for part in components(places.len(), pairs) {
+        let part: Vec<usize> = part.into_iter().map(|k| places[k]).collect();
+        let span = (part.len() > dense).then(|| Span::of(system, linear, &part)).flatten();
+        match span {
+            Some(span) => found.spans.push(span),
+            None => {
+                let own = |i: usize, j: usize| linear.a.entry(part[i], part[j]);
+                let a = DMatrix::from_fn(part.len(), part.len(), own);
+                found.values.extend(eigenvalues(a));
+            }
+        }
+    }
+    found
+}

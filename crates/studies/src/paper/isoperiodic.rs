@@ -1,0 +1,311 @@
+//! Simulated motion over a plane of two parameters: period, impacts and class (an isoperiodic
+//! diagram), for the 3-DOF machine beside the exact orbit with two symmetric impacts a period.
+//!
+//! Every point has a motion of its own. The motions of some rows are a part; those of the 3-DOF
+//! machine run [side by side](Workspace::run).
+
+use super::attractor::{MotionClass, OBSERVED};
+use crate::design_sweep::{DesignMachine, Plain};
+use crate::error::{Error, Result};
+use super::parameter_set::ParameterSet;
+use crate::parts::Task;
+use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells};
+pub use super::start::StartRule;
+use super::start::state;
+use super::stroboscopic::{dimensionless, moving_block};
+use super::trajectories::{MOTIONS, Start, Workspace};
+use super::verdict::{Followed, Following, PROLONGED, follow};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Simulator, State};
+
+/// Request of an isoperiodic diagram.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct IsoperiodicRequest<M: DesignMachine = ParameterSet> {
+    /// Horizontal axis.
+    pub x: ParameterAxis<M::Name>,
+    /// Vertical axis.
+    pub y: ParameterAxis<M::Name>,
+    /// Start of each motion.
+    pub start: M::Start,
+    /// Drive periods discarded before a motion is observed.
+    pub discard: u32,
+    /// Drive periods or returns over which the largest exponents are computed, if they are.
+    ///
+    /// For the 3-DOF machine these are the most drive periods at a time, for motions with impacts
+    /// and without a period; the computation ends when the class is decided, and an undecided
+    /// motion is [followed](crate::paper::verdict) further. For a described machine these are the returns
+    /// counted for every motion; for one without a period the computation goes on until the class
+    /// is decided.
+    pub exponents: Option<u32>,
+}
+
+/// Machine whose motions can be studied over a plane.
+pub trait PlaneMachine: DesignMachine {
+    /// Result at a point.
+    type Point: Plain;
+    /// Workspace reused from part to part; it does not change results.
+    type Workspace: Default;
+    /// Motions in a part, rounded to whole rows.
+    const IN_PLANE_PART: usize;
+
+    /// Checks the properties on which every point depends.
+    ///
+    /// # Errors
+    /// Starts and names that are not allowed.
+    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()>;
+
+    /// The points of some rows, one row after the other.
+    fn points(
+        &self,
+        request: &IsoperiodicRequest<Self>,
+        rows: Range<usize>,
+        workspace: &mut Self::Workspace,
+    ) -> Vec<Self::Point>;
+}
+
+/// Motion on which a start has settled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SettledMotion {
+    /// Class of the motion.
+    pub class: MotionClass,
+    /// Impacts per drive period at the upper and at the lower stop.
+    pub impacts: [f64; 2],
+    /// Whether the block rests at a stop in part of a period.
+    pub rests: bool,
+    /// Whether the motion is its own mirror image; false for motions without a period.
+    pub symmetric: bool,
+    /// Largest of the seven exponents per unit of τ, with the standard error of its estimate, where
+    /// exponents were requested and there are impacts and no period. It is not negative, since one
+    /// of the seven is zero.
+    pub exponent: Option<[f64; 2]>,
+    /// Whether the motion is on the stable exact orbit, not just leaving it.
+    pub on_orbit: bool,
+}
+
+impl SettledMotion {
+    /// Whether the motion is of the exact orbit's kind: symmetric, with one impact at each stop in
+    /// each drive period, and without rest.
+    pub fn is_two_impact(&self) -> bool {
+        self.class == MotionClass::Periodic(1) && self.symmetric && self.impacts == [1.0; 2] && !self.rests
+    }
+}
+
+/// Point of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanePoint {
+    /// Class of the exact orbit there.
+    pub theory: SteadyStateClass,
+    /// The simulated motion; `None` where the simulator refuses.
+    pub motion: Option<SettledMotion>,
+}
+
+/// Plane of motions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isoperiodic<P = PlanePoint> {
+    /// Points, row by row of constant y from the lowest.
+    pub points: Vec<P>,
+}
+
+/// Agreement of theory and simulation, in numbers of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Agreement {
+    /// Points where the exact orbit is stable.
+    pub stable: usize,
+    /// Those of `stable` whose simulated motion is on the exact orbit. The others start in the
+    /// basin of another motion.
+    pub reached: usize,
+    /// Points whose simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
+    pub two_impact: usize,
+    /// Those of `two_impact` whose motion is on the exact orbit where it is stable. Any other
+    /// contradicts the theory.
+    pub predicted: usize,
+}
+
+impl Isoperiodic {
+    /// Agreement of theory and simulation.
+    pub fn agreement(&self) -> Agreement {
+        let count = |holds: &dyn Fn(&PlanePoint) -> bool| self.points.iter().filter(|p| holds(p)).count();
+        let stable = |p: &PlanePoint| p.theory == SteadyStateClass::Stable;
+        let orbit = |p: &PlanePoint| p.motion.is_some_and(|m| m.on_orbit);
+        let kind = |p: &PlanePoint| p.motion.is_some_and(|m| m.is_two_impact());
+        Agreement {
+            stable: count(&stable),
+            reached: count(&|p| stable(p) && orbit(p)),
+            two_impact: count(&kind),
+            predicted: count(&|p| kind(p) && orbit(p)),
+        }
+    }
+}
+
+/// Rows of the plane in a part.
+fn rows<M: PlaneMachine>(request: &IsoperiodicRequest<M>, part: usize) -> Range<usize> {
+    let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
+    part * rows..((part + 1) * rows).min(request.y.count)
+}
+
+/// Number of parts, each of one or more whole rows.
+pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
+    request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
+}
+
+/// The plane, on all threads; `None` where rows belong to other shards. The result depends neither
+/// on threads nor on shards.
+///
+/// # Errors
+/// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant
+/// loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the simulator
+/// refuses; what the parts' folder refuses.
+pub fn isoperiodic<M: PlaneMachine>(
+    machine: &M,
+    request: &IsoperiodicRequest<M>,
+    task: &Task,
+) -> Result<Option<Isoperiodic<M::Point>>> {
+    check(machine, request)?;
+    let part =
+        |workspace: &mut M::Workspace, part| Ok(machine.points(request, rows(request, part), workspace));
+    let parts = task.complete_with(count(request), part)?;
+    Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
+}
+
+/// Checks the properties on which every point depends.
+///
+/// # Errors
+/// As [`isoperiodic`], before any computation.
+pub fn check<M: PlaneMachine>(machine: &M, request: &IsoperiodicRequest<M>) -> Result<()> {
+    if M::is_same_quantity(&request.x.name, &request.y.name) {
+        let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
+        return Err(Error::Form { text, expected: "two independent parameters" });
+    }
+    // The parts are put together beside the whole plane.
+    check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<M::Point>())?;
+    machine.check_plane(request)
+}
+
+impl PlaneMachine for ParameterSet {
+    type Point = PlanePoint;
+    type Workspace = Workspace;
+    const IN_PLANE_PART: usize = MOTIONS;
+
+    fn check_plane(&self, request: &IsoperiodicRequest) -> Result<()> {
+        let p = self.parameters();
+        match &request.start {
+            StartRule::State(start) => Ok(Simulator::new(p, &state(p, start), 0.0).map(drop)?),
+            StartRule::Orbit => {
+                p.check_symmetric()?;
+                match [&request.x, &request.y].into_iter().find(|axis| axis.name.is_load()) {
+                    None => Ok(()),
+                    Some(axis) => Err(Error::Form {
+                        text: format!("start orbit, {} on an axis", axis.name.name()),
+                        expected: "a start by coordinates: the exact orbit is one without loads",
+                    }),
+                }
+            }
+        }
+    }
+
+    fn points(
+        &self,
+        request: &IsoperiodicRequest,
+        rows: Range<usize>,
+        workspace: &mut Workspace,
+    ) -> Vec<PlanePoint> {
+        points(self, request, rows, workspace)
+    }
+}
+
+/// Machine at a point of a row, before simulation.
+struct Site {
+    theory: SteadyStateClass,
+    /// State of the stable exact orbit at time 0.
+    orbit: Option<State>,
+    /// `None` where the values make no machine.
+    start: Option<Start>,
+}
+
+fn site(set: &ParameterSet, request: &IsoperiodicRequest, column: usize, row: usize) -> Site {
+    let none = Site { theory: SteadyStateClass::Undefined, orbit: None, start: None };
+    let row = set.with(request.y.name, request.y.value(row));
+    let Ok(set) = row.and_then(|row| row.with(request.x.name, request.x.value(column))) else { return none };
+    let parameters = *set.parameters();
+    let (theory, orbit) = plane::exact(&parameters).unwrap_or((SteadyStateClass::Undefined, None));
+    let orbit = orbit.map(|o| o.initial_state()).map(|o| State { x: o.x, v: o.v });
+    let state = match (&request.start, orbit) {
+        (StartRule::State(start), _) => state(&parameters, start),
+        (StartRule::Orbit, Some(orbit)) => orbit,
+        (StartRule::Orbit, None) => moving_block(&parameters),
+    };
+    Site { theory, orbit, start: Some(Start { parameters, state }) }
+}
+
+/// The points of some rows. Neighbours in a row have similar motions, which take similar times in
+/// their lanes.
+fn points(
+    set: &ParameterSet,
+    request: &IsoperiodicRequest,
+    rows: Range<usize>,
+    workspace: &mut Workspace,
+) -> Vec<PlanePoint> {
+    let sites = rows.flat_map(|j| (0..request.x.count).map(move |i| (i, j)));
+    let sites: Vec<Site> = sites.map(|(i, j)| site(set, request, i, j)).collect();
+    let mut points: Vec<PlanePoint> =
+        sites.iter().map(|site| PlanePoint { theory: site.theory, motion: None }).collect();
+    let there: Vec<(usize, Start)> =
+        sites.iter().enumerate().filter_map(|(index, site)| Some((index, site.start?))).collect();
+    let starts: Vec<Start> = there.iter().map(|(_, start)| *start).collect();
+    let following = Following {
+        discard: request.discard,
+        exponent: request.exponents,
+        // Without exponents, following chaos further would tell nothing.
+        limit: if request.exponents.is_some() { PROLONGED } else { 0 },
+    };
+    follow(workspace, &starts, &following, &mut |number, outcome, _| {
+        let (index, start) = there[number];
+        let orbit = sites[index].orbit.as_ref();
+        let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
+        points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
+        // A motion that wanders after the discarded periods has its class.
+        points[index].motion.is_none_or(|m| m.class.is_final() || seen_again && m.class.is_decided())
+    });
+    points
+}
+
+fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> SettledMotion {
+    let found = &followed.attractor;
+    let exponent = followed.exponent.map(|e| [e.value, e.error].map(|rate| rate / p.box_frequency()));
+    let symmetric = found.period.is_some() && found.is_symmetric();
+    SettledMotion {
+        class: followed.class,
+        impacts: found.impacts,
+        rests: found.rests,
+        symmetric,
+        exponent: exponent.map(|[value, error]| [value.max(0.0), error]),
+        on_orbit: found.period == Some(1)
+            && symmetric
+            && orbit.is_some_and(|o| found.passes(&dimensionless(p, o))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::find_group;
+
+    #[test]
+    fn second_method_beyond_a_doubling_there_is_one_orbit() {
+        // The orbit of one drive period has lost its stability at 2.8022 by so little that motions
+        // leaving it seem to be on a torus for thousands of periods. The orbit of two periods is
+        // stable there, as the branches of `vibro-orbits` show.
+        let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
+        let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();
+        let start = "x1=-0.6,v1=0.3,v2=0.4,x3=0.2".parse().unwrap();
+        let request = IsoperiodicRequest { x, y, start, discard: 300, exponents: Some(4000) };
+        let found = isoperiodic(&ParameterSet::basic(), &request, &Task::ALL).unwrap().unwrap();
+        let classes = found.points.iter().map(|point| point.motion.map(|motion| motion.class));
+        for (index, class) in classes.enumerate() {
+            assert_eq!(class, Some(MotionClass::Periodic(2)), "f10 = {}", request.x.value(index % 60));
+        }
+    }
+}

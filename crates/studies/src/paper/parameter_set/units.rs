@@ -1,0 +1,107 @@
+//! Numbers of a parameter with or without a unit of its dimension, and the units in which labels
+//! show parameters. Units are those of [`vibro_impact::quantities`].
+
+use super::{Name, name::physical_parameters};
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use vibro_impact::parameters::{FIELDS, LOADS};
+pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
+use vibro_impact::quantities::{UNITS, in_si, split, symbols};
+
+/// Unit in which each physical parameter was written: its index in [`UNITS`] plus 1, or 0 where it
+/// had none. Serialized as the units' symbols by the parameters' names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
+pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
+
+impl Units {
+    /// Whether no parameter had a unit.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The unit of a physical parameter, if it was written with one.
+    pub fn get(&self, name: &str) -> Option<&'static Unit> {
+        let place = physical_parameters().position(|f| f.name == name)?;
+        UNITS.get(usize::from(self.0[place]).checked_sub(1)?)
+    }
+
+    /// Sets the unit of a physical parameter; a unit of another dimension and an unknown name
+    /// change nothing.
+    pub fn set(&mut self, name: &str, symbol: &str) {
+        let Some((place, field)) = physical_parameters().enumerate().find(|(_, f)| f.name == name) else {
+            return;
+        };
+        if let Some(unit) = UNITS.iter().position(|u| u.si == field.unit && u.symbol == symbol) {
+            self.0[place] = unit as u8 + 1;
+        }
+    }
+}
+
+impl From<BTreeMap<String, String>> for Units {
+    fn from(written: BTreeMap<String, String>) -> Self {
+        let mut units = Self::default();
+        written.iter().for_each(|(name, symbol)| units.set(name, symbol));
+        units
+    }
+}
+
+impl From<Units> for BTreeMap<String, String> {
+    fn from(units: Units) -> Self {
+        let written = |name: &str| Some((name.to_owned(), units.get(name)?.symbol.to_owned()));
+        physical_parameters().filter_map(|f| written(f.name)).collect()
+    }
+}
+
+/// Parses a number of a parameter, with or without a unit, such as `48 kN/m`; without one it is in
+/// the parameter's SI unit.
+///
+/// # Errors
+/// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
+fn quantity(name: Name, text: &str) -> Result<Quantity> {
+    let no_number =
+        || Error::NotANumber { name: name.name(), text: text.trim().into(), allowed: name.allowed() };
+    let (number, symbol) = split(text).ok_or_else(no_number)?;
+    in_si(name.unit(), number, symbol).ok_or_else(|| {
+        let allowed = symbols(name.unit()).collect::<Vec<_>>().join(", ");
+        Error::Unit { name: name.name(), unit: symbol.into(), allowed }
+    })
+}
+
+/// The value of a number, with or without a unit, in the parameter's SI unit.
+///
+/// ```
+/// use vibro_studies::paper::{Name, number};
+///
+/// assert_eq!(number(Name::find("box.k")?, "48 kN/m")?, 48_000.0);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
+pub fn number(name: Name, text: &str) -> Result<f64> {
+    Ok(quantity(name, text)?.value)
+}
+
+/// The unit that stands beside a number; `None` where there is none, and for a text that is no
+/// number of the parameter.
+pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
+    quantity(name, text).ok()?.unit
+}
+
+/// The values of several numbers of one parameter, and the unit in which they were written. Either
+/// all have a unit or none, so that `9:11Hz` is no mixture. Ranges are not checked: the meaning of
+/// a number without a unit may depend on
+/// [how the parameter was written](super::ParameterSet::unit).
+///
+/// # Errors
+/// As [`number`], and [`Error::Form`] for a mixture.
+pub fn numbers(name: Name, texts: &[&str]) -> Result<(Vec<f64>, Option<&'static Unit>)> {
+    let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
+    if all.iter().any(|q| q.unit.is_some() != all[0].unit.is_some()) {
+        let text = format!("{}={}", name.name(), texts.join(":"));
+        return Err(Error::Form { text, expected: "a unit at every number or at none" });
+    }
+    Ok((all.iter().map(|q| q.value).collect(), all.first().and_then(|q| q.unit)))
+}

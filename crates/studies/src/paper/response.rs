@@ -1,0 +1,166 @@
+//! Response curves: steady states along one parameter, with their stability (figures 10, 11).
+
+use crate::error::Result;
+use super::maxima::Displacement;
+use super::parameter_set::{Name, ParameterSet};
+use super::plane::Method;
+use vibro_impact::parameters::Groups;
+use vibro_impact::steady::Sheet;
+use vibro_impact::steady::continuation::{self, Branch, Special};
+use vibro_impact::steady::multiple_scales::Manifold;
+
+/// Point of a response curve, with amplitudes in units of L.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResponsePoint {
+    /// Parameter that varies.
+    pub value: f64,
+    /// Sheet of the solution.
+    pub sheet: Sheet,
+    /// C; for the exact orbit the corresponding number of multiple scales, A2/(1-ε+ε²).
+    pub c: f64,
+    /// Amplitude of U.
+    pub b: f64,
+    /// Amplitudes of X1, X2, X3.
+    pub a: [f64; 3],
+    /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a
+    /// theory passes them; for strong coupling |W| at the impact.
+    pub w: f64,
+    /// Whether the curve from here to the next point is stable and admissible.
+    pub stable: bool,
+    /// Whether the block keeps clear of the stops between its impacts.
+    pub clear: bool,
+    /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md
+    /// (56)).
+    pub right: bool,
+    /// Special point here, if there is one.
+    pub special: Option<Special>,
+}
+
+impl ResponsePoint {
+    /// Amplitude of a coordinate; `None` for sums, whose phases a curve does not hold.
+    pub fn amplitude(&self, of: Displacement) -> Option<f64> {
+        match of {
+            Displacement::X1 => Some(self.a[0]),
+            Displacement::X2 => Some(self.a[1]),
+            Displacement::X3 => Some(self.a[2]),
+            Displacement::W => Some(self.w),
+            Displacement::Sum(_) => None,
+        }
+    }
+}
+
+/// Connected curves of one theory.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// The theory.
+    pub method: Method,
+    /// Curves with points in order; a closed curve ends where it begins.
+    pub curves: Vec<Vec<ResponsePoint>>,
+}
+
+/// The response by a theory along a parameter over a range, with `nodes` points per sheet.
+///
+/// # Errors
+/// The range of the parameter, and what the theory refuses.
+pub fn response(
+    set: &ParameterSet,
+    along: impl Into<Name>,
+    range: (f64, f64),
+    method: Method,
+    nodes: usize,
+) -> Result<Response> {
+    let along = along.into();
+    set.check_symmetric([along])?;
+    for value in [range.0, range.1] {
+        set.with(along, value)?;
+    }
+    let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(*set.with(along, value)?.groups()) };
+    // A branch has points only where there is a machine, so that the alternative is never taken.
+    let at = |value: f64| groups(value).unwrap_or(*set.groups());
+    let curves = match method {
+        Method::MultipleScales => {
+            let branch = continuation::multiple_scales(groups, range, nodes)?;
+            let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
+                let g = at(value);
+                // The κ of a solution has a manifold.
+                let w = Manifold::new(g.kappa).map_or(f64::NAN, |m| m.w_max(p.c));
+                Motion {
+                    c: p.c,
+                    b: p.b,
+                    a: [p.a1(), p.a2(), p.a3],
+                    w,
+                    clear: p.admissibility.geometric,
+                    groups: g,
+                }
+            };
+            collect(&branch, point)
+        }
+        Method::StrongCoupling => {
+            let branch = continuation::strong_coupling(groups, range, nodes)?;
+            let point = |value: f64, p: &vibro_impact::steady::strong_coupling::StrongPoint| {
+                let w = p.motion_at_drive(p.drive_phase).w.abs();
+                Motion {
+                    c: p.c,
+                    b: p.b,
+                    a: [p.a1(), p.a2(), p.a3],
+                    w,
+                    clear: p.admissibility.geometric,
+                    groups: at(value),
+                }
+            };
+            collect(&branch, point)
+        }
+        Method::ExactOrbit => {
+            let path = |value| Ok(*set.with(along, value)?.parameters());
+            let branch = continuation::exact_orbit(path, range, nodes)?;
+            let point = |value: f64, o: &vibro_impact::steady::exact_orbit::ExactOrbit| {
+                let g = at(value);
+                let gap = o.parameters().stop_gap;
+                let a = o.amplitudes().map(|a| a / gap);
+                let b = o.amplitude_of([1.0, g.epsilon, 0.0]) / gap;
+                let w = o.amplitude_of(Displacement::W.weights()) / gap;
+                let c = a[1] / (1.0 - g.epsilon + g.epsilon * g.epsilon);
+                Motion { c, b, a, w, clear: o.is_clear(), groups: g }
+            };
+            collect(&branch, point)
+        }
+    };
+    Ok(Response { method, curves })
+}
+
+/// Motion by a theory, with the meaning of the fields of [`ResponsePoint`].
+struct Motion {
+    c: f64,
+    b: f64,
+    a: [f64; 3],
+    w: f64,
+    clear: bool,
+    groups: Groups,
+}
+
+fn collect<P>(branch: &Branch<P>, motion: impl Fn(f64, &P) -> Motion) -> Vec<Vec<ResponsePoint>> {
+    let convert = |p: &continuation::BranchPoint<P>| {
+        let Motion { c, b, a, w, clear, groups } = motion(p.value, &p.solution);
+        let right = Manifold::new(groups.kappa).is_ok_and(|manifold| c >= manifold.c_smin());
+        ResponsePoint {
+            value: p.value,
+            sheet: p.sheet,
+            c,
+            b,
+            a,
+            w,
+            stable: p.stable,
+            clear,
+            right,
+            special: p.special,
+        }
+    };
+    let curve = |curve: &continuation::Curve<P>| {
+        let mut points: Vec<_> = curve.points.iter().map(convert).collect();
+        if curve.closed {
+            points.extend(points.first().copied());
+        }
+        points
+    };
+    branch.curves.iter().map(curve).collect()
+}

@@ -1,0 +1,135 @@
+//! Many independent motions at once: on all threads, and in each thread sixteen side by side in the
+//! processor's vectors.
+
+mod queue;
+
+use self::queue::{LaneRecord, Motions};
+use super::attractor::{Attractor, StroboscopicRecord};
+use crate::error::Result;
+pub use super::largest_exponent::LargestExponent;
+use super::maxima::Displacement;
+use rayon::prelude::*;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};
+
+/// Least number of motions in a part of a study. A lane that has finished a motion takes the next,
+/// so that lanes are idle only for the last few; with this number that is a tenth.
+pub(crate) const MOTIONS: usize = 128;
+
+/// Start of a motion at time 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The machine.
+    pub parameters: Parameters,
+    /// The state.
+    pub state: State,
+}
+
+/// Stages of each motion, in order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Program {
+    /// Whole drive periods that are discarded.
+    pub discard: u32,
+    /// Whether a motion that has certainly settled on a period while discarding, or has no more
+    /// impacts, ends there with the attractor that it would be observed to have. Only for motions
+    /// that are observed and whose maxima are not collected.
+    pub until_settled: bool,
+    /// Displacement whose maxima are collected, if any, and the number of whole drive periods.
+    pub maxima: Option<(Displacement, u32)>,
+    /// Whether the motion is then [observed](super::attractor::observe).
+    pub observed: bool,
+    /// Most drive periods over which the largest exponent of a motion with impacts and without a
+    /// period is computed, if it is. Only for motions that are observed; most of the observation
+    /// counts in any case.
+    pub exponent: Option<u32>,
+}
+
+impl Program {
+    /// Whether motions end as soon as their attractor is known.
+    fn ends_early(&self) -> bool {
+        self.until_settled && self.observed && self.maxima.is_none()
+    }
+}
+
+/// Result of a motion.
+#[derive(Debug)]
+pub struct MotionEnd<'a> {
+    /// State at the end, a whole number of drive periods after the start.
+    pub state: State,
+    /// Maxima, m, in order of time.
+    pub maxima: &'a [f64],
+    /// Attractor, if the motion was observed.
+    pub attractor: Option<Attractor>,
+    /// Largest exponent besides the drive phase's zero, where it was requested and there are
+    /// impacts and no period.
+    pub exponent: Option<LargestExponent>,
+    /// Record of the observation, if there was one.
+    pub(crate) record: &'a StroboscopicRecord,
+}
+
+/// Workspace of a thread: simulators and records that serve one motion after another, so that
+/// nothing is allocated for each.
+#[derive(Debug, Default)]
+pub struct Workspace {
+    simulators: Vec<Simulator>,
+    lanes: Vec<LaneRecord>,
+    /// Use of the lanes so far.
+    pub used: LaneUse,
+    /// Way in which motions are advanced; others than the default are for comparisons.
+    pub way: Way,
+}
+
+impl Workspace {
+    /// Runs a program on motions on this thread, and calls `finished` for each as it ends with its
+    /// index among the starts. The result of a motion does not depend on the others. If the
+    /// simulator refuses a motion, that is its result.
+    pub fn run(
+        &mut self,
+        starts: &mut dyn Iterator<Item = Start>,
+        program: &Program,
+        finished: &mut dyn FnMut(usize, Result<MotionEnd<'_>>),
+    ) {
+        let mut starts = starts.enumerate();
+        let mut first = None;
+        while self.simulators.is_empty() {
+            // The first motion that is accepted creates the simulators.
+            let Some((number, start)) = starts.next() else { return };
+            match Simulator::new(&start.parameters, &start.state, 0.0) {
+                Ok(simulator) => {
+                    self.simulators = vec![simulator.without_energy_accounts(); TOGETHER];
+                    self.lanes.resize_with(TOGETHER, LaneRecord::default);
+                    first = Some((number, start));
+                }
+                Err(refused) => finished(number, Err(refused.into())),
+            }
+        }
+        let mut starts = first.into_iter().chain(starts);
+        let mut motions = Motions::new(&mut starts, program, finished, &mut self.lanes);
+        self.used += advance_queue_by(self.way, &mut self.simulators, &mut motions);
+    }
+}
+
+/// Advances motions over `periods` whole drive periods on all threads, and calls `done` after each.
+/// The results are in the order of the starts and depend neither on the number of threads nor on
+/// the other starts. Since the periods are whole, a motion may be continued from its result at time
+/// 0.
+///
+/// # Errors
+/// Each start has its own result: what [`Simulator::new`] or [`Simulator::advance_until`] refuses.
+pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
+    let program = Program { discard: periods, ..Program::default() };
+    let share = starts.len().div_ceil(4 * rayon::current_num_threads()).clamp(TOGETHER, MOTIONS);
+    let together = |workspace: &mut Workspace, starts: &[Start]| {
+        let mut ends: Vec<Option<Result<State>>> = starts.iter().map(|_| None).collect();
+        workspace.run(&mut starts.iter().copied(), &program, &mut |number, outcome| {
+            done();
+            ends[number] = Some(outcome.map(|outcome| outcome.state));
+        });
+        // Each motion has a result.
+        ends.into_iter().flatten().collect::<Vec<_>>()
+    };
+    starts.par_chunks(share).map_init(Workspace::default, together).flatten_iter().collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,83 @@
+//! Points of a settled motion at its section: after whole periods, at a phase of them, or at each
+//! event of an element.
+
+use super::{Machine, Section, columns, common_period, settle, values};
+use crate::error::{Error, Result};
+use std::f64::consts::TAU;
+use vibro_machine::Start;
+use vibro_machine::motion::EventKind;
+
+/// Request of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoincareRequest {
+    /// Start of the motion.
+    pub start: Start,
+    /// Phase at a section of whole periods, rad.
+    pub phase: f64,
+    /// Returns discarded; fewer where the motion has settled.
+    pub discard: u32,
+    /// Returns kept.
+    pub keep: u32,
+}
+
+/// A point of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionPoint {
+    /// Time, s.
+    pub time: f64,
+    /// Phase of the common period of what drives the machine, rad; `None` where nothing does.
+    pub phase: Option<f64>,
+    /// Closing speed of an impact or first touch, m/s or rad/s.
+    pub speed: Option<f64>,
+    /// The machine's [columns], just after an event.
+    pub values: Vec<f64>,
+}
+
+/// The section of a request.
+///
+/// # Errors
+/// As [`Section::of`]; [`Error::Described`] for a phase that is not finite, and for one at a
+/// section of events.
+pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
+    let section = Section::of(&machine.description, &machine.section)?;
+    let refused = |allowed: &str| {
+        Err(Error::Described { problem: format!("phase = {phase:?} rad: allowed is {allowed}") })
+    };
+    match section {
+        _ if !phase.is_finite() => refused("a finite angle"),
+        _ if phase == 0.0 => Ok(section),
+        Section::Period(period) => Ok(Section::Shifted(period, (phase / TAU).rem_euclid(1.0) * period)),
+        _ => refused("0 at a section of an element's events"),
+    }
+}
+
+/// The points of a settled motion at its section. `go_on` is called at each return, and ends the
+/// record by returning false.
+///
+/// # Errors
+/// As [`section_of`]; as [`Machine::motion`] and [`Section::advance`].
+pub fn poincare(
+    machine: &Machine,
+    request: &PoincareRequest,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Vec<SectionPoint>> {
+    let section = section_of(machine, request.phase)?;
+    let (motion, _) = machine.motion(&request.start)?;
+    let mut motion = motion.without_energy_accounts();
+    settle(&mut motion, &section, request.discard)?;
+    let period = common_period(&machine.description);
+    let mut found = Vec::new();
+    while found.len() < request.keep as usize && go_on() {
+        let mut speed = None;
+        section.advance(&mut motion, &mut |event| match (event.kind, section) {
+            (EventKind::Impact { stop, speed: own, .. }, Section::Stop(i)) if stop == i => speed = Some(own),
+            (EventKind::Press { stop, speed: own }, Section::Stop(i)) if stop == i => speed = Some(own),
+            _ => {}
+        })?;
+        let time = motion.time();
+        let phase = period.map(|period| TAU * (time / period).fract());
+        found.push(SectionPoint { time, phase, speed, values: values(&motion) });
+    }
+    debug_assert!(found.iter().all(|point| point.values.len() == columns(&machine.description).len()));
+    Ok(found)
+}

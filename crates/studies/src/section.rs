@@ -1,0 +1,252 @@
+//! Poincaré section of a described machine: whole common periods of its harmonics and repeated
+//! signals or, without these, the events of one element. A return to the section corresponds to a
+//! drive period of the 3-DOF machine.
+
+use super::flight::{Flows, Observer, follow};
+use crate::error::{Error, Result};
+use serde::{Deserialize, Serialize};
+use vibro_machine::Motion;
+use vibro_machine::description::{Description, Signal};
+use vibro_machine::elements::NamedSignal;
+use vibro_machine::motion::{Event, EventKind, Reached};
+
+/// Relative accuracy to which frequencies are multiples of one another.
+const COMMENSURATE: f64 = 1e-9;
+/// Most periods of the slowest harmonic in a common period.
+const MOST_PERIODS: u32 = 1000;
+/// Longest allowed time between two events that define the section, s.
+const WITHIN: f64 = 100.0;
+
+/// Offset of a shifted section from whole periods, as a fraction of the period. Its value is not
+/// near a ratio of small integers.
+const BESIDE: f64 = 0.381_966_011_250_105;
+
+/// Rule by which the section is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum SectionRule {
+    /// Whole common periods of all harmonics and repeated signals; without these the events of the
+    /// first stop; without stops those of the first friction.
+    #[default]
+    Auto,
+    /// Whole multiples of a time, s.
+    Period(f64),
+    /// Events of an element: impacts and first touches of a stop; each time that a friction begins
+    /// to stick.
+    Element(String),
+}
+
+/// Poincaré section of a machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Section {
+    /// Whole multiples of a time, s.
+    Period(f64),
+    /// Whole multiples of a time, s, plus an offset, s, for motions with events at whole multiples.
+    Shifted(f64, f64),
+    /// Impacts or first touches of a stop.
+    Stop(usize),
+    /// Times at which a friction begins to stick.
+    Friction(usize),
+}
+
+/// The frequencies of all signals, Hz: of harmonics, of what repeats, and of sweeps behind their
+/// ends.
+pub(super) fn frequencies(d: &Description) -> impl Iterator<Item = f64> {
+    let harmonics = d.signals().flat_map(|s| s.signal.harmonics.iter());
+    let repeats = d.signals().filter_map(|s| s.signal.repeat);
+    let sweeps = d.signals().flat_map(|s| s.signal.sweeps.iter()).map(|sweep| sweep.to);
+    let periods = repeats.chain(samples(d));
+    harmonics.map(|h| h.frequency).chain(periods.map(|period| 1.0 / period)).chain(sweeps)
+}
+
+/// The times between samples of blocks, s.
+fn samples(d: &Description) -> impl Iterator<Item = f64> {
+    d.blocks.iter().filter_map(|block| Some(block.sampling.as_ref()?.period))
+}
+
+/// Whether no signal changes with time; prescribed bodies may move uniformly.
+pub fn is_steady(d: &Description) -> bool {
+    let is_constant =
+        |s: &Signal| s.harmonics.is_empty() && s.sweeps.is_empty() && s.steps.is_empty() && s.table.is_none();
+    let is_uniform = |s: &NamedSignal| s.motion != Some(2) || s.signal.constant == 0.0;
+    samples(d).next().is_none() && d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
+}
+
+/// Least time that is a whole number of periods of each harmonic, of each repeated signal, and of
+/// samples, s;
+/// `None` without them, if it exceeds 1000 of the longest of these periods, and with a sweep.
+pub fn common_period(d: &Description) -> Option<f64> {
+    if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
+}
+
+/// [`common_period`] once all sweeps have ended.
+pub(super) fn last_period(d: &Description) -> Option<f64> {
+    let all: Vec<f64> = frequencies(d).collect();
+    let slowest = all.iter().copied().reduce(f64::min)?;
+    let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
+    let all = |k: &u32| all.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
+    let count = f64::from((1..=MOST_PERIODS).find(all)?);
+    // A repeated signal's period without the rounding of its frequency.
+    let repeats = d.signals().filter_map(|s| s.signal.repeat).chain(samples(d));
+    let repeat = repeats.into_iter().find(|period| 1.0 / period == slowest);
+    Some(repeat.map_or(count / slowest, |period| count * period))
+}
+
+impl Section {
+    /// The section of a machine.
+    ///
+    /// # Errors
+    /// [`Error::Described`] if the rule gives no section; its text says what is allowed.
+    pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
+        let refused = |problem: String| Err(Error::Described { problem });
+        match rule {
+            SectionRule::Period(period) if period.is_finite() && *period > 0.0 => Ok(Self::Period(*period)),
+            SectionRule::Period(period) => {
+                refused(format!("period = {period:?} s: allowed is a finite time above 0"))
+            }
+            SectionRule::Element(name) => {
+                let plain = name.split_once('.').map_or(name.as_str(), |(_, plain)| plain);
+                let stop = d.stops.iter().position(|s| s.name == plain).map(Self::Stop);
+                let friction = || d.frictions.iter().position(|f| f.name == plain).map(Self::Friction);
+                stop.or_else(friction).map_or_else(
+                    || {
+                        let known =
+                            d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
+                        let known: Vec<&str> = known.map(String::as_str).collect();
+                        let problem = format!("section = {name:?}: no stop or friction has this name");
+                        refused(format!("{problem}; allowed are {}", known.join(", ")))
+                    },
+                    Ok,
+                )
+            }
+            SectionRule::Auto => match common_period(d) {
+                Some(period) => Ok(Self::Period(period)),
+                None if d.signals().any(|s| !s.signal.sweeps.is_empty()) => {
+                    let name = d
+                        .signals()
+                        .find(|s| !s.signal.sweeps.is_empty())
+                        .map_or_else(String::new, |s| s.name);
+                    refused(format!(
+                        "{name} is a sweep, with which there is no common period; give a period (--period), or an element whose events \
+                         are the section"
+                    ))
+                }
+                None if frequencies(d).next().is_some() => {
+                    let repeats = d.signals().any(|s| s.signal.repeat.is_some());
+                    let what = if repeats {
+                        "the periods of harmonics and repeats"
+                    } else {
+                        "the harmonics' frequencies"
+                    };
+                    refused(format!(
+                        "{what} have no common period up to 1000 periods of the slowest; give a period, or an element whose events are \
+                         the section"
+                    ))
+                }
+                None if !d.stops.is_empty() => Ok(Self::Stop(0)),
+                None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
+                None => {
+                    refused("the machine has neither harmonics nor stops nor friction; give a period".into())
+                }
+            },
+        }
+    }
+
+    /// Section in words: `periods of 0.1 s`, `events of stop.floor`.
+    pub fn in_words(&self, d: &Description) -> String {
+        match self {
+            Self::Period(period) | Self::Shifted(period, _) => {
+                format!("periods of {} s", crate::significant(*period))
+            }
+            Self::Stop(i) => format!("events of stop.{}", d.stops[*i].name),
+            Self::Friction(i) => format!("events of friction.{}", d.frictions[*i].name),
+        }
+    }
+
+    fn is_met(&self, events: &[Event]) -> bool {
+        events.iter().any(|event| match (event.kind, self) {
+            (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }, Self::Stop(i)) => stop == *i,
+            (EventKind::Stick { friction }, Self::Friction(i)) => friction == *i,
+            _ => false,
+        })
+    }
+
+    fn missed(&self, motion: &Motion) -> Error {
+        let words = self.in_words(&motion.assembly().description);
+        Error::Described {
+            problem: format!("{words}: none within {WITHIN} s before t = {} s", motion.time()),
+        }
+    }
+
+    /// End of the current period; `None` for a section of events.
+    fn end(&self, time: f64) -> Option<f64> {
+        let (period, shift) = match self {
+            Self::Period(period) => (*period, 0.0),
+            Self::Shifted(period, shift) => (*period, *shift),
+            Self::Stop(_) | Self::Friction(_) => return None,
+        };
+        Some((((time - shift) / period + COMMENSURATE).floor() + 1.0) * period + shift)
+    }
+
+    /// Whether each return is a whole number of turns of a harmonic with a frequency in Hz.
+    pub(super) fn holds(&self, frequency: f64) -> bool {
+        let turns = match self {
+            Self::Period(period) | Self::Shifted(period, _) => period * frequency,
+            Self::Stop(_) | Self::Friction(_) => return false,
+        };
+        (turns - turns.round()).abs() <= COMMENSURATE * turns && turns.round() >= 1.0
+    }
+
+    /// This section of whole periods, shifted by `BESIDE` periods; `None` for other sections.
+    pub(super) fn beside(&self) -> Option<Self> {
+        match self {
+            Self::Period(period) => Some(Self::Shifted(*period, BESIDE * period)),
+            _ => None,
+        }
+    }
+
+    /// Advances to the next return and reports every event on the way.
+    ///
+    /// # Errors
+    /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
+    pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
+        if let Some(end) = self.end(motion.time()) {
+            return Ok(motion.advance_observed(end, tell)?);
+        }
+        let end = motion.time() + WITHIN;
+        let mut events = Vec::new();
+        loop {
+            events.clear();
+            let outcome = motion.advance_to_event(end, &mut |event| {
+                tell(event);
+                events.push(event.clone());
+            })?;
+            match outcome {
+                _ if self.is_met(&events) => return Ok(()),
+                Reached::End => return Err(self.missed(motion)),
+                Reached::Event => {}
+            }
+        }
+    }
+
+    /// Advances to the next return and passes the flights and events before it to observers.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn follow(
+        &self,
+        motion: &mut Motion,
+        flows: &mut Flows,
+        observers: &mut [&mut dyn Observer],
+    ) -> Result<()> {
+        if let Some(end) = self.end(motion.time()) {
+            follow(motion, flows, end, observers, &mut |_| false)?;
+            return Ok(());
+        }
+        let end = motion.time() + WITHIN;
+        let met = follow(motion, flows, end, observers, &mut |events| self.is_met(events))?;
+        if met { Ok(()) } else { Err(self.missed(motion)) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

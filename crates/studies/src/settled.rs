@@ -1,0 +1,411 @@
+//! Attractor of a described machine's motion: period in returns to the section, class, largest
+//! exponent.
+//!
+//! A period is decided where states return, where the [derivative of the period](super::monodromy)
+//! shows that the orbit is near, and where no part of the period would do: a motion that seems to
+//! return in 2T next to a doubling is followed until it returns in T, or until its two states are
+//! farther apart than the way that is left. A motion undecided after the most returns is settling
+//! or not settled.
+
+use super::flight::Flows;
+use super::growth::{ALIGN, Growth};
+use super::monodromy::{MARGINAL, Multipliers, Period, shift};
+use super::oscillations::oscillations;
+use super::returns::ReturnRecord;
+use super::section::{Section, frequencies, last_period};
+use super::variation::{Metric, Variation};
+use crate::paper::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
+use crate::error::{Error, Result};
+use crate::paper::largest_exponent::{ExponentSign, LargestExponent};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use vibro_machine::neutral::Neutral;
+use vibro_machine::{Assembly, Motion};
+
+/// Return, relative to the sizes of states, at which a motion is not followed further.
+const STEADY: f64 = 1e-9;
+/// Returns between two checks whether a motion has settled.
+const LOOK: u32 = 4;
+/// Factor by which a motion must have been followed longer before the derivative of its period is
+/// computed again.
+const AGAIN: f64 = 1.25;
+/// Distance of distinct states of an orbit in units of the distance from the orbit.
+const APART: f64 = 20.0;
+/// Most returns over which an exponent is counted before its sign is left open, if returns are the
+/// slowest rate of the motion: as many as decide that it is zero, by [`ZERO_EXPONENT`].
+const MOST_RETURNS: u32 = 3_300;
+/// Largest factor by which that number grows where an own oscillation is slower.
+const SLOWER: f64 = 4.0;
+/// Most returns for which an undecided motion is followed.
+const PROLONGED: u32 = 8_192;
+/// Returns between two checks of an exponent's sign.
+const BLOCK: u32 = 8;
+/// Logarithm by which rounding grows to be visible.
+const PARTED: f64 = 20.0;
+/// Distance from the orbit at which the exponent by the multiplier of a period is exact.
+const NEAR: f64 = 1e-9;
+
+/// Attractor on which a motion has settled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settled {
+    /// Period in returns, where there is one up to [`LONGEST`](crate::paper::attractor::LONGEST).
+    pub period: Option<u32>,
+    /// Class of the motion.
+    pub class: MotionClass,
+    /// Largest exponent besides neutral ones, where it was computed and the class is decided;
+    /// before that it would be the exponent of the transient.
+    pub exponent: Option<LargestExponent>,
+    /// Impacts and first touches a return.
+    pub contacts: f64,
+    /// Whether a stop stays closed or a friction sticks at some time.
+    pub rests: bool,
+    /// Mean time between returns, s.
+    pub interval: f64,
+    /// States of one period, SI: elongations and rates of elements, and phases of harmonics that
+    /// the section does not fix.
+    pub states: Vec<Vec<f64>>,
+    /// Sizes of the states' numbers, SI.
+    pub scales: Vec<f64>,
+    /// Time after the section at which the states are taken, s.
+    pub shift: f64,
+}
+
+impl Settled {
+    /// Whether two motions are on different attractors: by class, period or states. `None` where
+    /// that is undecided, as for two chaotic motions.
+    pub fn differs(&self, other: &Self) -> Option<bool> {
+        if !(self.class.is_decided() && other.class.is_decided()) {
+            return None;
+        }
+        if self.class != other.class {
+            return Some(true);
+        }
+        if self.period.is_none() || self.shift != other.shift {
+            return None;
+        }
+        let scales: Vec<f64> = self.scales.iter().zip(&other.scales).map(|(a, b)| a.max(*b)).collect();
+        let is_same = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).zip(&scales).all(|((a, b), scale)| (a - b).abs() <= SAME * scale)
+        };
+        Some(!other.states.iter().all(|theirs| self.states.iter().any(|mine| is_same(mine, theirs))))
+    }
+}
+
+/// A motion that is followed from return to return.
+struct Follower<'a> {
+    motion: &'a mut Motion,
+    section: Section,
+    record: ReturnRecord,
+    /// Number of returns followed.
+    followed: u32,
+    /// Number of returns followed at which the derivative of the period is computed again.
+    next_look: u32,
+    /// Whether the orbit near which the motion seems to return was unstable when it was last
+    /// examined.
+    is_unstable: bool,
+}
+
+impl<'a> Follower<'a> {
+    fn new(motion: &'a mut Motion, section: &Section) -> Self {
+        let record = ReturnRecord::new(motion, section);
+        Self { motion, section: *section, record, followed: 0, next_look: 0, is_unstable: false }
+    }
+
+    fn at_event(&self) -> bool {
+        matches!(self.section, Section::Stop(_) | Section::Friction(_))
+    }
+
+    fn begin(&mut self) {
+        self.record = ReturnRecord::new(self.motion, &self.section);
+        let at_event = self.at_event();
+        self.record.arrive(self.motion, at_event);
+    }
+
+    /// Continues to the next return.
+    fn advance(&mut self) -> Result<()> {
+        let record = &mut self.record;
+        self.section.advance(self.motion, &mut |event| record.event(event))?;
+        let at_event = self.at_event();
+        self.record.arrive(self.motion, at_event);
+        if self.record.returns.len() == 2 {
+            let interval = self.record.interval();
+            self.record.look_between(self.motion, interval);
+        }
+        self.followed += 1;
+        Ok(())
+    }
+
+    /// The period with its derivative, where it is decided; the motion is then one period further.
+    fn period(&mut self, near: f64) -> Result<Option<(u32, Period)>> {
+        if self.followed < self.next_look || self.record.is_beside {
+            return Ok(None);
+        }
+        let Some(returns) = self.record.period(near) else { return Ok(None) };
+        let mut after = self.motion.clone();
+        let period = Period::follow(&mut after, &self.section, &self.record, returns)?;
+        self.next_look = (f64::from(self.followed) * AGAIN) as u32 + LOOK;
+        let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
+        let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
+        let is_whole = apart.all(|apart| apart > APART * period.distance);
+        // A motion that stays long on an orbit from which neighbours depart is exactly on it, as by
+        // symmetry.
+        let growth = period.multiplier.map_or(0.0, f64::ln);
+        let turns = self.record.returns.len() as f64 / f64::from(returns);
+        let stays = near <= STEADY && turns * growth > PARTED;
+        self.is_unstable = growth > MARGINAL && !stays;
+        if period.distance > RETURN || !is_whole || self.is_unstable {
+            return Ok(None);
+        }
+        *self.motion = after;
+        Ok(Some((returns, period)))
+    }
+
+    /// Whether the motion has a period by its returns, on an orbit that is not unstable.
+    fn seems_periodic(&self) -> bool {
+        !self.is_unstable && self.record.period(RETURN).is_some()
+    }
+
+    /// Follows the motion until its period is decided, over up to [`OBSERVED`] returns.
+    fn observe(&mut self) -> Result<Option<(u32, Period)>> {
+        self.begin();
+        for k in 1..=OBSERVED {
+            self.advance()?;
+            if k % LOOK == 0
+                && let Some(found) = self.period(STEADY)?
+            {
+                return Ok(Some(found));
+            }
+        }
+        if self.record.is_beside
+            && let Some(section) = self.section.beside()
+        {
+            // Contacts at the section itself may come on either side of it.
+            self.section = section;
+            return self.observe();
+        }
+        self.period(RETURN)
+    }
+
+    /// Follows the motion as long again as so far, or until its period is decided.
+    fn prolong(&mut self) -> Result<Option<(u32, Period)>> {
+        for k in 1..=self.followed {
+            self.advance()?;
+            self.record.shorten();
+            if k % LOOK == 0
+                && let Some(found) = self.period(STEADY)?
+            {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// Advances a motion over `discard` returns, or until it has settled.
+///
+/// # Errors
+/// As [`Section::advance`].
+pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<()> {
+    let mut follower = Follower::new(motion, section);
+    for k in 1..=discard {
+        follower.advance()?;
+        if k % LOOK == 0 && follower.period(STEADY)?.is_some() {
+            return Ok(());
+        }
+        follower.record.shorten();
+    }
+    Ok(())
+}
+
+/// Refuses what asks for neighbouring motions of a machine that has none.
+///
+/// # Errors
+/// [`Error::Described`] for a machine that moves as prescribed.
+pub fn require_free(assembly: &Assembly) -> Result<()> {
+    if assembly.system().states() > 0 {
+        return Ok(());
+    }
+    let problem = format!(
+        "{} moves as prescribed, so that no motion is beside it; allowed is a machine with a body that forces move",
+        assembly.description.name
+    );
+    Err(Error::Described { problem })
+}
+
+/// Slowest rate of a motion, rad/s: that of its returns or of a slower own oscillation.
+fn slowest(motion: &Motion, interval: f64) -> f64 {
+    let own = oscillations(motion.assembly().system()).into_iter();
+    own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
+}
+
+/// Growth of a variation from the present on, until its sign is decided and it has been counted
+/// over `least` returns, or over the most.
+fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
+    let motion = &mut *follower.motion;
+    let assembly = motion.assembly().clone();
+    let system = assembly.system();
+    let metric = Metric::by_frequency(
+        system.coordinates,
+        system.places_of_first_order().len(),
+        TAU / follower.record.interval(),
+    );
+    let neutral = Neutral::of(system);
+    let mut variation = Variation::new(system, motion.mode(), metric, &neutral);
+    let mut flows = Flows::default();
+    let mut growth = Growth::default();
+    variation.grown(shift(motion));
+    let slower = ZERO_EXPONENT * TAU / follower.record.interval() / threshold;
+    let most = least.max((f64::from(MOST_RETURNS) * slower.clamp(1.0, SLOWER)) as u32);
+    for k in 1..=most + ALIGN as u32 {
+        let from = motion.time();
+        follower.section.follow(motion, &mut flows, &mut [&mut variation])?;
+        growth.add(variation.grown(shift(motion)), motion.time() - from);
+        if growth.is_lost() {
+            break;
+        }
+        let decided = || growth.sign(threshold) != ExponentSign::Undecided;
+        if k % BLOCK == 0 && growth.returns() >= least && decided() {
+            break;
+        }
+    }
+    Ok(growth)
+}
+
+/// Follows a motion with a period nearer to its orbit. Returns the last two periods.
+fn approach(follower: &mut Follower<'_>, (returns, first): (u32, Period)) -> Result<[Period; 2]> {
+    let mut periods = [first; 2];
+    let mut left = PROLONGED / 4;
+    while periods[1].exponent().is_some() && left >= returns {
+        // The distance left to the orbit changes multipliers in proportion.
+        if periods[1].distance <= NEAR && periods[1] != first {
+            break;
+        }
+        let next = Period::follow(follower.motion, &follower.section, &follower.record, returns)?;
+        let came_nearer = next.distance < periods[1].distance;
+        periods = [periods[1], next];
+        left -= returns;
+        if !came_nearer && left < PROLONGED / 8 {
+            break;
+        }
+    }
+    Ok(periods)
+}
+
+/// Multipliers of the periodic orbit on which a motion has settled, from the derivative of each of
+/// two periods in a row. `None` for a motion without a period.
+///
+/// # Errors
+/// As [`Section::advance`].
+pub(super) fn multipliers(motion: &mut Motion, section: &Section) -> Result<Option<[Multipliers; 2]>> {
+    let mut follower = Follower::new(motion, section);
+    let Some(found) = follower.observe()? else { return Ok(None) };
+    approach(&mut follower, found)?;
+    let Follower { motion, section, record, .. } = follower;
+    let mut next = || Multipliers::follow(motion, &section, &record, found.0);
+    let [first, second] = [next()?, next()?];
+    Ok(first.zip(second).map(|(first, second)| [first, second]))
+}
+
+/// Exponent of a motion with a period, by its multipliers, or by the growth of a variation where
+/// the multipliers are too small to be told from rounding.
+fn periodic_exponent(
+    follower: &mut Follower<'_>,
+    (returns, first): (u32, Period),
+    least: u32,
+) -> Result<LargestExponent> {
+    let periods = approach(follower, (returns, first))?;
+    let Some(value) = periods[1].exponent() else {
+        return Ok(growth(follower, least, f64::INFINITY)?.exponent());
+    };
+    let before = periods[0].exponent().unwrap_or(value);
+    Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
+}
+
+/// The attractor of a motion from the present on. `exponents` is the least number of returns over
+/// which the exponent of a motion without a period is counted, whose sign decides the class; where
+/// it is given, the exponent of a motion with a period is computed too.
+///
+/// # Errors
+/// As [`Section::advance`].
+pub fn settled(motion: &mut Motion, section: &Section, exponents: Option<u32>) -> Result<Settled> {
+    if exponents.is_some() {
+        require_free(motion.assembly())?;
+    }
+    let has_free = motion.assembly().system().states() > 0;
+    let mut follower = Follower::new(motion, section);
+    let mut period = follower.observe()?;
+    let (mut class, mut exponent) = (MotionClass::Settling, None);
+    while period.is_none() {
+        let on_its_way = follower.seems_periodic();
+        class = MotionClass::Settling;
+        if !has_free {
+            // Prescribed motions without a common period.
+            class = MotionClass::QuasiPeriodic;
+            break;
+        }
+        if !on_its_way {
+            let d = &follower.motion.assembly().description;
+            let has_periods = last_period(d).is_some() || frequencies(d).next().is_none();
+            let threshold = ZERO_EXPONENT * slowest(follower.motion, follower.record.interval());
+            let growth = growth(&mut follower, exponents.unwrap_or(0), threshold)?;
+            exponent = Some(growth.exponent());
+            let sign = growth.sign(threshold);
+            class = MotionClass::by_sign(None, Some(sign), follower.record.is_approaching());
+            if class == MotionClass::QuasiPeriodic && follower.record.drifts() {
+                class = MotionClass::NotSettled;
+            }
+            if class == MotionClass::Settling && !has_periods {
+                // Two frequencies without a common period leave a quasi-periodic motion.
+                class = MotionClass::QuasiPeriodic;
+            }
+            follower.followed += growth.returns();
+        }
+        if class.is_decided() || follower.followed >= PROLONGED {
+            break;
+        }
+        if on_its_way || class == MotionClass::Settling {
+            period = follower.prolong()?;
+        }
+        if period.is_none() {
+            period = follower.observe()?;
+        }
+    }
+    if let Some((returns, found)) = period {
+        class = MotionClass::Periodic(returns);
+        exponent = match exponents {
+            Some(least) => Some(periodic_exponent(&mut follower, (returns, found), least)?),
+            None => None,
+        };
+    } else if follower.seems_periodic() {
+        class = MotionClass::Settling;
+    }
+    Ok(follower.seen(period.map(|p| p.0), class, exponent))
+}
+
+impl Follower<'_> {
+    /// The attractor from the record of the motion.
+    fn seen(&self, period: Option<u32>, class: MotionClass, exponent: Option<LargestExponent>) -> Settled {
+        let record = &self.record;
+        let count = period.map_or(record.returns.len().saturating_sub(1), |n| n as usize).max(1);
+        let last = &record.returns[record.returns.len().saturating_sub(count)..];
+        let contacts = last.iter().map(|r| f64::from(r.contacts)).sum::<f64>() / last.len() as f64;
+        let shown = if period.is_some() { last } else { &last[last.len() - 1..] };
+        Settled {
+            period,
+            class,
+            exponent: exponent.filter(|_| class.is_decided()),
+            contacts,
+            rests: record.rests,
+            interval: record.interval(),
+            states: shown.iter().map(|r| r.state.clone()).collect(),
+            scales: record.scales(),
+            shift: match self.section {
+                Section::Shifted(_, shift) => shift,
+                _ => 0.0,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+//! Time over which a motion must be observed. It begins after the last change of the signals and
+//! lasts several periods of the machine's slowest own oscillation.
+
+use super::oscillations::oscillations;
+use super::section::Section;
+use super::settled::discard;
+use crate::error::{Error, Result};
+use crate::significant;
+use vibro_machine::Motion;
+use vibro_machine::description::Description;
+use vibro_machine::elements::NamedSignal;
+
+/// Least length of a window, and of the discarded time before it, in periods of the slowest own
+/// oscillation.
+const SLOWEST: f64 = 4.0;
+/// Largest factor by which a window may be longer than requested.
+const MOST: f64 = 100.0;
+/// Least number of events in a window.
+const EVENTS: u32 = 8;
+/// Largest factor by which the window is prolonged to contain [`EVENTS`] events.
+const TIMES: u32 = 10;
+
+/// Period of the slowest own oscillation, s; 0 without one.
+fn slowest(motion: &Motion) -> f64 {
+    oscillations(motion.assembly().system()).into_iter().map(|f| 1.0 / f).fold(0.0, f64::max)
+}
+
+/// Least length of a window, s.
+///
+/// # Errors
+/// [`Error::Described`] where it is more than a hundred times the requested one.
+pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result<f64> {
+    let slowest = slowest(motion);
+    is_allowed(section, periods, slowest, "measured, --periods")?;
+    Ok(SLOWEST * slowest)
+}
+
+/// Refuses a number of periods if the slowest own oscillation needs more than a hundred times this
+/// number.
+fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
+    match section {
+        Section::Period(period) | Section::Shifted(period, _)
+            if SLOWEST * slowest > MOST * f64::from(periods) * period =>
+        {
+            Err(too_short(f64::from(periods) * period, periods, slowest, option))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn too_short(time: f64, periods: u32, slowest: f64, option: &str) -> Error {
+    let least = (SLOWEST * slowest / (time / f64::from(periods))).ceil();
+    Error::Described {
+        problem: format!(
+            "{periods} periods ({option}) last {} s, and the machine's slowest own oscillation takes {} s, which must fit in {SLOWEST} \
+             times; allowed are {least} periods or more, or a longer --period",
+            significant(time),
+            significant(slowest)
+        ),
+    }
+}
+
+/// Progress of a window.
+pub(super) struct Passed {
+    begin: f64,
+    needed: f64,
+    periods: u32,
+    returns: u32,
+    events: u32,
+}
+
+impl Passed {
+    /// A window from now on, over at least a time and a number of returns.
+    pub fn new(motion: &Motion, needed: f64, periods: u32) -> Self {
+        Self { begin: motion.time(), needed, periods, returns: 0, events: 0 }
+    }
+
+    /// Counts a return with its events; returns whether the window is long enough.
+    ///
+    /// # Errors
+    /// [`Error::Described`] where it would be more than a hundred times the requested one.
+    pub fn is_enough(&mut self, motion: &Motion, (events, repeats): (u32, bool)) -> Result<bool> {
+        self.returns += 1;
+        self.events = self.events.saturating_add(events);
+        let time = motion.time() - self.begin;
+        if repeats && SLOWEST * time >= self.needed {
+            return Ok(true);
+        }
+        if self.returns < self.periods {
+            return Ok(false);
+        }
+        if time < self.needed {
+            let is_too_long = f64::from(self.returns) >= MOST * f64::from(self.periods);
+            let problem = || too_short(time, self.returns, self.needed / SLOWEST, "measured, --periods");
+            return if is_too_long { Err(problem()) } else { Ok(false) };
+        }
+        let is_rare = (1..EVENTS).contains(&self.events);
+        Ok(!is_rare || self.returns >= self.periods.saturating_mul(TIMES))
+    }
+}
+
+/// The last step or end of a record of all signals that do not repeat: its time, s, and its
+/// description; `None` if all signals are periodic or constant.
+fn last_change(d: &Description) -> Option<(f64, String)> {
+    let of = |NamedSignal { name, signal, .. }: NamedSignal| {
+        let ends = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
+        let sweep = ends.map(|end| (end, format!("{name} is a sweep up to {} s", significant(end))));
+        if signal.repeat.is_some() {
+            return [sweep, None, None];
+        }
+        let step =
+            signal.steps.last().map(|s| (s.time, format!("{name} has a step at {} s", significant(s.time))));
+        let end = signal.table.as_ref().and_then(|table| table.knots.last()).map(|k| k.0);
+        let record = end.map(|end| (end, format!("{name} is a record up to {} s", significant(end))));
+        [sweep, step, record]
+    };
+    d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
+}
+
+/// Description of the last change of a signal if it comes after `time`, s; `None` if all signals
+/// are periodic or constant from then on.
+pub fn runs_on(d: &Description, time: f64) -> Option<String> {
+    last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
+}
+
+/// Description of the last change of a signal if it comes after `discard` returns from a start at
+/// the time `begin`, s.
+/// With a section of events the time of these returns is not known in advance, and a change at any
+/// time counts.
+pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, discard: u32) -> Option<String> {
+    match section {
+        Section::Period(period) | Section::Shifted(period, _) => {
+            runs_on(d, begin + f64::from(discard) * period)
+        }
+        Section::Stop(_) | Section::Friction(_) => runs_on(d, begin),
+    }
+}
+
+/// Discards the transient. First the motion advances past the last change of a signal, but by at
+/// most `returns` returns: if the change comes later, the function ends there. Then the motion
+/// advances until it has settled, again by at most `returns` returns. If less than four periods of
+/// the slowest own oscillation have passed after the last change, more returns follow.
+///
+/// # Errors
+/// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred
+/// times the requested time.
+pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
+    let begin = motion.time();
+    let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);
+    let mut passed = 0;
+    while motion.time() < end && passed < returns {
+        section.advance(motion, &mut |_| ())?;
+        passed += 1;
+    }
+    if motion.time() < end || returns == 0 {
+        return Ok(());
+    }
+    let slowest = slowest(motion);
+    is_allowed(section, returns, slowest, "discarded, --discard")?;
+    let (begin, most) = (motion.time(), (MOST * f64::from(returns)) as u64);
+    discard(motion, section, returns)?;
+    if motion.time() - begin >= SLOWEST * slowest {
+        return Ok(());
+    }
+    for _ in 0..most {
+        if motion.time() - begin >= SLOWEST * slowest {
+            break;
+        }
+        section.advance(motion, &mut |_| ())?;
+    }
+    discard(motion, section, returns)
+}
+
+#[cfg(test)]
+mod tests;

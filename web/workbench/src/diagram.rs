@@ -1,0 +1,61 @@
+//! One direction of a bifurcation diagram.
+
+use crate::file::read;
+use serde_json::json;
+use vibro_studies::diagram::{DiagramRequest, Direction};
+use vibro_studies::paper::plane::ParameterAxis;
+use vibro_machine::Start;
+use wasm_bindgen::prelude::*;
+
+/// One direction of a diagram under way.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Diagram(Direction);
+
+#[wasm_bindgen]
+impl Diagram {
+    /// A direction of the diagram of a quantity over a parameter, SI: `count` values from `from` to
+    /// `to`, its local maxima, or its values at the section. `discard` and `keep` are returns.
+    ///
+    /// # Errors
+    /// The problems of the text as JSON; names and ranges that are not allowed.
+    #[wasm_bindgen(constructor)]
+    #[allow(clippy::too_many_arguments)]
+    pub fn new(
+        text: &str,
+        names: Vec<String>,
+        texts: Vec<String>,
+        parameter: &str,
+        range: &[f64],
+        count: usize,
+        of: &str,
+        at_section: bool,
+        discard: u32,
+        keep: u32,
+        upward: bool,
+    ) -> Result<Diagram, JsError> {
+        let machine = read(text, &names, &texts)?;
+        let ends = (range.first().copied().unwrap_or(0.0), range.get(1).copied().unwrap_or(0.0));
+        let request = DiagramRequest {
+            axis: ParameterAxis::of(parameter.to_owned(), ends, count)?,
+            of: of.parse()?,
+            at_section,
+            discard,
+            keep,
+            exponents: None,
+            anew: false,
+            start: Start::default(),
+        };
+        Ok(Self(Direction::new(machine, request, upward)?))
+    }
+
+    /// The next value as JSON: `index`, `start` (the state it has settled in, as a start's file),
+    /// `values`, `words` (its class); null after the last.
+    pub fn further(&mut self) -> String {
+        let Some((index, start, point)) = self.0.next() else { return "null".into() };
+        let values: Vec<f64> = point.iter().flat_map(|point| point.maxima.iter().map(|m| m.0)).collect();
+        let words = point.as_ref().map_or(String::new(), |point| point.settled.class.name());
+        let start = start.map(|start| start.to_toml());
+        json!({ "index": index, "start": start, "values": values, "words": words }).to_string()
+    }
+}
