@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
+use vibro_impact::{Groups, Scales, Simulator, State};
 use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
-use vibro_impact::{Groups, Scales, Simulator, State};
 
 /// Rounds of each machine, of which the least time counts.
 const ROUNDS: usize = 7;

@@ -5,12 +5,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
-use vibro_studies::Machine;
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_machine::Start;
 use vibro_machine::file::no_records;
-use vibro_orbits::{Family, Kind, Orbit, TreeOptions, branch, tree};
 use vibro_orbits::paper::{Label, PathOptions};
+use vibro_orbits::{Family, Kind, Orbit, TreeOptions, branch, tree};
+use vibro_studies::Machine;
+use vibro_studies::paper::{ParameterSet, find_group};
 
 /// Values at which a settled orbit is looked for on a branch.
 const ROWS: usize = 161;
@@ -72,7 +72,8 @@ fn settled_rows(family: &Family) -> Vec<Orbit> {
 fn main() {
     let paper = example("paper_machine.toml");
     let (time, points, events) = followed(&paper, "load.drive.amplitude", (0.1, 0.3));
-    let span = vibro_orbits::paper::Span::new(find_group("f10").expect("a group"), 1.0, 3.0).expect("a range");
+    let span =
+        vibro_orbits::paper::Span::new(find_group("f10").expect("a group"), 1.0, 3.0).expect("a range");
     let family = vibro_orbits::paper::Family::new(&ParameterSet::basic(), span).expect("a family");
     let system = family.system(&[1.5]).expect("a machine");
     let word = vibro_orbits::paper::OrbitWord::new("UL", 1, 2).expect("a word");

@@ -5,11 +5,13 @@
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::{Simulator, State};
-use vibro_orbits::paper::{Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree};
+use vibro_orbits::paper::{
+    Family, Orbit, PathOptions, Span, System, TreeOptions, branch, orbit_of, settle, tree,
+};
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{ParameterSet, find_group};
 
 /// Rounds, of which the least time counts.
 const ROUNDS: u32 = 5;

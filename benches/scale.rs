@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
-use vibro_studies::natural::natural;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Motion};
+use vibro_studies::natural::natural;
 
 /// Numbers of bodies, to the first of which the others are compared.
 const COUNTS: [usize; 4] = [100, 400, 2_000, 10_000];

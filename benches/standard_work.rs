@@ -8,12 +8,12 @@ use fmu_build::version::Version;
 use fmu_build::{package, platforms};
 use std::fmt::Write as _;
 use std::time::Instant;
-use vibro_paper_component::component::variables;
-use vibro_paper_component::fmi2::description::{self, MODEL_IDENTIFIER};
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::advance_together;
 use vibro_impact::{Simulator, State};
+use vibro_paper_component::component::variables;
+use vibro_paper_component::fmi2::description::{self, MODEL_IDENTIFIER};
 
 #[path = "../tests/common/golden.rs"]
 #[allow(dead_code, missing_docs)]

@@ -4,10 +4,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use vibro_studies::paper::plane::{Method, ParameterAxis, plane};
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_impact::{Groups, Parameters};
+use vibro_studies::paper::plane::{Method, ParameterAxis, plane};
+use vibro_studies::paper::{ParameterSet, find_group};
 
 fn points(c: &mut Criterion) {
     let (groups, parameters) = (Groups::basic(), Parameters::default());

@@ -10,18 +10,18 @@
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
+use vibro_impact::reference::{Reference, Tolerance};
+use vibro_impact::simulator::{LaneUse, Way};
+use vibro_impact::{Groups, Parameters, Scales, Simulator};
 use vibro_studies::paper::attractor::OBSERVED;
 use vibro_studies::paper::bifurcation::{Sweep, diagram};
 use vibro_studies::paper::isoperiodic::{IsoperiodicRequest, StartRule, isoperiodic};
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::Task;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::stroboscopic::{dimensional, moving_block};
 use vibro_studies::paper::trajectories::{Program, Start, Workspace, propagate};
 use vibro_studies::paper::{ParameterSet, find_group, lyapunov};
-use vibro_impact::reference::{Reference, Tolerance};
-use vibro_impact::simulator::{LaneUse, Way};
-use vibro_impact::{Groups, Parameters, Scales, Simulator};
+use vibro_studies::parts::Task;
 
 const ROUNDS: usize = 5;
 /// Resolution of the processors' clock, s.

@@ -14,8 +14,8 @@ use fmu_build::{archive, compile, explorer, package, platforms, reference, run};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use vibro_figures::canvas;
-use vibro_paper_component::fmi2::description::MODEL_IDENTIFIER;
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_paper_component::fmi2::description::MODEL_IDENTIFIER;
 
 /// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native
 /// library and draws what happened.

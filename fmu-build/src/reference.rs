@@ -8,14 +8,14 @@ use fmi_doors::description::Experiment;
 use fmi_doors::{Component as _, Model as _};
 use std::fmt::Write;
 use vibro_figures::html::escape;
-use vibro_paper_component::component::identity::default_experiment;
-use vibro_paper_component::component::log::Silence;
-use vibro_paper_component::component::variables::{Bases, reference};
-use vibro_paper_component::component::{Instance, Interface, structure};
 use vibro_impact::parameters::{FIELDS, Groups, Scales};
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_pack::reference::{ALWAYS, manifest, smoke_test};
+use vibro_paper_component::component::identity::default_experiment;
+use vibro_paper_component::component::log::Silence;
+use vibro_paper_component::component::variables::{Bases, reference};
+use vibro_paper_component::component::{Instance, Interface, structure};
 
 pub use vibro_pack::reference::FOLDER;
 

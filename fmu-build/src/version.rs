@@ -5,9 +5,9 @@ use crate::check;
 use crate::error::{Error, Result};
 use fmi_doors::description::Description;
 use std::path::{Path, PathBuf};
+use vibro_pack::{PackedPlatform, binary_path};
 use vibro_paper_component::fmi2;
 use vibro_paper_component::fmi3::description::{self, ARRAYS, CLOCKED, Edition, MAIN, MODEL_IDENTIFIER};
-use vibro_pack::{PackedPlatform, binary_path};
 
 pub use vibro_pack::MODEL_DESCRIPTION;
 

@@ -6,8 +6,8 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use vibro_studies::paper::ParameterSet;
 use vibro_orbits::paper::{Orbit, OrbitWord, System};
+use vibro_studies::paper::ParameterSet;
 
 /// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its
 /// loss of stability.

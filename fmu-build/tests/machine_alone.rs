@@ -11,7 +11,8 @@ use std::process::Command;
 const DEPENDENCIES: [&str; 4] = ["nalgebra", "pulp", "serde", "thiserror"];
 /// What it must never need: C types, threads, command lines, pictures, and the packages that stand
 /// on it.
-const NEVER: [&str; 7] = ["libc", "rayon", "clap", "tiny-skia", "postcard", "vibro-studies", "vibro-paper-component"];
+const NEVER: [&str; 7] =
+    ["libc", "rayon", "clap", "tiny-skia", "postcard", "vibro-studies", "vibro-paper-component"];
 
 fn cargo(arguments: &[&str]) -> String {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));

@@ -10,10 +10,10 @@ use fmu_build::version::Version;
 use fmu_build::{archive, inspect, package};
 use std::path::Path;
 use std::process::Command;
+use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables;
 use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi3::description as fmi3;
-use vibro_impact::{Parameters, Simulator, State};
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 

@@ -8,22 +8,22 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_studies::paper::basin::{self, InitialValueAxis};
-use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
-use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
-use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::paper::motion::settled_simulator;
-use vibro_studies::parts::Task;
-use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::trajectories::{Start, propagate};
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_figures::canvas;
 use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_sketch::Sketch;
+use vibro_studies::paper::basin::{self, InitialValueAxis};
+use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
+use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
+use vibro_studies::paper::maxima::Displacement;
+use vibro_studies::paper::motion::settled_simulator;
+use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::paper::start::StartRule;
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::trajectories::{Start, propagate};
+use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_studies::parts::Task;
 
 fn numbers(state: &State) -> Vec<f64> {
     state.x.iter().chain(&state.v).copied().collect()
@@ -131,8 +131,8 @@ fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
     let machine = vibro_machine::file::read(&file).expect("an example");
     let sketch = canvas::svg(&Sketch::new(&machine)).expect("it is drawn");
-    let times = vibro::assembly::even_times((0.0, until), SAMPLES).expect("some samples");
-    let record = vibro::assembly::record(machine, &Default::default(), &times, &Arc::default(), &mut |_| ())
+    let times = vibro::machine::even_times((0.0, until), SAMPLES).expect("some samples");
+    let record = vibro::machine::record(machine, &Default::default(), &times, &Arc::default(), &mut |_| ())
         .expect("it has a start");
     let text = |csv: vibro::Result<Vec<u8>>| String::from_utf8(csv.expect("a table")).expect("text");
     let kit = Kit::read(&common::python::kit()).expect("a kit");

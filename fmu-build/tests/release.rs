@@ -22,10 +22,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
+use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 use vibro_paper_component::component::identity::VERSION;
 use vibro_paper_component::fmi2::description::guid;
 use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
-use vibro_pack::{PACKED_PLATFORMS, PackedPlatform};
 
 /// Files of the workspace in which something must agree.
 fn files_that_agree() -> Vec<String> {
@@ -75,7 +75,12 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
     let other = "{00000000-0000-0000-0000-000000000000}";
     let alterations: [(&str, &str, &str, &str); 15] = [
         ("Cargo.toml", &version, "version = \"7.0.0\"", "was compiled from"),
-        ("crates/paper-component/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "crates/paper-component/Cargo.toml"),
+        (
+            "crates/paper-component/Cargo.toml",
+            "version.workspace = true",
+            "version = \"7.0.0\"",
+            "crates/paper-component/Cargo.toml",
+        ),
         ("python/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "python/Cargo.toml"),
         ("python/pyproject.toml", "dynamic = [\"version\"]", "version = \"7.0.0\"", "python/pyproject.toml"),
         ("CITATION.cff", VERSION, "7.0.0", "CITATION.cff: version 7.0.0"),

@@ -8,10 +8,10 @@ use crate::failure::Failure;
 use crate::studies::{MeasureRow, in_parts, row};
 use pyo3::prelude::*;
 use vibro_studies::diagram::{self, AssemblyPoint};
-use vibro_studies::{Machine, Measure, measure};
 use vibro_studies::paper::bifurcation::Diagram;
 use vibro_studies::paper::measures::Measured;
 use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::{Machine, Measure, measure};
 
 /// Measures of many machines' settled motions, each from its start or all from one, a row for each.
 #[pyfunction]

@@ -8,9 +8,9 @@ use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::HashMap;
+use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
 use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
-use vibro_machine::table::Table;
 
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]

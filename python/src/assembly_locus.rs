@@ -5,10 +5,10 @@ use crate::background::compute;
 use crate::described::{Described, Numbers};
 use crate::failure::Failure;
 use pyo3::prelude::*;
-use vibro_studies::Error;
 use vibro_machine::Start;
 use vibro_orbits::paper::LocusEnd;
 use vibro_orbits::{Family, Kind, LocusPoint, LocusStart, Special, check_second, locus};
+use vibro_studies::Error;
 
 /// A parameter with the least and the largest value of its range, SI.
 type Range = (String, (f64, f64));

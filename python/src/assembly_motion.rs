@@ -8,10 +8,10 @@ use crate::failure::Failure;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vibro_studies::{NamedEvent, Start, named, values};
 use vibro_machine::derivative::VariedObserver;
 use vibro_machine::motion::Event;
 use vibro_machine::{Differentiated, Motion};
+use vibro_studies::{NamedEvent, Start, named, values};
 
 /// A sampled motion with its events, as a dictionary.
 #[derive(IntoPyObject)]

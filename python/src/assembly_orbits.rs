@@ -6,10 +6,13 @@ use crate::described::{Described, Numbers, SectionChoice};
 use crate::failure::Failure;
 use nalgebra::Complex;
 use pyo3::prelude::*;
-use vibro_studies::{Machine, Measure, named};
 use vibro_machine::Start;
 use vibro_orbits::paper::PathOptions;
-use vibro_orbits::{Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, read_measure, tree};
+use vibro_orbits::{
+    Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    read_measure, tree,
+};
+use vibro_studies::{Machine, Measure, named};
 
 /// A periodic orbit of a described machine.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -175,8 +178,7 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<As
     let special = |of: fn(&vibro_orbits::Special) -> String| -> Vec<String> {
         points.iter().map(|p| p.special.as_ref().map_or_else(String::new, of)).collect()
     };
-    let numbers =
-        |of: fn(&vibro_orbits::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
+    let numbers = |of: fn(&vibro_orbits::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
     let stable: Vec<bool> = points.iter().map(|p| p.stability == Stability::Stable).collect();
     Ok(AssemblyBranchArrays {
         parent: branch.parent,

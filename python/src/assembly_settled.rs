@@ -5,10 +5,10 @@ use crate::background::compute;
 use crate::described::{Described, Numbers, SectionChoice};
 use crate::studies::in_parts;
 use pyo3::prelude::*;
-use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};
-use vibro_studies::{Machine, PoincareRequest, columns, poincare, spectrum};
-use vibro_studies::paper::attractor::MotionClass;
 use vibro_orbits::Orbit;
+use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};
+use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::{Machine, PoincareRequest, columns, poincare, spectrum};
 
 /// An attractor.
 #[derive(IntoPyObject)]

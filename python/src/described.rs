@@ -6,12 +6,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::Arc;
-use vibro_studies::{Machine, Measure, SectionRule, Start, columns, common_period};
+use vibro_figures::canvas;
 use vibro_machine::description::Description;
 use vibro_machine::{Assembly, file};
-use vibro_figures::canvas;
 use vibro_pack::Kit;
 use vibro_sketch::Sketch;
+use vibro_studies::{Machine, Measure, SectionRule, Start, columns, common_period};
 
 /// A described machine: immutable.
 #[pyclass(frozen, module = "vibro_impact._native")]

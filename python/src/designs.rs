@@ -7,11 +7,11 @@ use crate::failure::Failure;
 use crate::system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use vibro_studies::paper::Name;
-use vibro_studies::{Measure, Section, SectionRule};
-use vibro_studies::paper::start::{Coordinate, StartRule};
-use vibro_machine::Assembly;
 use vibro_impact::{Parameters, State};
+use vibro_machine::Assembly;
+use vibro_studies::paper::Name;
+use vibro_studies::paper::start::{Coordinate, StartRule};
+use vibro_studies::{Measure, Section, SectionRule};
 
 /// Described machines as Python gives them.
 #[derive(FromPyObject)]

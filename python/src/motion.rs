@@ -9,9 +9,9 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, PoisonError};
-use vibro_studies::paper::trajectories::{Start, propagate};
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause};
 use vibro_impact::{Parameters, Simulator, State, load};
+use vibro_studies::paper::trajectories::{Start, propagate};
 
 /// Drive periods of one call to the library per thread: half a second's work between checks for
 /// cancellation. Shorter calls cost more, since each ends with empty lanes of the vectors.

@@ -7,8 +7,8 @@ use crate::system::{System, find};
 use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
-use vibro_studies::paper::ParameterSet;
 use vibro_orbits::paper::{Branch, Family, OrbitWord, PathOptions, Span, TreeOptions};
+use vibro_studies::paper::ParameterSet;
 
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
@@ -41,7 +41,8 @@ impl Orbit {
     ) -> PyResult<Self> {
         let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
         let machine = vibro_orbits::paper::System::new(system.parameters()).map_err(Failure::from)?;
-        let orbit = vibro_orbits::paper::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
+        let orbit =
+            vibro_orbits::paper::Orbit::find(&machine, &word, &numbers(&phases)?).map_err(Failure::from)?;
         Ok(Self { set: system.set().map_err(Failure::from)?.clone(), orbit, passages: 1 })
     }
 
@@ -142,7 +143,8 @@ pub fn orbit(
     let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
-        let found = vibro_orbits::paper::search(&vibro_orbits::paper::System::new(set.parameters())?, &word, tries)?;
+        let found =
+            vibro_orbits::paper::search(&vibro_orbits::paper::System::new(set.parameters())?, &word, tries)?;
         Ok(found.iter().map(|orbit| Orbit::shortest(&set, orbit)).collect())
     })
 }
@@ -199,7 +201,8 @@ pub fn follow<'py>(
     let value = name.value(&set);
     let (branch, maxima) = compute(py, progress, move |_| {
         let family = Family::new(&set, span)?;
-        let found = vibro_orbits::paper::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
+        let found =
+            vibro_orbits::paper::branch(&family, &word, &phases, value, &PathOptions::default(), &[])?;
         let maxima = maxima_of(&family, &found, weights)?;
         Ok((found, maxima))
     })?;

@@ -8,12 +8,12 @@ use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use vibro_studies::paper::ParameterSet;
 use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::{self, ExactOrbit};
 use vibro_impact::steady::multiple_scales::{self, FixedPoint};
 use vibro_impact::steady::strong_coupling::{self, StrongPoint};
 use vibro_impact::steady::{Admissibility, Bifurcation, Sheet, SteadyMotion};
+use vibro_studies::paper::ParameterSet;
 
 /// The steady state of one theory.
 enum Theory {

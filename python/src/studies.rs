@@ -7,6 +7,7 @@ use crate::designs::{GivenStarts, GivenSystems};
 use crate::failure::{Failure, in_python};
 use crate::system::{System, find};
 use pyo3::prelude::*;
+use vibro_impact::{Parameters, Simulator, State};
 use vibro_studies::paper::attractor::{Attractor, MotionClass};
 use vibro_studies::paper::basin::{self, Destination, InitialValueAxis};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
@@ -14,10 +15,9 @@ use vibro_studies::paper::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::measures::{Measure, Measured, measure as measured};
 use vibro_studies::paper::motion::settled_simulator;
-use vibro_studies::parts::{PartStore, Shard, Task};
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::start::{Coordinate, StartRule};
-use vibro_impact::{Parameters, Simulator, State};
+use vibro_studies::parts::{PartStore, Shard, Task};
 
 /// A store that keeps no parts and ends the study after the caller has stopped waiting.
 struct Cancelling<'a>(&'a Control);

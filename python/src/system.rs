@@ -6,10 +6,10 @@ use crate::failure::{Failure, in_python};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use vibro_studies::paper::{GROUPS, Name, ParameterSet, physical_parameters};
 use vibro_impact::Parameters;
 use vibro_impact::load::{Body, Interpolation};
 use vibro_impact::parameters::{FIELDS, Field};
+use vibro_studies::paper::{GROUPS, Name, ParameterSet, physical_parameters};
 
 /// The parameters of a machine, in SI and as groups.
 #[pyclass(frozen, module = "vibro_impact._native")]

@@ -16,10 +16,10 @@
 use crate::table::read_text;
 use crate::{Error, Result};
 use std::path::Path;
+use vibro_impact::numerics::digest::fnv1a;
+use vibro_machine::table::{Heading, Table};
 use vibro_studies::design_sweep::Designs;
 use vibro_studies::paper::{Name, ParameterSet};
-use vibro_machine::table::{Heading, Table};
-use vibro_impact::numerics::digest::fnv1a;
 
 /// Largest number of designs in a file. The manifest of the parts holds all designs.
 const MOST: usize = 100_000;

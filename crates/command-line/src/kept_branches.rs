@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use vibro_studies::parts::PartStore;
 use vibro_orbits::KeptPaths;
+use vibro_studies::parts::PartStore;
 
 /// The parts of a store from a first index on, counted from there.
 #[derive(Clone, Copy)]

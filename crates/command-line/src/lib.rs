@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`studies`] | from a parameter set to tables and a figure, one function a study |
 //! | [`long_study`] | long studies as plain data, computed in parts |
-//! | [`assembly`] | machines of the user's own, from their files |
+//! | [`machine`] | machines of the user's own, from their files |
 //! | [`table`] | tables as CSV |
 //! | [`manifest`] | what a result or a folder of parts was computed from |
 //! | [`report`] | all studies at once, and the paper's statements beside what is found |
@@ -14,13 +14,13 @@
 //! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
 
-pub mod assembly;
 pub mod design_file;
 mod error;
 pub mod gallery;
 mod kept_branches;
 pub mod load_file;
 pub mod long_study;
+pub mod machine;
 pub mod manifest;
 pub mod parameter_file;
 pub mod part_folder;

@@ -19,14 +19,13 @@ use super::subject::Subject;
 use crate::Result;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use vibro_orbits::paper::{Family, Span, TreeOptions, tree_in_parts};
+use vibro_studies::design_sweep;
 use vibro_studies::paper::ParameterSet;
-use vibro_studies;
 use vibro_studies::paper::basin;
 use vibro_studies::paper::bifurcation::{self, Sweep};
-use vibro_studies::design_sweep;
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::parts::Task;
-use vibro_orbits::paper::{Family, Span, TreeOptions, tree_in_parts};
 
 /// The form of the parts on disk: how a study is divided and what a part holds. It is incremented
 /// whenever one of them changes, so that parts of different forms are never combined. Manifests
@@ -62,7 +61,7 @@ pub enum StudyOfMachine {
         /// The study.
         kind: AssemblyStudy,
         /// The machine.
-        machine: assembly::Machine,
+        machine: vibro_studies::Machine,
     },
 }
 
@@ -70,15 +69,15 @@ pub enum StudyOfMachine {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum AssemblyStudy {
     /// A quantity's maxima over a parameter, classes and, if asked for, exponents.
-    Diagram(assembly::diagram::DiagramRequest),
+    Diagram(vibro_studies::diagram::DiagramRequest),
     /// Measures of motions over any number of parameters.
-    DesignSweep(design_sweep::SweepRequest<assembly::Machine>),
+    DesignSweep(design_sweep::SweepRequest<vibro_studies::Machine>),
     /// Simulated motion over two parameters.
-    Isoperiodic(isoperiodic::IsoperiodicRequest<assembly::Machine>),
+    Isoperiodic(isoperiodic::IsoperiodicRequest<vibro_studies::Machine>),
     /// A diagram with the branches of periodic orbits over it.
-    DiagramWithOrbits(assembly::diagram::DiagramRequest),
+    DiagramWithOrbits(vibro_studies::diagram::DiagramRequest),
     /// Basins over two numbers of the starts.
-    Basin(assembly::basin::BasinRequest),
+    Basin(vibro_studies::basin::BasinRequest),
 }
 
 impl StudyOfMachine {
@@ -305,17 +304,17 @@ impl LongStudy {
     fn run_assembly(
         &self,
         kind: &AssemblyStudy,
-        machine: &assembly::Machine,
+        machine: &vibro_studies::Machine,
         task: &Task,
         tell: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Option<Vec<Study>>> {
         let study = match kind {
             AssemblyStudy::Diagram(request) => {
-                let found = assembly::diagram::diagram(machine, request, task)?;
+                let found = vibro_studies::diagram::diagram(machine, request, task)?;
                 found.map(|d| studies::assembly_diagram(machine, request, &d, &self.name)).transpose()
             }
             AssemblyStudy::DiagramWithOrbits(request) => {
-                let Some(diagram) = assembly::diagram::diagram(machine, request, task)? else {
+                let Some(diagram) = vibro_studies::diagram::diagram(machine, request, task)? else {
                     return Ok(None);
                 };
                 let own = studies::assembly_diagram(machine, request, &diagram, &self.name)?;
@@ -336,7 +335,7 @@ impl LongStudy {
                 found.map(|plane| studies::isoperiodic(machine, request, &plane, &self.name)).transpose()
             }
             AssemblyStudy::Basin(request) => {
-                let found = assembly::basin::basins(machine, request, task)?;
+                let found = vibro_studies::basin::basins(machine, request, task)?;
                 found.map(|b| studies::assembly_basins(machine, request, &b, &self.name)).transpose()
             }
         };

@@ -11,7 +11,9 @@
 
 use crate::{Error, Result};
 use std::path::Path;
-use vibro_studies::paper::{GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, physical_parameters, typed_unit};
+use vibro_studies::paper::{
+    GROUPS, Name, ParameterSet, Unit, find_field, find_group, number, physical_parameters, typed_unit,
+};
 
 /// Tables of a parameter file.
 const TABLES: [&str; 2] = ["si", "groups"];

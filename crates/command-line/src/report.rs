@@ -13,15 +13,15 @@ use crate::part_folder::PartFolder;
 use crate::table::TextTable;
 use crate::{Error, Result};
 use std::path::Path;
+use vibro_orbits::paper::TreeOptions;
 use vibro_studies::paper::basin::{self, InitialValueRange};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::{NoStore, Task};
 use vibro_studies::paper::plane::{Method, PAIRS, ParameterAxis};
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, ParameterSet, find_group};
-use vibro_orbits::paper::TreeOptions;
+use vibro_studies::parts::{NoStore, Task};
 
 /// Values of f10 in table 2: one in each periodic window and each chaotic band of the diagrams.
 const TABLE: [f64; 14] = [0.6, 0.9, 1.0, 1.5, 2.1, 2.3, 2.44, 2.5, 2.7, 2.82, 2.88, 3.1, 3.6, 3.9];

@@ -16,8 +16,8 @@ pub use of_file::PointOfFile;
 use crate::{Error, Result, table};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use vibro_studies::paper::{Name, number};
 use vibro_orbits::paper::{Label, LocusStart, OrbitWord};
+use vibro_studies::paper::{Name, number};
 
 /// Tolerance of a value in units of its last digit: one half, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;

@@ -1,70 +1,39 @@
-//! The studies of the command line: each makes tables and a figure from a [`ParameterSet`].
+//! The studies of the command line: each makes tables and a figure from a machine.
 
-mod assembly_basin;
-mod assembly_diagram;
-mod assembly_diagram_orbits;
-mod assembly_fit;
-mod assembly_gradient;
-mod assembly_locus;
-mod assembly_orbits;
-mod assembly_response;
-mod assembly_section;
-mod assembly_spectrum;
 mod basin;
-mod compare;
 mod design_sweep;
 mod diagram;
 mod diagram_orbits;
+mod fit;
+mod gradient;
 mod isoperiodic;
-mod lengths;
 mod locus;
-mod manifold;
-mod motions;
-mod orbit;
 mod orbits;
-mod plane;
+mod panels;
+mod paper;
 mod response;
-mod run;
-mod stability;
-mod steady;
-mod steady_motion;
-mod strong;
-mod sweep;
+mod section;
+mod spectrum;
 
-pub use assembly_basin::{assembly_basins, check_assembly_basins};
-pub use assembly_diagram::{assembly_diagram, assembly_exponent};
-pub use assembly_diagram_orbits::{assembly_diagram_orbits, diagram_branches, diagram_family};
-pub use assembly_fit::{assembly_fit, fit_json};
-pub use assembly_gradient::add_gradient;
-pub use assembly_locus::{CurveOfFile, assembly_loci};
-pub use assembly_orbits::{assembly_orbit, assembly_orbits};
-pub use assembly_response::assembly_response;
-pub use assembly_section::{SectionAxes, assembly_section};
-pub use assembly_spectrum::assembly_spectrum;
-pub use basin::{basins, check_basins};
-pub use compare::{accuracy, force_overlay, histories};
+pub use basin::{assembly_basins, check_assembly_basins};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};
-pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
-pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
+pub use diagram::{assembly_diagram, assembly_exponent};
+pub use diagram_orbits::{assembly_diagram_orbits, diagram_branches, diagram_family};
+pub use fit::{assembly_fit, fit_json};
+pub use gradient::add_gradient;
 pub use isoperiodic::{POINT_IN_TABLE, check_isoperiodic, isoperiodic};
-pub use locus::{LocusCurve, loci};
-pub use manifold::{branches, families, shapes};
-pub use motions::{Modulation, histories_of, portraits, running};
-pub use orbit::orbit;
-pub use orbits::orbits;
-pub use plane::planes;
-pub use response::{along, force, frequency};
-pub use run::{RunLength, RunRequest, run};
-pub use stability::{masri, regions};
-pub use steady::steady;
-pub use strong::strong_case;
-pub use sweep::{overlay, periodic_ranges, spectra, sweep};
+pub use locus::{CurveOfFile, assembly_loci};
+pub use orbits::{assembly_orbit, assembly_orbits};
+pub use paper::*;
+pub use response::assembly_response;
+pub use section::{SectionAxes, assembly_section};
+pub use spectrum::assembly_spectrum;
 
 use crate::Result;
 use crate::table::TextTable;
-use vibro_studies::paper::{Name, ParameterSet};
 use vibro_figures::canvas::palette::{HERE, WHITE};
 use vibro_figures::chart::{Axis, Figure, Layer, MARK, Mark};
+use vibro_studies::paper::{Name, ParameterSet};
 
 /// The outcome of a study.
 #[derive(Clone, Debug)]

@@ -2,12 +2,11 @@
 //! parameter set, a described machine by its file.
 
 use std::collections::BTreeMap;
-use vibro_studies;
-use vibro_studies::{Section, SectionRule};
+use vibro_impact::parameters::{FIELDS, LOADS};
+use vibro_machine::description::Description;
 use vibro_studies::paper::{GROUPS, Name, ParameterSet, Unit, physical_parameters};
 use vibro_studies::significant;
-use vibro_machine::description::Description;
-use vibro_impact::parameters::{FIELDS, LOADS};
+use vibro_studies::{Section, SectionRule};
 
 /// Properties of a machine that manifests, tables and captions state.
 pub trait Subject: Sync {
@@ -57,7 +56,7 @@ pub(crate) fn periodic_parts(d: &Description) -> &'static str {
     if d.signals().any(|s| s.signal.repeat.is_some()) { "signals" } else { "harmonics" }
 }
 
-impl Subject for assembly::Machine {
+impl Subject for vibro_studies::Machine {
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>) {
         let parameters = self.description.parameters();
         (parameters.into_iter().map(|p| (p.name, p.value)).collect(), BTreeMap::new())
@@ -72,7 +71,7 @@ impl Subject for assembly::Machine {
 
     fn caption(&self) -> String {
         let d = &self.description;
-        let section = assembly::Section::of(d, &self.section);
+        let section = vibro_studies::Section::of(d, &self.section);
         let section = section.map_or(String::new(), |s| match (s, &self.section) {
             // A study may vary the frequencies.
             (Section::Period(period), SectionRule::Auto) => {

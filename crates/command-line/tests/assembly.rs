@@ -7,8 +7,8 @@ mod command;
 use command::{command, drawn, folder, pixels, refused, table};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use vibro_machine::{Assembly, Motion, Start};
 use vibro_figures::chart::Shape;
+use vibro_machine::{Assembly, Motion, Start};
 
 fn example(name: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly")).join(name)
@@ -139,13 +139,13 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
 fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let run = |samples| {
         let description = vibro_machine::file::read(&example("damper_with_buffer.toml")).unwrap();
-        let times = vibro::assembly::even_times((0.0, 1.0), samples).unwrap();
-        vibro::assembly::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ()).unwrap()
+        let times = vibro::machine::even_times((0.0, 1.0), samples).unwrap();
+        vibro::machine::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ()).unwrap()
     };
     let (few, many) = (run(10), run(20_000));
     let column = many.columns.iter().position(|c| c == "buffer.f").unwrap();
     let sampled = many.rows.iter().map(|row| row[1 + column]).fold(0.0, f64::max);
-    let drawn = vibro::assembly::figure(&few, Vec::new()).unwrap();
+    let drawn = vibro::machine::figure(&few, Vec::new()).unwrap();
     let panel = drawn.panels.iter().find(|p| p.y.label == "f (N)").unwrap();
     let Shape::Lines { pieces, .. } = &panel.layers[0].shape else { panic!("no curve") };
     let top = pieces.iter().flatten().map(|point| point.1).fold(0.0, f64::max);
@@ -378,9 +378,9 @@ fn every_example_of_the_repository_moves() {
     assert!(files.len() > 20);
     for path in files {
         let description = vibro_machine::file::read(&path).unwrap_or_else(|e| panic!("{e}"));
-        let times = vibro::assembly::even_times((0.0, 0.5), 20).unwrap();
+        let times = vibro::machine::even_times((0.0, 0.5), 20).unwrap();
         let record =
-            vibro::assembly::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ())
+            vibro::machine::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ())
                 .unwrap_or_else(|e| panic!("{path:?}: {e}"));
         assert!(record.ended.is_none() && record.rows.len() == 21, "{path:?} {:?}", record.ended);
         assert!(record.rows.iter().flatten().all(|x| x.is_finite()), "{path:?}");

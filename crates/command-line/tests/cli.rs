@@ -6,8 +6,8 @@ mod command;
 
 use command::{command, drawn, folder, number, pixels, refused, table};
 use std::path::Path;
-use vibro_studies::paper::ParameterSet;
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
+use vibro_studies::paper::ParameterSet;
 
 /// A valid PNG with something on it, and an SVG with text and shapes.
 fn check_picture(out: &Path, stem: &str) {

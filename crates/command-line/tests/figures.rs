@@ -3,19 +3,19 @@
 
 use std::collections::BTreeMap;
 use vibro::studies::{self, Study};
-use vibro_studies::paper::bifurcation::{Sweep, diagram};
-use vibro_studies::paper::lyapunov::SpectrumOptions;
-use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::Task;
-use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
-use vibro_studies::paper::{Name, ParameterSet};
 use vibro_figures::canvas;
 use vibro_figures::canvas::palette::{
     BLACK, BLOCK, BODIES, BOX, CENTRE, FAMILY, HERE, RELATIVE, SECONDARY, WHITE,
 };
 use vibro_figures::canvas::{Colour, Drawing};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
+use vibro_studies::paper::bifurcation::{Sweep, diagram};
+use vibro_studies::paper::lyapunov::SpectrumOptions;
+use vibro_studies::paper::maxima::Displacement;
+use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::paper::start::StartRule;
+use vibro_studies::paper::{Name, ParameterSet};
+use vibro_studies::parts::Task;
 
 /// Numbers of values: from few to many more than a panel has pixels.
 const COUNTS: [usize; 3] = [50, 500, 5000];

@@ -11,10 +11,10 @@ use guide::Guide;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use vibro_machine::{Assembly, Description, Motion};
 use vibro_figures::canvas::palette::{BLUE, VERMILLION};
 use vibro_figures::canvas::svg;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path as Line};
+use vibro_machine::{Assembly, Description, Motion};
 
 /// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
 /// them by less.

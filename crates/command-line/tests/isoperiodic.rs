@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 use vibro::studies;
-use vibro_studies::paper::attractor::{MotionClass, observe};
-use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest, StartRule, isoperiodic};
-use vibro_studies::parts::Task;
-use vibro_studies::paper::plane::{self, Method, ParameterAxis, SteadyStateClass};
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
+use vibro_studies::paper::attractor::{MotionClass, observe};
+use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest, StartRule, isoperiodic};
+use vibro_studies::paper::plane::{self, Method, ParameterAxis, SteadyStateClass};
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_studies::parts::Task;
 
 fn axis(name: &str, range: (f64, f64), count: usize) -> ParameterAxis {
     ParameterAxis::new(find_group(name).unwrap(), range, count).unwrap()

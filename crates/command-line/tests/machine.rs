@@ -7,8 +7,8 @@ mod command;
 use command::{command, drawn, folder, number, refused, table};
 use std::collections::HashMap;
 use std::path::Path;
-use vibro_studies::paper::ParameterSet;
 use vibro_impact::steady::{exact_orbit, multiple_scales};
+use vibro_studies::paper::ParameterSet;
 
 /// A machine by data sheets, completely in SI with units.
 const MACHINE: &str = r#"[si]

@@ -4,10 +4,12 @@
 
 use vibro::studies;
 use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::isoperiodic::{IsoperiodicRequest, PlanePoint, SettledMotion, StartRule, isoperiodic};
-use vibro_studies::parts::Task;
+use vibro_studies::paper::isoperiodic::{
+    IsoperiodicRequest, PlanePoint, SettledMotion, StartRule, isoperiodic,
+};
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_studies::parts::Task;
 
 /// Peak memory of this program, bytes.
 fn most_held() -> usize {

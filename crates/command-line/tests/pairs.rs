@@ -9,7 +9,7 @@ use vibro_machine::file;
 
 /// Numbers of the lines of natural frequencies in a summary, by line.
 fn frequencies(d: &Description) -> Vec<Vec<f64>> {
-    let text = vibro::assembly::summary(d.clone()).unwrap();
+    let text = vibro::machine::summary(d.clone()).unwrap();
     let (_, lines) = text.split_once("natural frequencies").expect("frequencies");
     let numbers = |line: &str| line.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
     lines.lines().skip(1).filter(|line| line.contains("Hz, ")).map(numbers).collect()

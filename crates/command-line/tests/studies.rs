@@ -9,17 +9,17 @@ use command::{DAMPER, begun, command, drawn, files, killed, parts, pixels};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use vibro::studies;
+use vibro_figures::chart::Shape;
+use vibro_impact::steady::exact_orbit;
+use vibro_impact::{Simulator, State};
 use vibro_studies::paper::attractor::{MotionClass, Relation, observe};
 use vibro_studies::paper::basin::{self, Destination, InitialValueAxis, InitialValueRange};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::Task;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group, lyapunov};
-use vibro_figures::chart::Shape;
-use vibro_impact::steady::exact_orbit;
-use vibro_impact::{Simulator, State};
+use vibro_studies::parts::Task;
 
 /// Transient at values away from bifurcations, in units of L; maxima are kept to 1e-6.
 const SETTLED: f64 = 2e-6;

@@ -10,8 +10,8 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::fs::File;
 use std::path::Path;
-use vibro_studies::paper::ParameterSet;
 use vibro_impact::steady::exact_orbit;
+use vibro_studies::paper::ParameterSet;
 
 /// Transient of a settled motion, in units of L.
 const SETTLED: f64 = 1e-9;

@@ -5,9 +5,9 @@ use super::cycle::{Cycle, Leg};
 use super::place::Place;
 use super::timed::beyond;
 use super::word::{Letter, Word};
-use vibro_studies::flight::{Series, coefficients, dot, turning_points};
 use vibro_machine::mode::{Contact, ElementState, FrictionState, Mode, StopState, Watch};
 use vibro_machine::system::System;
+use vibro_studies::flight::{Series, coefficients, dot, turning_points};
 
 /// Value of a functional, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;

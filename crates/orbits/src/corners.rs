@@ -8,9 +8,9 @@ use super::place::{Place, with_signals};
 use super::timed::{Source, Tick, Timed};
 use super::word::{Letter, Word};
 use std::sync::Arc;
-use vibro_studies::flight::{Flow, dot};
 use vibro_machine::signals::RepeatedKnot;
 use vibro_machine::system::System;
+use vibro_studies::flight::{Flow, dot};
 
 /// Largest number of corners in a common period of the drive. Signals with more are records, whose
 /// jumps are small.

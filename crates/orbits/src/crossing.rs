@@ -7,8 +7,8 @@
 
 use super::problem::{Problem, Residual};
 use crate::curve::slope;
-use crate::two_parameters::Border;
 use crate::obstacle::Obstacle;
+use crate::two_parameters::Border;
 use nalgebra::{DMatrix, DVector};
 
 /// Step of the differences of the conditions. It sets the speed of convergence and never the

@@ -14,11 +14,11 @@ use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVectorView};
 use std::sync::Arc;
-use vibro_studies::flight::{Flow, dot, multiply};
 use vibro_machine::Motion;
 use vibro_machine::mode::StopState;
 use vibro_machine::motion::{Crossing, Reached, keep};
 use vibro_machine::system::System;
+use vibro_studies::flight::{Flow, dot, multiply};
 
 /// The flight after an event, or after the run of impacts that begins with it.
 #[derive(Clone, Debug)]

@@ -3,14 +3,14 @@
 use super::cycle::LegPart;
 use super::orbit::{Orbit, middle};
 use super::word::Letter;
-use vibro_studies::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
-use vibro_studies::{Measure, QuantityName, Watcher};
-use vibro_studies::{Error, Result};
 use vibro_machine::description::Description;
 use vibro_machine::elements::Action;
 use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::system::{Part, System};
 use vibro_machine::{Motion, Quantity};
+use vibro_studies::flight::{Flows, ObservedFlight, Observer, Passage, dot, follow};
+use vibro_studies::{Error, Result};
+use vibro_studies::{Measure, QuantityName, Watcher};
 
 /// Difference of times of one instant, relative to the time: rounding.
 const SAME_INSTANT: f64 = 1e-14;

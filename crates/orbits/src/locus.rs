@@ -11,15 +11,15 @@ use super::place::Family;
 use super::problem::Problem;
 use super::sides::{Side, other_side};
 use super::tree;
-use crate::label::Label;
+use crate::curve::zero;
 use crate::curve::{axis, correct, tangent};
-use crate::two_parameters::{LocusEnd, both_ways};
+use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::path_options::PathOptions;
-use crate::curve::zero;
+use crate::two_parameters::{LocusEnd, both_ways};
 use nalgebra::DVector;
-use vibro_studies::{Error, Result};
 use vibro_machine::Start;
+use vibro_studies::{Error, Result};
 
 /// Points along a branch to either side among which an orbit beside a special point is sought.
 const BESIDE: usize = 6;

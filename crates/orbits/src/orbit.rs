@@ -10,10 +10,10 @@ use crate::curve::Equations;
 use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 use std::sync::Arc;
-use vibro_studies::Error;
 use vibro_machine::Start;
 use vibro_machine::mode::Watch;
 use vibro_machine::motion::keep;
+use vibro_studies::Error;
 
 /// Largest number of Newton steps.
 const STEPS: usize = 60;

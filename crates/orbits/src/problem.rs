@@ -10,14 +10,14 @@
 use super::cycle::{Cycle, Derivatives};
 use super::place::{Family, Place, with_signals};
 use super::word::{Letter, Word};
+use crate::curve::STEP_ROUNDING;
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
-use crate::curve::STEP_ROUNDING;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_studies::carried;
 use vibro_machine::neutral::Neutral;
+use vibro_studies::carried;
 
 /// Relative size of a Newton step that is rounding where impacts accumulate.
 const CHATTER_ROUNDING: f64 = 1e-10;

@@ -3,10 +3,10 @@
 use super::problem::Units;
 use super::timed::Timed;
 use super::word::{Cause, Chatter, Letter};
-use vibro_studies::flight::{ObservedFlight, Observer, Passage, dot};
 use vibro_machine::mode::Mode;
 use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
+use vibro_studies::flight::{ObservedFlight, Observer, Passage, dot};
 
 /// Relative difference of times, or of places over a knot, that is rounding.
 pub(super) const WHOLE: f64 = 1e-9;

@@ -8,10 +8,10 @@ use super::wanted::WantedWord;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
-use vibro_studies::{Machine, Section};
-use vibro_studies::{Error, Result, significant};
 use vibro_machine::start::BodyStart;
 use vibro_machine::{Motion, Start};
+use vibro_studies::{Error, Result, significant};
+use vibro_studies::{Machine, Section};
 
 /// Most returns of a word whose period is not given.
 const MOST_RETURNS: u32 = 6;

@@ -13,9 +13,9 @@ use super::problem::{Numbers, Problem};
 use super::word::{Cause, Letter, Word};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
-use vibro_studies::flight::{Series, coefficients, turning_points};
 use vibro_machine::mode::{Contact, ElementState, FrictionState, SliderState, StopState, Watch};
 use vibro_machine::motion::{Event, EventKind};
+use vibro_studies::flight::{Series, coefficients, turning_points};
 
 /// Part of a flight at which no touch lies that recurs after a fraction of the flight.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;

@@ -7,13 +7,13 @@ use super::path::Departure;
 use super::problem::Problem;
 use super::seed::{Seed, seed};
 use super::sides::{Side, other_side};
-use crate::label::Label;
 use crate::curve::{Equations, correct, least_vectors, tangent};
+use crate::label::Label;
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
-use vibro_studies::Section;
 use vibro_machine::Motion;
 use vibro_machine::mode::Contact;
+use vibro_studies::Section;
 
 /// First step from a point where branches meet.
 const SWITCH_STEP: f64 = 1e-3;

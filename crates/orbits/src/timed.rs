@@ -4,12 +4,12 @@
 
 use super::place::Place;
 use crate::obstacle::Obstacle;
-use vibro_studies::flight::dot;
 use vibro_machine::Assembly;
 use vibro_machine::description::Description;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::signals::RepeatedKnot;
 use vibro_machine::system::{LimitedValue, SampleAction, SampleKind, Sampler, System};
+use vibro_studies::flight::dot;
 
 /// Difference of times of one instant, in periods: rounding of numbers that follow from each other.
 const INSTANT: f64 = 1e-12;

@@ -8,16 +8,16 @@ use super::path::{Departure, Follower, Path, PathEnd};
 use super::place::Family;
 use super::problem::Problem;
 use super::switching;
-use crate::label::Label;
 use crate::curve::{CurvePoint, Equations, is_degenerate, tangent};
+use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::path_options::PathOptions;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
+use vibro_machine::Start;
 use vibro_studies::now;
 use vibro_studies::{Error, Result};
-use vibro_machine::Start;
 
 /// First step from an orbit.
 const FIRST_STEP: f64 = 1e-2;

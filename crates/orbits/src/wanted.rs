@@ -2,8 +2,8 @@
 
 use super::word::Word;
 use std::collections::BTreeSet;
-use vibro_studies::{Error, Result};
 use vibro_machine::Assembly;
+use vibro_studies::{Error, Result};
 
 /// Kinds of events of rigid stops, of compliant ones, of springs, and of friction.
 const RIGID: &[&str] = &["impact", "chatter", "close", "open"];

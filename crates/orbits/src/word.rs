@@ -4,11 +4,11 @@ use super::corners::Between;
 use super::place::with_signals;
 use super::timed::Timed;
 use std::sync::Arc;
-use vibro_studies::named;
 use vibro_machine::mode::{Mode, StopState, Watch};
 use vibro_machine::motion::{Crossing, Event, keep};
 use vibro_machine::system::System;
 use vibro_machine::{Assembly, motion::EventKind};
+use vibro_studies::named;
 
 /// Word of a change of mode without a report, as of a stop that is left without a force.
 const CHANGE: &str = "change";

@@ -8,9 +8,9 @@ use crate::kit::{Kit, LICENCE_LIST};
 use crate::{page, reference, terminals};
 use fmi_doors::Version;
 use std::path::Path;
+use vibro_figures::canvas;
 use vibro_machine::Description;
 use vibro_machine_component::{FILE, Plan};
-use vibro_figures::canvas;
 use vibro_sketch::Sketch;
 
 /// Path of the model description inside every archive.

@@ -3,8 +3,8 @@
 
 use crate::error::Result;
 use std::fmt::Write;
-use vibro_machine_component::{FILE, Plan, Quantity, Role};
 use vibro_figures::canvas;
+use vibro_machine_component::{FILE, Plan, Quantity, Role};
 use vibro_sketch::Sketch;
 
 /// Style sheet: limited line length, tables that scroll, a dark scheme on request; the sketch stays

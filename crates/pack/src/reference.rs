@@ -6,10 +6,10 @@ use crate::archive::Content;
 use fmi_doors::description::Experiment;
 use std::fmt::Write;
 use std::sync::Arc;
+use vibro_figures::html::escape;
 use vibro_machine::motion::Reached;
 use vibro_machine::{Assembly, Error, Motion};
 use vibro_machine_component::Plan;
-use vibro_figures::html::escape;
 
 /// Folder of the files in an archive.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";

@@ -7,15 +7,15 @@ mod allocations;
 
 use allocations::COUNT;
 use std::ffi::CString;
+use vibro_impact::Parameters;
+use vibro_impact::simulator::{
+    Event, Maximum, MotionQueue, Plan, Reports, Simulator, State, TOGETHER, advance_queue,
+};
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::abi::*;
 use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi3::abi::*;
 use vibro_paper_component::fmi3::description as description3;
-use vibro_impact::Parameters;
-use vibro_impact::simulator::{
-    Event, Maximum, MotionQueue, Plan, Reports, Simulator, State, TOGETHER, advance_queue,
-};
 
 /// Motions of different systems, a tenth of them with rest, of which all is reported.
 #[derive(Default)]

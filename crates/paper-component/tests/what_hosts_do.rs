@@ -6,9 +6,9 @@
 mod fmi2;
 
 use fmi2::{ERROR, Fmu2, MOTION, OK, WARNING};
+use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::abi::*;
-use vibro_impact::{Parameters, Simulator, State};
 
 /// Largest difference of one motion in other steps: the default motion is stable, so rounding is
 /// not amplified.

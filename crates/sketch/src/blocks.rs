@@ -3,9 +3,9 @@
 
 use crate::connections::number;
 use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN};
+use vibro_figures::canvas::text_width;
 use vibro_machine::Description;
 use vibro_machine::description::Block;
-use vibro_figures::canvas::text_width;
 
 /// Height of the name of a signal.
 pub(crate) const LINE: f64 = 50.0;

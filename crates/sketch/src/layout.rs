@@ -7,9 +7,9 @@ use crate::connections::{Connection, Ends, Symbol, connections};
 use crate::flexible::drawn;
 use crate::order::{Side, ground_side, order};
 use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN, NAME};
+use vibro_figures::canvas::text_width;
 use vibro_machine::Description;
 use vibro_machine::description::{BodyKind, Dimension};
-use vibro_figures::canvas::text_width;
 
 /// Least length of a symbol.
 const SYMBOL: f64 = 230.0;

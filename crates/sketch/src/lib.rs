@@ -21,8 +21,8 @@ mod sizes;
 mod symbols;
 
 use layout::Layout;
-use vibro_machine::Description;
 use vibro_figures::canvas::{Canvas, Drawing};
+use vibro_machine::Description;
 
 /// The sketch of a machine, a drawing for SVG and PNG ([`vibro_figures::canvas::svg_and_png`]).
 ///

@@ -3,9 +3,9 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use vibro_figures::canvas::{self, text_width};
 use vibro_machine::Description;
 use vibro_machine::file::{no_records, parse};
-use vibro_figures::canvas::{self, text_width};
 use vibro_sketch::Sketch;
 
 /// Number of machines.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use vibro_machine::{Description, file};
 use vibro_figures::canvas;
+use vibro_machine::{Description, file};
 use vibro_sketch::Sketch;
 
 fn examples() -> Vec<(String, Description)> {

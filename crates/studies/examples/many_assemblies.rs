@@ -11,8 +11,8 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-use vibro_studies::values;
 use vibro_machine::{Assembly, Description, Motion, file};
+use vibro_studies::values;
 
 /// End of the motions, s: 200 periods of 0.1 s.
 const UNTIL: f64 = 20.0;

@@ -8,10 +8,10 @@
 use std::error::Error;
 use std::io::{BufRead, Write};
 use std::time::Instant;
+use vibro_impact::Parameters;
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::trajectories::{Start, propagate};
 use vibro_studies::paper::{ParameterSet, find_group};
-use vibro_impact::Parameters;
 
 const PERIODS: u32 = 400;
 const MACHINES: u32 = 1000;

@@ -9,8 +9,8 @@
 use super::timescales::{runs_on, runs_on_beyond, settle};
 use super::{Machine, Section, Settled, settled};
 use crate::error::{Error, Result};
-use crate::parts::Task;
 use crate::paper::plane::check_cells;
+use crate::parts::Task;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_machine::{Assembly, Error as MotionError, Motion, Start};

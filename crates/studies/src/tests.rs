@@ -26,7 +26,8 @@ const TURNED: f64 = 1e-4;
 const CHAOS: f64 = 0.2;
 
 pub(super) fn example(name: &str) -> Machine {
-    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly")).join(name);
+    let path =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly")).join(name);
     Machine::new(file::read(&path).unwrap())
 }
 

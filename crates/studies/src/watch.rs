@@ -242,8 +242,7 @@ mod tests {
     }
 
     fn maxima(values: &[f64]) -> Vec<f64> {
-        let d =
-            Machine::parse(crate::tests::OSCILLATOR, "m.toml", &no_records).unwrap().description;
+        let d = Machine::parse(crate::tests::OSCILLATOR, "m.toml", &no_records).unwrap().description;
         let mut maxima = Maxima::new("a.s".parse::<QuantityName>().unwrap().find(&d).unwrap().quantity);
         values.iter().for_each(|x| maxima.meet(*x));
         maxima.found

@@ -8,10 +8,10 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_machine::description::Description;
 use vibro_machine::file::{self, Records};
 use vibro_machine::refusal::Refusal;
-use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 
 impl Machine {
     /// Reads a machine's file, with the units in which it writes its parameters.
@@ -267,8 +267,10 @@ mod tests {
 
     #[test]
     fn a_file_that_is_read_is_its_text() {
-        let path =
-            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/damper_with_buffer.toml"));
+        let path = Path::new(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../examples/assembly/damper_with_buffer.toml"
+        ));
         let read = Machine::read(path).unwrap();
         assert_eq!(
             read,

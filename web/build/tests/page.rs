@@ -7,8 +7,8 @@ mod common;
 use common::{node, workspace};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use vibro_studies::paper::{Name, ParameterSet};
 use vibro_impact::Simulator;
+use vibro_studies::paper::{Name, ParameterSet};
 
 /// Sine and cosine differ in the last digit between C libraries, and products are not fused in
 /// WebAssembly: some ten last digits in twenty periods, where nothing makes them grow.

@@ -5,7 +5,7 @@ use std::process::Command;
 #[test]
 fn a_missing_target_is_told_with_what_to_install() {
     let output =
-        Command::new(env!("CARGO_BIN_EXE_explorer-build")).env("RUSTC", "no-such-rustc").output().unwrap();
+        Command::new(env!("CARGO_BIN_EXE_web-build")).env("RUSTC", "no-such-rustc").output().unwrap();
     assert!(!output.status.success());
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(told.starts_with("web-build: the Rust target wasm32-unknown-unknown is missing"), "{told}");
@@ -24,15 +24,12 @@ fn a_missing_node_is_told_with_what_to_install() {
         std::fs::write(&file, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
     }
-    let output = Command::new(env!("CARGO_BIN_EXE_explorer-build"))
+    let output = Command::new(env!("CARGO_BIN_EXE_web-build"))
         .env("RUSTC", folder.join("rustc"))
         .env("PATH", &folder)
         .output()
         .unwrap();
     assert!(!output.status.success());
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(
-        told.starts_with("web-build: node is missing: install Node.js 18 or later with npm"),
-        "{told}"
-    );
+    assert!(told.starts_with("web-build: node is missing: install Node.js 18 or later with npm"), "{told}");
 }

@@ -6,9 +6,9 @@ use common::{node, workspace};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use vibro_studies::{columns, named, values};
 use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::{Assembly, Motion, file};
+use vibro_studies::{columns, named, values};
 
 /// Largest difference relative to a column's largest value where nothing makes it grow: sine and
 /// cosine differ in the last digit between C libraries, and WebAssembly has no fused products.

@@ -1,13 +1,13 @@
 //! Curves over a parameter: responses of the closed forms, branches of exact orbits.
 
 use crate::set::Set;
+use vibro_impact::parameters::Groups;
+use vibro_impact::steady::multiple_scales::MultipleScales;
+use vibro_orbits::paper::{Family, Span, TreeOptions, tree};
 use vibro_studies::paper::Name;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::Method;
 use vibro_studies::paper::response;
-use vibro_impact::parameters::Groups;
-use vibro_impact::steady::multiple_scales::MultipleScales;
-use vibro_orbits::paper::{Family, Span, TreeOptions, tree};
 use wasm_bindgen::prelude::*;
 
 /// Value that separates two curves in the rows.

@@ -2,11 +2,11 @@
 
 use crate::machine::state_of;
 use crate::set::Set;
+use vibro_impact::simulator::{Event, Simulator};
+use vibro_impact::{Parameters, Result, State};
 use vibro_studies::paper::lyapunov::{SpectrumOptions, dimensionless};
 use vibro_studies::paper::maxima::{Displacement, record_periods};
 use vibro_studies::paper::{Name, ParameterSet};
-use vibro_impact::simulator::{Event, Simulator};
-use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
 /// Quantity that a column shows.

@@ -1,11 +1,11 @@
 //! A motion under way, and the numbers from which it is drawn.
 
 use crate::set::Set;
+use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
+use vibro_impact::{Parameters, Result, State};
 use vibro_studies::paper::attractor::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
-use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
-use vibro_impact::{Parameters, Result, State};
 use wasm_bindgen::prelude::*;
 
 /// Length of a row of [`Machine::record`]: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, and

@@ -1,9 +1,9 @@
 //! Parameters by name, with the texts and ranges that a page shows.
 
 use std::fmt::Write;
+use vibro_impact::parameters::{FIELDS, GROUPS};
 use vibro_studies::Error;
 use vibro_studies::paper::{Name, ParameterSet, number, typed_unit};
-use vibro_impact::parameters::{FIELDS, GROUPS};
 use wasm_bindgen::prelude::*;
 
 /// A parameter set: physical parameters and dimensionless groups, kept in step by the library.

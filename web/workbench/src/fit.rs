@@ -2,10 +2,10 @@
 
 use crate::file::read;
 use serde_json::{Value, json};
-use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use vibro_machine::Start;
 use vibro_machine::description::Description;
 use vibro_machine::table::Table;
+use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]

@@ -4,14 +4,14 @@ use crate::file::{cannot, described, read};
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_studies::{NamedEvent, named, values};
+use vibro_figures::canvas::{Drawing, flat};
 use vibro_machine::mode::{FrictionState, StopState};
 use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::system::Part;
 use vibro_machine::{Assembly, Motion, Start};
 use vibro_machine_component::experiment;
-use vibro_figures::canvas::{Drawing, flat};
 use vibro_sketch::Sketch;
+use vibro_studies::{NamedEvent, named, values};
 use wasm_bindgen::prelude::*;
 
 /// Memory of the tables of modes, bytes: a page has less of it than a program.

@@ -2,8 +2,8 @@
 
 use crate::file::read;
 use serde_json::{Value, json};
-use vibro_studies::{Measure, QuantityName};
 use vibro_orbits::{Branch, Family, Stability, TreeOptions, tree};
+use vibro_studies::{Measure, QuantityName};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]

@@ -2,10 +2,10 @@
 
 use crate::file::read;
 use serde_json::json;
+use vibro_machine::Start;
 use vibro_studies::Machine;
 use vibro_studies::paper::isoperiodic::{IsoperiodicRequest, PlaneMachine, check};
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_machine::Start;
 use wasm_bindgen::prelude::*;
 
 /// A plane under way.

@@ -2,8 +2,8 @@
 
 use super::statement::{Findings, Statement, Verdict};
 use crate::{Error, Result};
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::steady::multiple_scales::{FixedPoint, Manifold, fixed_points};
+use vibro_studies::paper::{ParameterSet, find_group};
 
 pub(super) fn limits(found: &Findings) -> Result<Vec<Statement>> {
     let m = Manifold::new(found.set.groups().kappa)?;

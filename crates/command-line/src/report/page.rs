@@ -7,9 +7,9 @@ use crate::table::TextTable;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
-use vibro_studies::paper::{ParameterSet, short};
 use vibro_figures::canvas;
 use vibro_figures::html::escape;
+use vibro_studies::paper::{ParameterSet, short};
 
 const STYLE: &str = ":root{color-scheme:light dark;--text:#222;--paper:#fff;--line:#ccc;--head:#f3f3f3;--yes:#e2f2e6;\
 --partly:#fdf3d8;--no:#f9dedc;--note:#eef3fa;--small:#555}\

@@ -1,51 +1,33 @@
-//! Pictures and tables of basins of attraction.
+//! Pictures and tables of basins of attraction of described machines.
 
 use super::Study;
-use super::lengths::Lengths;
+use super::design_sweep::Labelled;
+use super::orbits::shown_axis;
+use super::paper::basin::{FURTHER, NOT_SETTLED, OTHERS, OUTSIDE, PAIRS, ROW, UNDECIDED};
 use crate::Result;
 use crate::table::{TextTable, csv_in_groups, exact};
-use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::attractor::Attractor;
-use vibro_studies::paper::basin::{Basin, BasinRequest, Destination, InitialValueAxis};
-use vibro_studies::paper::plane::check_cells;
-use vibro_studies::paper::stroboscopic::COORDINATES;
-use vibro_studies::paper::verdict::PROLONGED;
+use rayon::prelude::*;
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use vibro_machine::description::{Body, Dimension};
+use vibro_orbits::Orbit;
+use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, Basins, StartAxis};
+use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::paper::plane::check_cells;
+use vibro_studies::significant;
+use vibro_studies::{Machine, QuantityName};
 
-/// Colours of the first attractors and of their mirror images. Each differs in lightness from all
-/// others and from [`OTHERS`].
-pub const PAIRS: [[Colour; 2]; 8] = [
-    [Colour(0, 65, 111), Colour(0, 145, 248)],
-    [Colour(172, 57, 0), Colour(250, 167, 125)],
-    [Colour(0, 83, 42), Colour(0, 176, 88)],
-    [Colour(201, 0, 134), Colour(251, 176, 226)],
-    [Colour(94, 0, 226), Colour(185, 145, 241)],
-    [Colour(144, 108, 0), Colour(251, 207, 75)],
-    [Colour(180, 0, 0), Colour(246, 148, 148)],
-    [Colour(0, 137, 137), Colour(0, 251, 251)],
-];
-/// Colours of other cells: starts outside the stops; motions that have not settled; motions on one
-/// of several chaotic attractors that could not be told apart; all attractors beyond [`PAIRS`].
-pub const OTHERS: [Colour; 4] =
-    [Colour(235, 235, 235), Colour(132, 132, 132), Colour(45, 45, 45), Colour(20, 20, 20)];
-pub(super) const OUTSIDE: Colour = OTHERS[0];
-pub(super) const NOT_SETTLED: Colour = OTHERS[1];
-pub(super) const UNDECIDED: Colour = OTHERS[2];
-pub(super) const FURTHER: Colour = OTHERS[3];
-
-/// Largest number of attractors that are listed.
-const SHOWN: usize = 101;
-
-/// Largest size of a row of the table, bytes.
-pub(super) const ROW: usize = 64;
+/// Largest number of attractors that are listed, and of which the orbit is found.
+const SHOWN: usize = 64;
+/// Attractors with a colour of their own.
+const COLOURED: usize = 2 * PAIRS.len();
 
 /// Checks that a plane of starts and its table fit into memory.
 ///
 /// # Errors
 /// [`TooMany`](vibro_studies::Error::TooMany), with the number that would fit.
-pub fn check_basins(request: &BasinRequest) -> Result<()> {
-    let held = size_of::<Destination>() + ROW;
+pub fn check_assembly_basins(request: &BasinRequest) -> Result<()> {
+    let held = size_of::<BasinCell>() + ROW;
     Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
 
@@ -53,244 +35,244 @@ pub fn check_basins(request: &BasinRequest) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn basins(set: &ParameterSet, request: &BasinRequest, basin: &Basin, name: &str) -> Result<Study> {
-    let count = basin.attractors.len();
+pub fn assembly_basins(
+    machine: &Machine,
+    request: &BasinRequest,
+    basins: &Basins,
+    name: &str,
+) -> Result<Study> {
+    let listed: Vec<Listed> = basins
+        .attractors
+        .par_iter()
+        .take(SHOWN)
+        .enumerate()
+        .map(|(number, attractor)| Listed::new(machine, basins, number, attractor))
+        .collect();
+    let count = basins.attractors.len();
+    let (x, y) = (&request.x, &request.y);
     let attractors = if count == 1 { "attractor" } else { "attractors" };
-    let what = format!("basins of {count} {attractors}, mirror images counted once");
+    let of = match (count, basins.rest.is_empty()) {
+        (0, false) => "rest".to_owned(),
+        (_, false) => format!("{count} {attractors} and of rest"),
+        (_, true) => format!("{count} {attractors}"),
+    };
+    let what = format!("basins of {of} over {} and {}", x.name, y.name);
+    let method = format!(
+        "{} × {} starts; up to {} periods discarded, and more where nothing is decided then. Motions without a period count as one \
+         attractor of their class.",
+        x.count, y.count, request.discard
+    );
+    let mut layers = vec![Layer::new("", GREY, cells(request, basins))];
+    layers.extend(legend(basins, &listed));
+    let figure = Figure {
+        title: format!("{}: basins of attraction", machine.description.name),
+        caption: vec![method, format!("Elsewhere {}", machine.caption_but(&[]))],
+        panels: vec![Panel { title: String::new(), x: axis(machine, x), y: axis(machine, y), layers }],
+        columns: 1,
+        panel: (2300, 1700),
+        shared_legend: true,
+    };
     Ok(Study {
         tables: vec![
-            (name.into(), cell_table(request, basin)?),
-            (format!("{name}-attractors"), attractor_table(basin).csv()?),
+            (name.into(), cell_table(request, basins)?),
+            (format!("{name}-attractors"), attractor_table(&listed).csv()?),
         ],
-        figure: Some(figure(set, request, basin)),
-        ..Study::without_figure(name, what).with_remarks(remarks(basin)).with_set(set)
+        figure: Some(figure),
+        ..Study::without_figure(name, what).with_remarks(remarks(machine, basins, &listed))
     })
 }
 
-/// The listed attractors with index and name of class.
-fn shown(basin: &Basin) -> impl Iterator<Item = (usize, &Attractor, String)> {
-    basin.attractors.iter().take(SHOWN).enumerate().map(|(i, a)| (i, &a.attractor, a.class.name()))
+/// An attractor with its orbit in words.
+struct Listed {
+    number: usize,
+    attractor: BasinAttractor,
+    share: f64,
+    /// Events of a period; empty without a period or events, and where no orbit was found.
+    word: String,
+    /// The orbit's stability, or why it was not found.
+    stability: String,
 }
 
-/// Table of attractors, with the shares of the plane that lead to each and to its mirror image.
-fn attractor_table(basin: &Basin) -> TextTable {
-    let mut table = TextTable::new(&[
-        "attractor",
-        "class",
-        "impacts_upper",
-        "impacts_lower",
-        "rms_X1",
-        "rms_X2",
-        "rms_X3",
-        "share",
-        "share_of_mirror_image",
-    ]);
-    for (index, attractor, class) in shown(basin) {
-        let mut row = vec![(index + 1).to_string(), class];
-        row.extend(attractor.impacts.iter().chain(&attractor.sizes).map(|x| exact(*x)));
-        row.extend(basin.shares(index as u16).map(exact));
+impl Listed {
+    fn new(machine: &Machine, basins: &Basins, number: usize, attractor: &BasinAttractor) -> Self {
+        let (word, stability) = match attractor.settled.class {
+            MotionClass::Periodic(_) => match Orbit::settled(machine, &attractor.start, 0) {
+                Ok(orbit) => (orbit.word().in_words(&orbit.place().assembly), orbit.stability().to_string()),
+                Err(_) => (String::new(), "orbit not found".into()),
+            },
+            _ => (String::new(), String::new()),
+        };
+        let share = basins.share(BasinCell::Attractor(number as u16));
+        Self { number: number + 1, attractor: attractor.clone(), share, word, stability }
+    }
+
+    fn class(&self) -> String {
+        self.attractor.settled.class.name()
+    }
+}
+
+/// Table of attractors: class, events, share of the plane, and a start on each.
+fn attractor_table(listed: &[Listed]) -> TextTable {
+    let mut header: Vec<String> =
+        ["attractor", "class", "contacts", "rests", "interval", "share", "word", "stability"]
+            .map(String::from)
+            .into();
+    let names = listed.first().map_or(Vec::new(), |one| one.attractor.start.numbers());
+    header.extend(names.into_iter().map(|(name, _)| name));
+    let mut table = TextTable { header, rows: Vec::new() };
+    for one in listed {
+        let settled = &one.attractor.settled;
+        let mut row = vec![
+            one.number.to_string(),
+            one.class(),
+            exact(settled.contacts),
+            settled.rests.to_string(),
+            exact(settled.interval),
+            exact(one.share),
+            one.word.clone(),
+            one.stability.clone(),
+        ];
+        row.extend(one.attractor.start.numbers().into_iter().map(|(_, value)| exact(value)));
         table.rows.push(row);
     }
     table
 }
 
 /// Table of starts, each with the number of its attractor.
-fn cell_table(request: &BasinRequest, basin: &Basin) -> Result<Vec<u8>> {
+fn cell_table(request: &BasinRequest, basins: &Basins) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let header = [COORDINATES[x.coordinate], COORDINATES[y.coordinate], "attractor", "mirror_image", "class"];
-    let classes: Vec<String> = basin.attractors.iter().map(|a| a.class.name()).collect();
+    let header = [x.name.as_str(), y.name.as_str(), "attractor", "class"];
+    let classes: Vec<String> = basins.attractors.iter().map(|a| a.settled.class.name()).collect();
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
     csv_in_groups(&header, y.count, |rows, j| {
         let value = exact(y.value(j));
-        xs.iter().zip(&basin.cells[j * x.count..]).try_for_each(|(x, destination)| {
-            let (number, mirror) = match destination {
-                Destination::Attractor(n) => ((n + 1).to_string(), "false"),
-                Destination::Mirror(n) => ((n + 1).to_string(), "true"),
-                _ => (String::new(), ""),
+        xs.iter().zip(&basins.cells[j * x.count..]).try_for_each(|(x, cell)| {
+            let (number, class) = match cell {
+                BasinCell::Attractor(n) => ((n + 1).to_string(), classes[usize::from(*n)].as_str()),
+                BasinCell::Outside => (String::new(), "outside"),
+                BasinCell::NotSettled => (String::new(), "not settled"),
+                BasinCell::Ended => (String::new(), "ended"),
+                BasinCell::Rest => (String::new(), "rest"),
             };
-            let class = match destination {
-                Destination::Attractor(n) | Destination::Mirror(n) => &classes[usize::from(*n)],
-                Destination::Outside => "outside",
-                Destination::NotSettled => "not settled",
-                Destination::Undecided => "attractor undecided",
-            };
-            rows.push([x, &value, &number, mirror, class])
+            rows.push([x, &value, &number, class])
         })
     })
 }
 
-fn remarks(basin: &Basin) -> Vec<String> {
-    let remark = |(index, attractor, class): (usize, &Attractor, String)| {
-        let [own, mirror] = basin.shares(index as u16);
-        // For a motion without a period this is a mean, known to two or three digits.
-        let impacts = attractor.impacts.map(|x| match attractor.period {
-            Some(_) => exact(x),
-            None => format!("{x:.2}"),
-        });
-        let mut words = format!(
-            "attractor {}: {class}, {} + {} impacts a period, {:.1} % of the starts, its mirror image {:.1} %",
-            index + 1,
-            impacts[0],
-            impacts[1],
-            100.0 * own,
-            100.0 * mirror
-        );
-        if let Some(statistics) = attractor.statistics {
-            words.push_str(&format!("; means over {} drive periods", statistics.periods));
-        }
-        words
-    };
-    let mut lines: Vec<String> = shown(basin).map(remark).collect();
-    if basin.attractors.len() > SHOWN {
-        lines.push(format!("and {} more", basin.attractors.len() - SHOWN));
+/// Difference of coordinates of one place of rest, relative to their size.
+const ONE_PLACE: f64 = 1e-6;
+
+/// The share of the motions that came to rest, and where; `None` where none did.
+fn rest_in_words(machine: &Machine, basins: &Basins) -> Option<String> {
+    let d = &machine.description;
+    let bodies = d.bodies.iter().zip(&basins.rest).filter(|(body, _)| !body.is_inner());
+    let places: Vec<_> = bodies.filter(|(body, _)| !body.kind.is_prescribed()).collect();
+    if places.is_empty() {
+        return None;
     }
-    let rest = [
-        (Destination::NotSettled, format!("not settled: followed for {PROLONGED} drive periods or more")),
-        (
-            Destination::Undecided,
-            "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided"
-                .into(),
-        ),
-    ];
-    for (destination, what) in rest {
-        if basin.cells.contains(&destination) {
-            lines.push(format!("{:.1} % of the starts {what}", 100.0 * basin.share(destination)));
+    let unit = |body: &Body| if body.dimension == Dimension::Rotation { "rad" } else { "m" };
+    let is_one = |[least, largest]: &[f64; 2]| largest - least <= ONE_PLACE * least.abs().max(largest.abs());
+    let place = |(body, [least, largest]): &(&Body, &[f64; 2])| match is_one(&[*least, *largest]) {
+        true => format!("{}.s = {} {}", body.name, significant(*least), unit(body)),
+        false => {
+            let (from, to) = (significant(*least), significant(*largest));
+            format!("{}.s from {from} to {to} {}", body.name, unit(body))
+        }
+    };
+    let count = basins.cells.iter().filter(|cell| **cell == BasinCell::Rest).count();
+    let which = match basins.cells.len() {
+        all if all == count => format!("all {count} motions"),
+        all => format!("{count} of {all} motions"),
+    };
+    let how = match places.iter().all(|(_, range)| is_one(range)) {
+        true => "at one place",
+        false if d.frictions.is_empty() => "not at one place",
+        false => "not at one place: friction holds a range",
+    };
+    Some(format!("{which} came to rest ({how}): {}", places.iter().map(place).collect::<Vec<_>>().join(", ")))
+}
+
+fn remarks(machine: &Machine, basins: &Basins, listed: &[Listed]) -> Vec<String> {
+    let told = |one: &Listed| {
+        let events = if one.word.is_empty() { String::new() } else { format!(" [{}]", one.word) };
+        format!("attractor {}: {}{events}, {:.1} % of the starts", one.number, one.class(), 100.0 * one.share)
+    };
+    let mut lines: Vec<String> = listed.iter().map(told).collect();
+    if basins.attractors.len() > SHOWN {
+        lines.push(format!("and {} more", basins.attractors.len() - SHOWN));
+    }
+    lines.extend(rest_in_words(machine, basins));
+    let ended = basins.ended.as_deref().unwrap_or_default();
+    for (cell, words) in [
+        (BasinCell::Outside, "violate a rigid stop".to_owned()),
+        (BasinCell::NotSettled, "were not decided".into()),
+        (BasinCell::Ended, format!("lead to motions that end: {ended}")),
+    ] {
+        if basins.cells.contains(&cell) {
+            lines.push(format!("{:.1} % of the starts {words}", 100.0 * basins.share(cell)));
         }
     }
     lines
 }
 
-/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], then two for each attractor and its mirror
-/// image.
-fn code(destination: &Destination) -> u8 {
-    match *destination {
-        Destination::Outside => 0,
-        Destination::NotSettled => 1,
-        Destination::Undecided => 2,
-        Destination::Attractor(n) if usize::from(n) < PAIRS.len() => 4 + 2 * n as u8,
-        Destination::Mirror(n) if usize::from(n) < PAIRS.len() => 5 + 2 * n as u8,
-        Destination::Attractor(_) | Destination::Mirror(_) => 3,
+/// The colour of an attractor with a colour of its own.
+fn colour(number: usize) -> Colour {
+    PAIRS[number % PAIRS.len()][number / PAIRS.len()]
+}
+
+/// Colour of starts of motions that come to rest.
+const REST: Colour = Colour(190, 190, 190);
+
+/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], 4 for [`REST`], then one for each
+/// attractor.
+fn code(cell: BasinCell) -> u8 {
+    match cell {
+        BasinCell::Rest => 4,
+        BasinCell::Outside => 0,
+        BasinCell::NotSettled => 1,
+        BasinCell::Ended => 2,
+        BasinCell::Attractor(n) if usize::from(n) < COLOURED => 5 + n as u8,
+        BasinCell::Attractor(_) => 3,
     }
 }
 
-/// The cells of the plane.
-fn cells(request: &BasinRequest, basin: &Basin) -> Shape {
+fn cells(request: &BasinRequest, basins: &Basins) -> Shape {
     Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
         columns: request.x.count,
-        cells: basin.cells.iter().map(code).collect(),
-        colours: OTHERS.into_iter().chain(PAIRS.into_iter().flatten()).map(Some).collect(),
+        cells: basins.cells.iter().map(|cell| code(*cell)).collect(),
+        colours: OTHERS.into_iter().chain([REST]).chain((0..COLOURED).map(colour)).map(Some).collect(),
     }
 }
 
-/// Entries of the legend: each attractor of [`PAIRS`], its mirror image where there is one, all
-/// further attractors together, then cells without a known attractor.
-fn legend(basin: &Basin) -> Vec<Layer> {
+/// Entries of the legend: each attractor with a colour, all others together, then cells without
+/// one.
+fn legend(basins: &Basins, listed: &[Listed]) -> Vec<Layer> {
+    /// Longest list of events in an entry.
+    const LONGEST: usize = 48;
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
-    let mut layers = Vec::new();
-    for (index, (attractor, [own, image])) in basin.attractors.iter().zip(PAIRS).enumerate() {
-        let title = format!("{}: {}", index + 1, attractor.class.name());
-        let [share, share_of_image] = basin.shares(index as u16);
-        if share > 0.0 {
-            layers.push(entry(&title, own));
-        }
-        if share_of_image > 0.0 {
-            layers.push(entry(&format!("{title}, mirror image"), image));
-        }
-    }
-    if let Some(further) = basin.attractors.get(PAIRS.len()..).filter(|further| !further.is_empty()) {
-        let mut classes: Vec<String> = Vec::new();
-        for name in further.iter().map(|a| a.class.name()) {
-            if !classes.contains(&name) {
-                classes.push(name);
-            }
-        }
-        let title = format!("{} to {}: {}", PAIRS.len() + 1, basin.attractors.len(), classes.join(", "));
-        layers.push(entry(&title, FURTHER));
-    }
-    for (destination, name, colour) in [
-        (Destination::NotSettled, "not settled", NOT_SETTLED),
-        (Destination::Undecided, "attractor undecided", UNDECIDED),
-        (Destination::Outside, "no start: outside the stops", OUTSIDE),
-    ] {
-        if basin.cells.contains(&destination) {
-            layers.push(entry(name, colour));
-        }
-    }
+    let name = |one: &Listed| match one.word.len() {
+        0 => format!("{}: {}", one.number, one.class()),
+        length if length <= LONGEST => format!("{}: {} {}", one.number, one.class(), one.word),
+        _ => format!("{}: {} {} events", one.number, one.class(), one.word.split(", ").count()),
+    };
+    let mut layers: Vec<Layer> =
+        listed.iter().take(COLOURED).enumerate().map(|(k, one)| entry(&name(one), colour(k))).collect();
+    let others = [
+        (basins.attractors.len() > COLOURED, "further attractors", FURTHER),
+        (basins.cells.contains(&BasinCell::NotSettled), "not settled", NOT_SETTLED),
+        (basins.cells.contains(&BasinCell::Rest), "comes to rest", REST),
+        (basins.cells.contains(&BasinCell::Ended), "motion ends", UNDECIDED),
+        (basins.cells.contains(&BasinCell::Outside), "no start: a rigid stop is violated", OUTSIDE),
+    ];
+    layers.extend(others.into_iter().filter(|o| o.0).map(|(_, name, colour)| entry(name, colour)));
     layers
 }
 
-fn axis(lengths: &Lengths, axis: &InitialValueAxis) -> Axis {
-    const SYMBOLS: [&str; 3] = ["X₁", "X₂", "X₃"];
-    let shown = match axis.coordinate {
-        i @ 0..3 => lengths.axis(&lengths.displacement(SYMBOLS[i])),
-        i => lengths.rates(&[SYMBOLS[i - 3]]),
-    };
-    Axis { label: format!("at the start: {}", shown.label), range: Some((axis.from, axis.to)), ..shown }
-}
-
-fn figure(set: &ParameterSet, request: &BasinRequest, basin: &Basin) -> Figure {
-    let mut layers = vec![Layer::new("", GREY, cells(request, basin))];
-    layers.extend(legend(basin));
-    let method = format!(
-        "{} × {} starts, the other initial values zero; {} periods discarded, and more where nothing is decided then.",
-        request.x.count, request.y.count, request.discard
-    );
-    let lengths = Lengths::of(set);
-    let (x, y) = (axis(&lengths, &request.x), axis(&lengths, &request.y));
-    Figure {
-        title: "Basins of attraction".into(),
-        caption: vec![method, set.caption()],
-        panels: vec![Panel { title: String::new(), x, y, layers }],
-        columns: 1,
-        panel: (2300, 1700),
-        shared_legend: true,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use vibro_studies::paper::attractor::MotionClass;
-    use vibro_studies::paper::basin::BasinAttractor;
-
-    #[test]
-    fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Ratio of two luminances with stray light (WCAG) that the eye tells apart.
-        const APART: f64 = 1.02;
-        let mut light: Vec<f64> =
-            PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
-        light.sort_by(f64::total_cmp);
-        assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
-        // Eleven attractors: the last three share one entry.
-        let attractor = |period: u32| BasinAttractor {
-            attractor: Attractor {
-                period: Some(period),
-                approaching: false,
-                impacts: [1.0; 2],
-                rests: false,
-                states: Vec::new(),
-                mirror_states: Vec::new(),
-                sizes: [1.0; 3],
-                statistics: None,
-            },
-            class: MotionClass::Periodic(period),
-        };
-        let mut cells: Vec<Destination> =
-            (0..11).flat_map(|n| [Destination::Attractor(n), Destination::Mirror(n)]).collect();
-        cells.extend([Destination::NotSettled, Destination::Undecided, Destination::Outside]);
-        let basin = Basin { attractors: (1..=11).map(attractor).collect(), cells };
-        let legend = legend(&basin);
-        let mut codes: Vec<u8> = basin.cells.iter().map(code).collect();
-        codes.sort_unstable();
-        codes.dedup();
-        assert_eq!(legend.len(), codes.len());
-        for (i, layer) in legend.iter().enumerate() {
-            assert!(legend[..i].iter().all(|other| other.colour != layer.colour), "{:?}", layer.name);
-        }
-        let names: Vec<&str> = legend.iter().filter_map(|layer| layer.name.as_deref()).collect();
-        assert!(names.contains(&"9 to 11: 9T, 10T, 11T") && names.contains(&"not settled"), "{names:?}");
-        assert!(remarks(&basin).iter().any(|line| line.contains("% of the starts not settled")));
-    }
+fn axis(machine: &Machine, axis: &StartAxis) -> Axis {
+    let quantity = axis.name.parse::<QuantityName>().ok();
+    let unit = quantity.and_then(|q| q.find(&machine.description).ok()).map_or("s", |found| found.unit);
+    let shown = shown_axis(&format!("at the start: {}", axis.name), unit, axis.from.abs().max(axis.to.abs()));
+    Axis { range: Some((axis.from, axis.to)), ..shown }
 }

@@ -1,225 +1,194 @@
-//! Panels, tables and remarks that are common to all bifurcation diagrams: those with exponents,
-//! those with orbits, and those of described machines.
+//! Bifurcation diagrams and exponents of described machines.
 
-use super::lengths::Lengths;
+use super::Study;
+use super::design_sweep::Labelled;
+use super::panels::{
+    DIRECTIONS, contact_panel, hysteresis, maxima_rows, reach, remarks, shaded, window_table,
+};
+use super::paper::sweep::letters;
 use crate::Result;
-use crate::table::{CsvRows, TextTable, exact};
-use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
-use vibro_studies::paper::plane::{AxisName, ParameterAxis};
-use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
-use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
+use crate::table::{TextTable, exact};
+use vibro_figures::canvas::palette::{FAMILY, GREY};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
+use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::paper::bifurcation::Diagram;
+use vibro_studies::significant;
+use vibro_studies::{Machine, Start, runs_on, settle, settled};
 
-/// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
-/// neighbours share a column.
-const ROWS: usize = 380;
-const COLUMNS: usize = 1300;
-/// Limits between the four shades, as fractions of the kept periods that fall into a cell.
-const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
-const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
-/// Colours of rare and of frequent maxima of the falling direction, at values where it settles on
-/// another motion than the rising direction. They are lighter than any shade, so that they differ
-/// in greyscale too.
-const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
+/// Lengths below this, m, are shown in mm.
+const SMALL: f64 = 0.1;
 
-/// Stroke of the curves over which others are drawn.
-pub(super) const WIDE: u32 = 14;
-/// Largest number of windows listed on the screen.
-const MAX_LISTED: usize = 40;
+/// How the values of a diagram follow one another.
+const CHAINED: &str = "rising and falling, the last state being the next start";
 
-/// The two directions through a range of values.
-pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
-
-/// Method by which a diagram was computed, in words.
-pub(super) fn method(sweep: &Sweep) -> String {
-    let mut text = format!(
-        "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
-        sweep.discard, sweep.keep, sweep.axis.count
-    );
-    if let Some(o) = &sweep.exponents {
-        text.push_str(&format!(" Exponents over {} periods after {}.", o.periods, o.align));
-    }
-    text
-}
-
-/// Converts a maximum at a point to units of the set's own gap.
-type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;
-
-/// Range of all maxima, extended by the margin `air`.
-pub(super) fn reach<P: DiagramPoint>(diagram: &Diagram<P>, length: Length<'_, P>, air: f64) -> (f64, f64) {
-    let points = diagram.up.iter().chain(&diagram.down).flatten();
-    let all = points.flat_map(|p| p.maxima().iter().map(|m| length(p, m.0)));
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    if low > high { (0.0, 1.0) } else { (low - 0.03 * (high - low) - air, high + 0.03 * (high - low) + air) }
-}
-
-/// Cells of the maxima: 0 for none, 1 to 4 for the shades of the rising direction, 5 and 6 for the
-/// falling direction at values where it settles on another motion.
-fn cells<N: AxisName, P: DiagramPoint>(
-    (axis, kept): (&ParameterAxis<N>, u32),
-    diagram: &Diagram<P>,
-    apart: &[Option<bool>],
-    (y, length): ((f64, f64), Length<'_, P>),
-) -> Shape {
-    let columns = axis.count.min(COLUMNS);
-    // Values that share a column; their periods are counted together.
-    let mut shares = vec![0_u32; columns];
-    let mut counts = vec![[0u32; 2]; ROWS * columns];
-    let row = |x: f64| (((x - y.0) / (y.1 - y.0) * ROWS as f64) as usize).min(ROWS - 1);
-    (0..axis.count).for_each(|value| shares[value * columns / axis.count] += 1);
-    for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
-        for (value, point) in points.iter().enumerate() {
-            if direction == 1 && apart[value] != Some(true) {
-                continue;
-            }
-            let Some(p) = point else { continue };
-            for (x, count) in p.maxima() {
-                counts[row(length(p, *x)) * columns + value * columns / axis.count][direction] += count;
-            }
-        }
-    }
-    let class = |(place, [up, down]): (usize, [u32; 2])| {
-        let kept = f64::from(kept) * f64::from(shares[place % columns]);
-        let level = |count: u32| STEPS.iter().filter(|s| f64::from(count) > **s * kept).count() as u8;
-        match (up, down) {
-            (0, 0) => 0,
-            (0, down) => 5 + u8::from(level(down) > 1),
-            (up, _) => 1 + level(up),
-        }
-    };
-    let mut colours = vec![None];
-    colours.extend(SHADES.into_iter().chain(FALLING).map(Some));
-    let (x, cells) = (axis.edges(), counts.into_iter().enumerate().map(class).collect());
-    Shape::Cells { x, y, columns, cells, colours }
-}
-
-/// The layers of the maxima, named for the legend.
-pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
-    axis: (&ParameterAxis<N>, u32),
-    diagram: &Diagram<P>,
-    apart: &[Option<bool>],
-    lengths: ((f64, f64), Length<'_, P>),
-) -> Vec<Layer> {
-    vec![
-        Layer::new("", BLACK, cells(axis, diagram, apart, lengths)),
-        Layer::band("value rising", SHADES[3], 1.0, Vec::new()),
-        Layer::band("value falling, where it ends elsewhere", FALLING[1], 1.0, Vec::new()),
-    ]
-}
-
-/// Panel of the impacts per period in both directions.
-pub(super) fn contact_panel<P: DiagramPoint>(
-    title: &str,
-    x: Axis,
-    label: &str,
-    diagram: &Diagram<P>,
-) -> Panel {
-    let curve = |points: &[Option<P>]| -> Path {
-        points.iter().flatten().map(|p| (p.value(), p.contacts())).collect()
-    };
-    Panel {
-        title: title.into(),
-        x,
-        y: Axis::new(label),
-        layers: vec![
-            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
-            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
-        ],
-    }
-}
-
-/// Table of all maxima with their counts; `text` formats a maximum.
+/// The study of a diagram, with its tables.
 ///
 /// # Errors
-/// [`Error::Output`](crate::Error::Output).
-pub(super) fn maxima_rows<P: DiagramPoint>(
-    (name, maximum): (&str, &str),
-    diagram: &Diagram<P>,
-    text: &dyn Fn(f64) -> String,
-) -> Result<Vec<u8>> {
-    let mut csv = CsvRows::new([name, "direction", maximum, "count"])?;
-    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for point in points.iter().flatten() {
-            let value = exact(point.value());
-            for (x, count) in point.maxima() {
-                csv.push([&value, direction, &text(*x), &count.to_string()])?;
-            }
-        }
+/// [`Error::Output`](crate::Error::Output) if a table cannot be made; an error if the machine does
+/// not have a quantity.
+pub fn assembly_diagram(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    name: &str,
+) -> Result<Study> {
+    let apart = diagram.apart();
+    let (axis, of) = (&request.axis, request.of.to_string());
+    let parameter = &axis.name;
+    let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
+    let x = || Axis { range: Some(axis.edges()), ..machine.axis(parameter) };
+    let unit = request.of.find(&machine.description)?.unit;
+    let range = reach(diagram, &|_, value| value, 0.0);
+    let (factor, symbol) = match unit {
+        "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),
+        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
+    };
+    let label = format!("{of} ({symbol})");
+    let mut panels = vec![Panel {
+        title: format!("{drawn} of {of}"),
+        x: x(),
+        y: Axis::over(label, range.0, range.1).times(factor),
+        layers: shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value)),
+    }];
+    if request.exponents.is_some() {
+        let zero = Layer::line("", GREY, Dash::Dotted, vec![(axis.edges().0, 0.0), (axis.edges().1, 0.0)]);
+        let exponent = |p: &AssemblyPoint| Some((p.value, p.settled.exponent?.value));
+        let points = diagram.up.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite());
+        let curve: Path = points.collect();
+        panels.push(Panel {
+            title: "Largest Lyapunov exponent, value rising".into(),
+            x: x(),
+            y: Axis::new("λ₁ (1/s)"),
+            layers: vec![zero.stroke(THIN), Layer::line("", FAMILY[0], Dash::Solid, curve).stroke(THIN)],
+        });
     }
-    csv.text()
+    if !machine.description.stops.is_empty() {
+        panels.push(contact_panel("Impacts and first touches a period", x(), "contacts a period", diagram));
+    }
+    if request.anew {
+        let falls = |layer: &Layer| layer.name.as_ref().is_some_and(|name| name.starts_with("value falling"));
+        panels.iter_mut().for_each(|panel| panel.layers.retain(|layer| !falls(layer)));
+    }
+    letters(&mut panels);
+    let method = format!(
+        "Up to {} periods discarded and {} kept at each of {} values, {}.",
+        request.discard,
+        request.keep,
+        axis.count,
+        match (request.anew, request.start.is_own()) {
+            (true, true) => "each started as the file says".into(),
+            (true, false) => format!("each started at {}", request.start),
+            (false, true) => CHAINED.into(),
+            (false, false) => format!("{CHAINED}, the first {}", request.start),
+        }
+    );
+    let figure = Figure {
+        title: format!("{}: {of} over {parameter}", machine.description.name),
+        caption: vec![method, format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter)))],
+        panels,
+        columns: 1,
+        panel: (2900, 1150),
+        shared_legend: false,
+    };
+    let column = format!("{of}_{}", if request.at_section { "section" } else { "maximum" });
+    let told = |value: f64| machine.told(parameter, value);
+    let directions = if request.anew { "each value started anew" } else { "both directions" };
+    let what = format!("{} of {of} over {parameter}, {directions}", drawn.to_lowercase());
+    // With `anew` there is one direction.
+    let remarks = remarks(parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
+    Ok(Study {
+        tables: vec![
+            (name.into(), maxima_rows((parameter, &column), diagram, &exact)?),
+            (format!("{name}-points"), point_table(parameter, diagram, &apart).csv()?),
+            (format!("{name}-windows"), window_table(parameter, diagram).csv()?),
+        ],
+        figure: Some(figure),
+        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
+        ..Study::without_figure(name, what).with_remarks(remarks)
+    })
 }
 
-/// Table of the ranges of one class.
-pub(super) fn window_table<P: DiagramPoint>(name: &str, diagram: &Diagram<P>) -> TextTable {
-    let mut table = TextTable::new(&["direction", &format!("{name}_from"), &format!("{name}_to"), "class"]);
+/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after
+/// `discard` discarded returns.
+///
+/// # Errors
+/// The errors of the machine and of its motion.
+pub fn assembly_exponent(
+    machine: &Machine,
+    start: &Start,
+    (discard, periods): (u32, u32),
+    name: &str,
+) -> Result<Study> {
+    let (motion, section) = machine.motion(start)?;
+    let mut motion = motion.without_energy_accounts();
+    settle(&mut motion, &section, discard)?;
+    if let Some(why) = runs_on(&machine.description, motion.time()) {
+        let problem =
+            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
+        return Err(crate::Error::Refused { what: why, problem: problem.into() });
+    }
+    let found = settled(&mut motion, &section, Some(periods))?;
+    let mut table =
+        TextTable::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let exponent = found.exponent;
+    let number = |x: Option<f64>| x.map_or(String::new(), exact);
+    table.rows.push(vec![
+        number(exponent.map(|e| e.value)),
+        number(exponent.map(|e| e.error)),
+        exponent.map_or(String::new(), |e| e.periods.to_string()),
+        exact(found.interval),
+        exact(found.contacts),
+        found.rests.to_string(),
+        found.class.name(),
+    ]);
+    let told =
+        exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
+            (f64::NEG_INFINITY, _) => {
+                "-inf: contacts take every direction, or there is none but neutral ones".into()
+            }
+            (value, Some(period)) => {
+                format!(
+                    "{} 1/s, by the multipliers of {period}T to {}",
+                    significant(value),
+                    significant(e.error)
+                )
+            }
+            (value, None) => format!(
+                "{} 1/s, standard error {}, over {} returns",
+                significant(value),
+                significant(e.error),
+                e.periods
+            ),
+        });
+    let what = format!("largest Lyapunov exponent {told}");
+    let remarks = vec![format!("class: {}", found.class.name())];
+    Ok(Study {
+        tables: vec![(name.into(), table.csv()?)],
+        ..Study::without_figure(name, what).with_remarks(remarks)
+    })
+}
+
+fn point_table(parameter: &str, diagram: &Diagram<AssemblyPoint>, apart: &[Option<bool>]) -> TextTable {
+    let header =
+        ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
+    let mut table = TextTable::new(&[&[parameter][..], &header].concat());
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for Window { from, to, class } in Diagram::windows(points) {
-            table.rows.push(vec![direction.into(), exact(from), exact(to), class.name()]);
+        for (point, apart) in points.iter().zip(apart) {
+            let Some(AssemblyPoint { value, settled, .. }) = point else { continue };
+            let number = |x: Option<f64>| x.map_or(String::new(), exact);
+            table.rows.push(vec![
+                exact(*value),
+                direction.into(),
+                settled.class.name(),
+                settled.period.map_or(String::new(), |n| n.to_string()),
+                exact(settled.interval),
+                exact(settled.contacts),
+                settled.rests.to_string(),
+                hysteresis(*apart),
+                number(settled.exponent.map(|e| e.value)),
+                number(settled.exponent.map(|e| e.error)),
+            ]);
         }
     }
     table
-}
-
-/// Whether the two directions settle on different motions at a value, in words.
-pub(super) fn hysteresis(apart: Option<bool>) -> String {
-    apart.map_or_else(|| "undecided".into(), |apart| apart.to_string())
-}
-
-/// Remarks on a diagram: ranges of one class in the rising direction, values at which the
-/// directions differ, and missing values. If `apart` is `None`, there is one direction.
-pub(super) fn remarks<P: DiagramPoint>(
-    name: &str,
-    diagram: &Diagram<P>,
-    apart: Option<&[Option<bool>]>,
-    told: &dyn Fn(f64) -> String,
-) -> Vec<String> {
-    let windows = Diagram::windows(&diagram.up);
-    let window = |w: &Window| format!("{name} {} … {}: {}", told(w.from), told(w.to), w.class.name());
-    let mut lines: Vec<String> = windows.iter().take(MAX_LISTED).map(window).collect();
-    if windows.len() > MAX_LISTED {
-        lines.push(format!("… and {} more windows in the table", windows.len() - MAX_LISTED));
-    }
-    if let Some(apart) = apart {
-        let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();
-        let (elsewhere, undecided) = (count(Some(true)), count(None));
-        let undecided =
-            if undecided > 0 { format!(", of {undecided} it is undecided") } else { String::new() };
-        lines.push(format!(
-            "{elsewhere} of {} values end elsewhere with the value falling{undecided}",
-            apart.len()
-        ));
-    }
-    let falling = diagram.down.iter().filter(|_| apart.is_some());
-    let refused = diagram.up.iter().chain(falling).filter(|p| p.is_none()).count();
-    if refused > 0 {
-        lines.push(format!("{refused} values left out: the simulator refused them"));
-    }
-    lines
-}
-
-/// The panel of all maxima: shaded by frequency, with the falling direction at values where it
-/// settles on another motion, and a mark at the set's own value.
-pub(super) fn maxima_panel(
-    set: &ParameterSet,
-    sweep: &Sweep,
-    diagram: &Diagram,
-    apart: &[Option<bool>],
-) -> Panel {
-    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
-    let symbol = lengths.displacement(sweep.of.symbol());
-    let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
-    let (x, y) = (axis.edges(), reach(diagram, &length, 1e-3));
-    let mut layers = shaded((axis, sweep.keep), diagram, apart, (y, &length));
-    let own = axis.name.value(set);
-    if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
-        let name = format!("this set: {}", set.told(axis.name, own));
-        let line = vec![(own, y.0), (own, y.1)];
-        layers.push(Layer::line(&name, HERE, Dash::Dotted, line).stroke(THIN));
-    }
-    Panel {
-        title: format!("Local maxima of {symbol}"),
-        x: super::parameter_axis(set, axis.name, x),
-        y: lengths.axis_over(&symbol, y.0, y.1),
-        layers,
-    }
 }

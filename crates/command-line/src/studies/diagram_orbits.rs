@@ -1,385 +1,280 @@
-//! The exact branches of periodic orbits over a bifurcation diagram, and the rows of the diagram
-//! that lie on them.
-
-mod drawn;
+//! The branches of periodic orbits over a bifurcation diagram of a described machine, and the rows
+//! of the diagram that lie on them.
 
 use super::Study;
-use super::diagram::{DIRECTIONS, method};
-use super::lengths::Lengths;
-use super::orbits::{search_in_words, special_table};
+use super::design_sweep::Labelled;
+use super::orbits::{marks, shown_axis, special_table, words};
+use super::panels::{DIRECTIONS, reach, shaded};
+use super::paper::orbits::{DrawnBranch, branch_layers};
 use crate::Result;
 use crate::table::{CsvRows, exact};
-use drawn::{Drawn, NEVER_STABLE, UNSTABLE};
 use rayon::prelude::*;
-use vibro_studies::paper::attractor::{MotionClass, observe};
-use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, Window};
-use vibro_studies::parts::PartStore;
-use vibro_studies::paper::stroboscopic::dimensional;
-use vibro_studies::paper::{Name, ParameterSet};
-use vibro_figures::chart::Figure;
-use vibro_impact::simulator::Simulator;
-use vibro_orbits::paper::{Branch, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange, Tree, TreeOptions, branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree_in_parts};
+use std::collections::BTreeMap;
+use vibro_figures::chart::{Axis, Figure, Panel};
+use vibro_orbits::paper::PathOptions;
+use vibro_orbits::{Branch, Family, KeptPaths, Orbit, OrbitPoint, Stability, TreeOptions, tree_on};
+use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::paper::bifurcation::Diagram;
+use vibro_studies::{Machine, Maxima, Settled, Watcher, settled};
 
-/// Largest number of values, in each direction, at which settled motions start branches.
-const MOST_SEEDS: usize = 1001;
-/// Drive periods after which a row that no branch covers is examined again. By then, the transient
-/// of a row next to a bifurcation has decayed.
-const LATER: u32 = 20_000;
-/// Largest number of sequences of doublings, and of uncovered rows, listed on the screen.
-const MAX_LISTED: usize = 12;
-/// Decimals of a located value in words: ten digits are certain.
-const DECIMALS: usize = 10;
+/// Least and largest number of values, in each direction, at which settled motions start branches.
+const SEEDS: (usize, usize) = (24, 200);
+/// Largest number of uncovered rows that are listed on the screen.
+const LISTED: usize = 12;
 
-/// The branch on which a periodic row of a diagram lies, or the reason why the row has none.
-#[derive(Clone, Debug)]
-pub enum Covering {
-    /// The motion lies on a stable branch.
-    Branch {
-        /// The stable range of the branch that contains the row.
-        range: StableRange,
-        /// The branch's word, with its closing sign.
-        word: String,
-        /// Distance of the motion's states from the orbit's, in units of L and L ω10.
-        distance: f64,
-    },
-    /// The block rests at a stop during the motion. An orbit of impacts alone does not describe
-    /// such a motion.
-    Rests,
-    /// The motion had not settled. After further periods it lies on a stable branch.
-    Transient,
-    /// No followed branch contains it.
-    Missing,
-}
-
-/// A periodic row of a diagram.
-#[derive(Clone, Debug)]
-pub struct CoveredRow {
-    /// 0 with the value rising, 1 with the value falling.
-    pub direction: usize,
-    /// The value of the parameter.
-    pub value: f64,
-    /// The motion's class.
-    pub class: MotionClass,
-    /// The row's branch, or the reason why it has none.
-    pub covering: Covering,
-}
-
-/// The branches over a diagram.
-#[derive(Clone, Debug)]
-pub struct DiagramOrbits {
-    /// The family of machines over the parameter.
-    pub family: Family,
-    /// All branches.
-    pub tree: Tree,
-    /// The periodic rows of both directions.
-    pub rows: Vec<CoveredRow>,
-}
-
-/// The family of a sweep.
+/// The family of machines over the axis of a diagram.
 ///
 /// # Errors
-/// An error that names the parameter if orbits cannot vary it.
-pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
-    let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
-    let family = Family::new(set, span)?;
-    // A free block and undamped modes are refused for any word. Whether this word has an orbit does
-    // not matter.
-    let middle = family.system(&[0.5 * (span.from + span.to)])?;
-    match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
-        Ok(_) | Err(vibro_studies::Error::NoOrbit { .. }) => Ok(family),
-        Err(other) => Err(other.into()),
-    }
+/// As [`Family::new`], for machines and parameters that orbits cannot be followed over.
+pub fn diagram_family(machine: &Machine, request: &DiagramRequest) -> Result<Family> {
+    Ok(Family::new(machine, &request.axis.name, (request.axis.from, request.axis.to))?)
 }
 
-impl DiagramOrbits {
-    /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram to
-    /// a branch. Finished branches are kept in a store; `told` receives the number of traced starts
-    /// and the number of waiting ones.
-    ///
-    /// # Errors
-    /// The errors of the machines and of the store.
-    pub fn new(
-        set: &ParameterSet,
-        sweep: &Sweep,
-        diagram: &Diagram,
-        options: &TreeOptions,
-        (store, told): (&dyn PartStore, &(dyn Fn(usize, usize) + Sync)),
-    ) -> Result<Self> {
-        let family = sweep_family(set, sweep)?;
-        // Branches start at the diagram's values too, so that a window of a single value is not
-        // missed.
-        let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
-        let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
-        let options = TreeOptions { seeds, ..options.clone() };
-        let mut tree = tree_in_parts(&family, &options, store, told)?;
-        let all = [&diagram.up, &diagram.down].into_iter().enumerate();
-        let points: Vec<(usize, &SweepPoint)> = all
-            .flat_map(|(direction, points)| points.iter().flatten().map(move |point| (direction, point)))
-            .filter(|(_, point)| point.class.is_periodic())
-            .collect();
-        let row = |(direction, point): &(usize, &SweepPoint)| -> Result<CoveredRow> {
-            let covering = covering(&family, &tree, point)?;
-            Ok(CoveredRow { direction: *direction, value: point.value, class: point.class, covering })
-        };
-        let mut rows: Vec<CoveredRow> = points.par_iter().map(row).collect::<Result<_>>()?;
-        for (row, (_, point)) in rows.iter_mut().zip(&points) {
-            if matches!(row.covering, Covering::Missing) && follow_own(&family, &mut tree, point)? {
-                row.covering = covering(&family, &tree, point)?;
-            }
-        }
-        Ok(Self { family, tree, rows })
-    }
-
-    /// Stable range of the branch on which the motion at a value lies; `None` if the motion is not
-    /// periodic or not covered.
-    pub fn range_at(&self, direction: usize, value: f64) -> Option<&StableRange> {
-        let row = self.rows.iter().find(|row| row.direction == direction && row.value == value)?;
-        match &row.covering {
-            Covering::Branch { range, .. } => Some(range),
-            _ => None,
-        }
-    }
-
-    /// Ends of the stable ranges that contain the first and the last covered row of a range of
-    /// values.
-    pub fn bounds(&self, direction: usize, (from, to): (f64, f64)) -> Option<(RangeEnd, RangeEnd)> {
-        let inside = |row: &&CoveredRow| row.direction == direction && (from..=to).contains(&row.value);
-        let range = |row: &CoveredRow| match &row.covering {
-            Covering::Branch { range, .. } => Some(range.clone()),
-            _ => None,
-        };
-        let mut ranges = self.rows.iter().filter(inside).filter_map(range);
-        let first = ranges.next()?;
-        let last = ranges.next_back().unwrap_or_else(|| first.clone());
-        Some((first.from, last.to))
-    }
-
-    /// Number of settled periodic rows, and number of these rows that lie on a stable branch.
-    pub fn share(&self) -> (usize, usize) {
-        let count =
-            |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
-        let ended = count(&|c| !matches!(c, Covering::Transient));
-        (count(&|c| matches!(c, Covering::Branch { .. })), ended)
-    }
-
-    /// The coverage in words: the share, and the number of rows without a branch by reason.
-    pub fn coverage_in_words(&self, set: &ParameterSet, sweep: &Sweep) -> Vec<String> {
-        let (covered, ended) = self.share();
-        let mut words = vec![format!(
-            "{covered} of {ended} periodic rows of both directions whose transient has ended lie on a stable branch"
-        )];
-        let told = |what: &str, holds: &dyn Fn(&Covering) -> bool| {
-            let rows: Vec<&CoveredRow> = self.rows.iter().filter(|row| holds(&row.covering)).collect();
-            let values = rows.iter().take(MAX_LISTED).map(|row| {
-                let (value, way) = (set.with_unit(sweep.axis.name, row.value), DIRECTIONS[row.direction]);
-                format!("{value} {way} ({})", row.class.name())
-            });
-            let values: Vec<String> = values.collect();
-            let more = if rows.len() > MAX_LISTED { ", …" } else { "" };
-            (!rows.is_empty()).then(|| format!("{} {what}: {}{more}", rows.len(), values.join(", ")))
-        };
-        words.extend(told("rest at a stop, which words do not describe", &|c| matches!(c, Covering::Rests)));
-        words.extend(told(
-            &format!("had not settled and lie on a stable branch {LATER} periods later"),
-            &|c| matches!(c, Covering::Transient),
-        ));
-        words.extend(told("lie on no branch that was followed", &|c| matches!(c, Covering::Missing)));
-        words
-    }
-
-    /// Sequences of at least two doublings in words, with the ratios of their distances.
-    pub fn doublings_in_words(&self, set: &ParameterSet) -> Vec<String> {
-        let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
-        let name = self.family.span().name;
-        sequences.map(|sequence| doublings_in_words(set, name, &sequence)).collect()
-    }
-    /// The study: a picture of the branches over the diagram, with tables of the drawn curves,
-    /// special points, stable ranges, windows and rows.
-    ///
-    /// # Errors
-    /// [`Error::Output`](crate::Error::Output).
-    pub fn study(&self, set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
-        let (branches, along) = (&self.tree.branches, set.symbol(sweep.axis.name));
-        let lengths = Lengths::of(set);
-        let symbol = lengths.displacement(sweep.of.symbol());
-        let drawn = Drawn::new(&self.family, branches, sweep, &lengths);
-        let figure = Figure {
-            title: format!("Periodic orbits over the bifurcation diagram of {symbol} over {along}"),
-            caption: vec![
-                method(sweep),
-                format!(
-                    "Orbits: exact, full where stable, dashed where unstable (up to {UNSTABLE}T, of branches stable nowhere \
-                     {NEVER_STABLE}T). Marks: where stability changes."
-                ),
-                format!("Elsewhere {}", set.caption_but(&[sweep.axis.name])),
-            ],
-            panels: vec![drawn.panel(set, sweep, diagram, branches)],
-            columns: 1,
-            panel: (2900, 1700),
-            shared_legend: false,
-        };
-        let mut remarks = self.coverage_in_words(set, sweep);
-        remarks.push(search_in_words(&self.tree.searched));
-        remarks.extend(self.doublings_in_words(set).into_iter().take(MAX_LISTED));
-        let what = format!(
-            "{} branches of periodic orbits over the local maxima of {symbol} over {along}",
-            branches.len()
-        );
-        Ok(Study {
-            tables: vec![
-                (name.into(), drawn.table(sweep, branches)?),
-                (format!("{name}-special-points"), special_table(self.family.span(), branches)?),
-                (format!("{name}-stable-ranges"), range_table(sweep, branches)?),
-                (format!("{name}-windows"), self.window_table(sweep, diagram)?),
-                (format!("{name}-rows"), self.row_table(sweep)?),
-            ],
-            figure: Some(figure),
-            ..Study::without_figure(name, what).with_remarks(remarks)
-        })
-    }
-
-    /// Table of the diagram's periodic windows, with the stable ranges that contain their first and
-    /// last rows.
-    fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
-        let name = sweep.axis.name.name();
-        let (from, to) = (format!("{name}_from"), format!("{name}_to"));
-        let mut table = CsvRows::new([
-            "direction",
-            &from,
-            &to,
-            "class",
-            "stable_from",
-            "label_from",
-            "stable_to",
-            "label_to",
-        ])?;
-        for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
-            let windows = Diagram::windows(points);
-            for Window { from, to, class } in windows.into_iter().filter(|w| w.class.is_periodic()) {
-                let lower = end_cells(self.range_at(direction, from).map(|range| range.from));
-                let upper = end_cells(self.range_at(direction, to).map(|range| range.to));
-                let row = vec![DIRECTIONS[direction].into(), exact(from), exact(to), class.name()];
-                table.push([row, lower.to_vec(), upper.to_vec()].concat())?;
-            }
-        }
-        table.text()
-    }
-
-    /// Table of the periodic rows with their branches.
-    fn row_table(&self, sweep: &Sweep) -> Result<Vec<u8>> {
-        let mut table = CsvRows::new([
-            sweep.axis.name.name(),
-            "direction",
-            "class",
-            "branch",
-            "word",
-            "distance",
-            "not_covered",
-        ])?;
-        for row in &self.rows {
-            let found = match &row.covering {
-                Covering::Branch { range, word, distance } => {
-                    [range.branch.to_string(), word.clone(), exact(*distance), String::new()]
-                }
-                Covering::Rests => not_covered("rests"),
-                Covering::Transient => not_covered("transient"),
-                Covering::Missing => not_covered("no branch"),
-            };
-            let own = vec![exact(row.value), DIRECTIONS[row.direction].into(), row.class.name()];
-            table.push([own, found.to_vec()].concat())?;
-        }
-        table.text()
-    }
+/// A periodic row of a diagram, with the branch on which it lies.
+struct Row {
+    direction: usize,
+    value: f64,
+    class: String,
+    branch: Option<usize>,
 }
 
-fn not_covered(reason: &str) -> [String; 4] {
-    [String::new(), String::new(), String::new(), reason.into()]
+/// A stable orbit at a value, as the diagram sees its motion.
+struct Seen {
+    branch: usize,
+    settled: Settled,
 }
 
-/// A sequence of doublings in words, with the ratios of their distances.
-pub(crate) fn doublings_in_words(set: &ParameterSet, name: Name, sequence: &[Doubling]) -> String {
-    let place = |d: &Doubling| format!("{} of {}T at {}", d.label, d.period, located(set, name, d.value));
-    let places: Vec<String> = sequence.iter().map(place).collect();
-    let ratios: Vec<String> = doubling_ratios(sequence).iter().map(|r| format!("{r:.3}")).collect();
-    let told = if ratios.is_empty() { "" } else { "; ratios of the distances of the PD " };
-    format!("{}{told}{}", places.join(", "), ratios.join(", "))
+/// The branches over the axis of a diagram, on the paths that are kept. `told` receives the number
+/// of branches, and that with the starts still known.
+///
+/// # Errors
+/// As [`diagram_family`].
+pub fn diagram_branches(
+    machine: &Machine,
+    request: &DiagramRequest,
+    kept: &dyn KeptPaths,
+    told: &dyn Fn(usize, usize),
+) -> Result<(Family, Vec<Branch>)> {
+    let family = diagram_family(machine, request)?;
+    let options = TreeOptions {
+        start: request.start.clone(),
+        seeds: request.axis.count.clamp(SEEDS.0, SEEDS.1),
+        discard: request.discard,
+        path: PathOptions::default(),
+        ..TreeOptions::default()
+    };
+    let branches = tree_on(&family, &options, kept, &mut |found, all| {
+        told(found.len(), all);
+        true
+    })?;
+    Ok((family, branches))
 }
 
-/// An end of a range as two cells.
-pub(super) fn end_cells(end: Option<RangeEnd>) -> [String; 2] {
-    end.map_or_else(Default::default, |e| {
-        [format!("{:.15}", e.value), e.label.map_or(String::new(), |label| label.name().into())]
+/// The study of the branches over a diagram: tables of the drawn curves, of special points and of
+/// the diagram's periodic rows, and a picture.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn assembly_diagram_orbits(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    (family, branches): (&Family, &[Branch]),
+    name: &str,
+) -> Result<Study> {
+    let rows = rows(family, branches, diagram);
+    let maxima = maxima(machine, request, branches)?;
+    let parameter = &request.axis.name;
+    let (of, what) = (request.of.to_string(), "branches of periodic orbits over the local maxima of");
+    let what = format!("{} {what} {of} over {parameter}", branches.len());
+    let figure = Figure {
+        title: format!("{}: periodic orbits over the maxima of {of} over {parameter}", machine.description.name),
+        caption: vec![
+            "Orbits: full where stable, dashed where unstable; one colour for each period. Cells: motions of the diagram.".into(),
+            format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter))),
+        ],
+        panels: vec![panel(machine, request, diagram, (branches, &maxima))?],
+        columns: 1,
+        panel: (2900, 1700),
+        shared_legend: false,
+    };
+    Ok(Study {
+        tables: vec![
+            (name.into(), curve_table(family, &of, branches, &maxima)?),
+            (format!("{name}-special-points"), special_table(family, branches)?),
+            (format!("{name}-rows"), row_table(family, branches, &rows)?),
+        ],
+        figure: Some(figure),
+        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
+        ..Study::without_figure(name, what).with_remarks(remarks(machine, parameter, &rows))
     })
 }
 
-/// An end of a range in words.
-pub(crate) fn end_in_words(set: &ParameterSet, name: Name, end: RangeEnd) -> String {
-    let label = end.label.map_or(String::new(), |label| format!("{label} "));
-    format!("{label}{}", located(set, name, end.value))
-}
-
-/// A located value in the unit in which the parameter was written.
-fn located(set: &ParameterSet, name: Name, value: f64) -> String {
-    match set.unit(name) {
-        Some(unit) => format!("{:.DECIMALS$} {}", unit.number(value), unit.symbol()),
-        None => format!("{value:.DECIMALS$}"),
-    }
-}
-
-/// Adds the branch of the stable orbit on which a motion of the diagram lies; returns false if
-/// there is none. A row may have settled on an orbit that no start of the tree has reached, since
-/// narrow windows are found by chance.
-fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
-    let system = family.system(&[point.value])?;
-    let Some(state) = point.attractor.states.first() else { return Ok(false) };
-    let state = dimensional(system.parameters(), state);
-    let Some(orbit) = orbit_of(&system, &state).ok().filter(Orbit::is_stable) else { return Ok(false) };
-    let options = PathOptions::default();
-    let Ok(found) = branch(family, orbit.word(), orbit.phases(), point.value, &options, &[]) else {
-        return Ok(false);
-    };
-    tree.branches.push(Branch { id: tree.branches.len(), ..found });
-    Ok(true)
-}
-
-/// The branch on which a periodic motion lies, or the reason why it has none.
-fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering> {
-    let value = point.value;
-    if point.attractor.rests {
-        return Ok(Covering::Rests);
-    }
-    if let Some(found) = tree.covering(family, value, &point.attractor)? {
-        let branch = &tree.branches[found.branch];
-        if let Some(range) = branch.stable_range_of(&found.orbit, value) {
-            let word = branch.word.signed();
-            return Ok(Covering::Branch { range, word, distance: found.distance });
+/// The periodic rows of both directions with their branches.
+fn rows(family: &Family, branches: &[Branch], diagram: &Diagram<AssemblyPoint>) -> Vec<Row> {
+    let mut at: BTreeMap<u64, Vec<(usize, &AssemblyPoint)>> = BTreeMap::new();
+    for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
+        for point in points.iter().flatten().filter(|point| point.settled.class.is_periodic()) {
+            at.entry(point.value.to_bits()).or_default().push((direction, point));
         }
     }
-    let system = family.system(&[value])?;
-    let Some(state) = point.attractor.states.first() else { return Ok(Covering::Missing) };
-    let later = settle(&system, &dimensional(system.parameters(), state), LATER)?;
-    let mut simulator = Simulator::new(system.parameters(), &later, 0.0)?;
-    simulator.set_loads(&system.loads().loads())?;
-    let motion = observe(&mut simulator)?;
-    let covered = tree.covering(family, value, &motion)?.is_some();
-    Ok(if covered { Covering::Transient } else { Covering::Missing })
+    let of = |points: &Vec<(usize, &AssemblyPoint)>| -> Vec<Row> {
+        let seen = seen(family, branches, points[0].1.value);
+        let row = |(direction, point): &(usize, &AssemblyPoint)| {
+            let covers = |seen: &&Seen| seen.settled.differs(&point.settled) == Some(false);
+            let branch = seen.iter().find(covers).map(|seen| seen.branch);
+            Row { direction: *direction, value: point.value, class: point.settled.class.name(), branch }
+        };
+        points.iter().map(row).collect()
+    };
+    let all: Vec<&Vec<(usize, &AssemblyPoint)>> = at.values().collect();
+    let mut rows: Vec<Row> = all.into_par_iter().flat_map_iter(of).collect();
+    rows.sort_by(|a, b| a.direction.cmp(&b.direction).then(a.value.total_cmp(&b.value)));
+    rows
 }
 
-/// Table of the ranges in which branches are stable.
-fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
-    let name = sweep.axis.name.name();
-    let (from, to) = (format!("{name}_from"), format!("{name}_to"));
-    let mut table =
-        CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
-    for branch in branches {
-        for range in branch.stable_ranges() {
-            let word = &branch.word;
-            let own =
-                vec![branch.id.to_string(), word.to_string(), word.sign().into(), range.period.to_string()];
-            table.push(
-                [own, end_cells(Some(range.from)).to_vec(), end_cells(Some(range.to)).to_vec()].concat(),
-            )?;
+/// The stable orbits of all branches at a value, as motions that begin on them.
+fn seen(family: &Family, branches: &[Branch], value: f64) -> Vec<Seen> {
+    let of = |branch: &Branch, orbit: Orbit| {
+        let (mut motion, section) = family.at(value).and_then(|m| m.motion(&orbit.start())).ok()?;
+        Some(Seen { branch: branch.id, settled: settled(&mut motion, &section, None).ok()? })
+    };
+    let stable = |orbit: &Orbit| orbit.stability() == Stability::Stable;
+    let on = |branch: &&Branch| branch.points.iter().any(|p| p.stability == Stability::Stable);
+    branches
+        .iter()
+        .filter(on)
+        .flat_map(|branch| {
+            let orbits = branch.orbits_at(value).into_iter().filter(stable);
+            orbits.filter_map(|orbit| of(branch, orbit)).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// The local maxima of the diagram's quantity along each branch, the largest first.
+fn maxima(machine: &Machine, request: &DiagramRequest, branches: &[Branch]) -> Result<Vec<Vec<Vec<f64>>>> {
+    let quantity = request.of.find(&machine.description)?.quantity;
+    let of = |orbit: Orbit| -> Vec<f64> {
+        let mut watcher = Watcher::of(&[], orbit.place().assembly.system().stops.len());
+        watcher.maxima = Some(Maxima::new(quantity));
+        // The first period shows whether the quantity rises where the second begins.
+        orbit.observe(&mut [&mut watcher]);
+        watcher.maxima.iter_mut().for_each(|m| m.found.clear());
+        orbit.observe(&mut [&mut watcher]);
+        let mut found = watcher.maxima.map_or(Vec::new(), |m| m.found);
+        found.sort_by(|a, b| b.total_cmp(a));
+        found
+    };
+    let along = |branch: &Branch| -> Vec<Vec<f64>> {
+        let point = |point: &OrbitPoint| branch.orbit(point).map_or(Vec::new(), of);
+        branch.points.iter().map(point).collect()
+    };
+    Ok(branches.par_iter().map(along).collect())
+}
+
+/// The curve of a branch's maximum number `k`; NaN where its maxima are others than at a neighbour.
+fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
+    maxima.iter().map(|all| all.get(k).copied().unwrap_or(f64::NAN)).collect()
+}
+
+fn panel(
+    machine: &Machine,
+    request: &DiagramRequest,
+    diagram: &Diagram<AssemblyPoint>,
+    (branches, maxima): (&[Branch], &[Vec<Vec<f64>>]),
+) -> Result<Panel> {
+    let axis = &request.axis;
+    let apart = diagram.apart();
+    let range = reach(diagram, &|_, value| value, 0.0);
+    let unit = request.of.find(&machine.description)?.unit;
+    let mut layers = shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value));
+    let curves: Vec<(&Branch, Vec<f64>)> = branches
+        .iter()
+        .zip(maxima)
+        .flat_map(|(branch, all)| {
+            let most = all.iter().map(Vec::len).max().unwrap_or(0);
+            (0..most).map(move |k| (branch, curve(all, k)))
+        })
+        .collect();
+    let drawn: Vec<DrawnBranch> = curves
+        .iter()
+        .map(|(branch, tops)| DrawnBranch {
+            period: branch.word().periods.unwrap_or(1),
+            points: branch.points.iter().map(|p| (p.value, p.stability == Stability::Stable)).collect(),
+            tops,
+        })
+        .collect();
+    layers.extend(branch_layers(&drawn));
+    let tops: Vec<Vec<f64>> = maxima.iter().map(|all| curve(all, 0)).collect();
+    layers.extend(marks(branches, &tops).layers);
+    Ok(Panel {
+        title: String::new(),
+        x: Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) },
+        y: Axis {
+            range: Some(range),
+            ..shown_axis(&request.of.to_string(), unit, range.0.abs().max(range.1.abs()))
+        },
+        layers,
+    })
+}
+
+/// Table of the curves: the maxima of each orbit.
+fn curve_table(family: &Family, of: &str, branches: &[Branch], maxima: &[Vec<Vec<f64>>]) -> Result<Vec<u8>> {
+    let (parameter, column) = (family.parameter.as_str(), format!("{of}_maxima"));
+    let header = ["branch", "point", "label", parameter, "periods", "stability", column.as_str()];
+    let mut table = CsvRows::new(header)?;
+    for (branch, maxima) in branches.iter().zip(maxima) {
+        for (i, (point, maxima)) in branch.points.iter().zip(maxima).enumerate() {
+            let all: Vec<String> = maxima.iter().map(|x| exact(*x)).collect();
+            table.push([
+                branch.id.to_string(),
+                i.to_string(),
+                point.special.as_ref().map_or("", |s| s.kind.name()).into(),
+                exact(point.value),
+                branch.word().periods.map_or(String::new(), |n| n.to_string()),
+                point.stability.to_string(),
+                all.join(" "),
+            ])?;
         }
     }
     table.text()
+}
+
+/// Table of the periodic rows with their branches.
+fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u8>> {
+    let header = [family.parameter.as_str(), "direction", "class", "branch", "word", "not_covered"];
+    let mut table = CsvRows::new(header)?;
+    for row in rows {
+        let branch = row.branch.map(|id| &branches[id]);
+        table.push([
+            exact(row.value),
+            DIRECTIONS[row.direction].into(),
+            row.class.clone(),
+            row.branch.map_or(String::new(), |id| id.to_string()),
+            branch.map_or(String::new(), |branch| words(family, branch)),
+            if row.branch.is_some() { String::new() } else { "no branch".into() },
+        ])?;
+    }
+    table.text()
+}
+
+/// How many rows are explained, and which are not.
+fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
+    let missing: Vec<&Row> = rows.iter().filter(|row| row.branch.is_none()).collect();
+    let covered = rows.len() - missing.len();
+    let mut words =
+        vec![format!("{covered} of {} periodic rows of both directions lie on a stable branch", rows.len())];
+    if !missing.is_empty() {
+        let told = |row: &&Row| {
+            format!("{} {} ({})", machine.told(parameter, row.value), DIRECTIONS[row.direction], row.class)
+        };
+        let listed: Vec<String> = missing.iter().take(LISTED).map(told).collect();
+        let more = if missing.len() > LISTED { ", …" } else { "" };
+        words.push(format!(
+            "{} lie on no branch that was followed: {}{more}",
+            missing.len(),
+            listed.join(", ")
+        ));
+    }
+    words
 }

@@ -10,11 +10,11 @@ use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
+use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_studies::paper::attractor::MotionClass;
 use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
 use vibro_studies::paper::plane::{ParameterAxis, check_cells};
-use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);

@@ -10,7 +10,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A machine's file.
-pub const DAMPER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/damper_with_buffer.toml");
+pub const DAMPER: &str =
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/damper_with_buffer.toml");
 
 /// Far longer than a part takes on a busy computer.
 const PATIENCE: Duration = Duration::from_secs(120);

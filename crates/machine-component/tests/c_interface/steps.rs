@@ -5,8 +5,8 @@ use crate::*;
 use fmi_doors::fmi2::abi::FmiComponent;
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
-use vibro_machine_component::{FILE, Plan};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_machine_component::{FILE, Plan};
 
 /// Time of rest, s, of a ball that falls from 1 m with e = 0.9 at g = 9.81: (1 + e)/(1 - e) sqrt(2
 /// h/g).

@@ -9,11 +9,11 @@ use super::super::place::{Family, Place};
 use super::super::position::doubling;
 use super::super::problem::{Problem, Residual};
 use super::LocusPoint;
-use crate::label::Label;
 use crate::curve::{Equations, Linearization, slope};
-use crate::two_parameters::{Border, Located, LocusEnd, TwoParameters, smallness};
+use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::test_functions::{SignedLog, is_on_circle, pair_test};
+use crate::two_parameters::{Border, Located, LocusEnd, TwoParameters, smallness};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::sync::Arc;
 

@@ -3,10 +3,10 @@
 //! Where springs hold the constant loads within reach of the stops these are the rest positions,
 //! docs/theory.md (99). Otherwise they are places near each other, at which the loads push.
 
-use vibro_studies::Result;
 use vibro_impact::parameters::{LOADS, Parameters};
 use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::Vector6;
+use vibro_studies::Result;
 
 /// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the
 /// machine, a gap off its centre.

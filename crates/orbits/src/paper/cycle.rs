@@ -4,9 +4,9 @@
 //! Where a spring hardly holds a body, the first contact is one of the six equations, and the
 //! return of the body belongs to the residual instead (docs/theory.md (112)).
 
-use crate::obstacle::Obstacle;
 use super::system::{Anchor, System};
 use super::word::OrbitWord;
+use crate::obstacle::Obstacle;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 

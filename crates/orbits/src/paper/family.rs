@@ -1,11 +1,11 @@
 //! Machines along one or two parameters, and the equations of orbits over them.
 
-use crate::curve::{Equations, Linearization, slope};
 use super::cycle::{Cycle, Functional};
-use crate::obstacle::Obstacle;
 use super::orbit::{Orbit, unfolded_phases};
 use super::system::System;
 use super::word::{OrbitWord, REPETITION};
+use crate::curve::{Equations, Linearization, slope};
+use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use vibro_studies::Error;

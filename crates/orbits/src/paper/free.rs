@@ -2,14 +2,14 @@
 //! stop.
 
 use super::branch::{Branch, OrbitPoint, Special};
-use crate::label::Label;
 use super::family::Family;
 use super::orbit::Orbit;
 use super::switching::{FlightTouch, free_word};
+use crate::label::Label;
 use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use vibro_studies::Result;
 use vibro_impact::numerics::roots::brent;
+use vibro_studies::Result;
 
 /// Number of equal parts of the range. Their ends are the values at which the clearance is
 /// computed, and, with touches and marks, the points of a branch.

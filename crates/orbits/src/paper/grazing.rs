@@ -1,12 +1,12 @@
 //! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without
 //! that impact (docs/theory.md, section 14).
 
-use crate::curve::{Equations, Linearization, solve};
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::flights::{self, PENETRATION_ROUNDING};
-use crate::obstacle::Obstacle;
 use super::word::OrbitWord;
+use crate::curve::{Equations, Linearization, solve};
+use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

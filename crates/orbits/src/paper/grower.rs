@@ -2,17 +2,17 @@
 //! special points of each traced branch.
 
 use super::branch::{Branch, Special};
-use crate::label::Label;
 use super::family::Family;
 use super::free;
 use super::grazing::Touch;
 use super::path::PathEnd;
-use crate::path_options::PathOptions;
 use super::seeds::{SeedOrbit, Seeds};
 use super::switching::{self, Departure, FlightTouch};
 use super::tree::{Traced, Tree};
 use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
+use crate::label::Label;
+use crate::path_options::PathOptions;
 
 /// Starts that are traced in parallel. A constant, so that the result does not depend on the number
 /// of threads.

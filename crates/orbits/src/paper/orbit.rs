@@ -3,16 +3,16 @@
 
 use super::cycle::{Cycle, Functional};
 use super::flights;
-use crate::obstacle::Obstacle;
 use super::system::System;
 use super::word::{OrbitWord, REPETITION};
-use nalgebra::{Complex, Matrix6};
 use crate::curve::{STEP_ROUNDING, STEP_STALLED};
+use crate::obstacle::Obstacle;
+use nalgebra::{Complex, Matrix6};
 use std::f64::consts::TAU;
-use vibro_studies::Error;
 use vibro_impact::State;
 use vibro_impact::steady::exact_orbit::Vector6;
 pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
+use vibro_studies::Error;
 
 /// Largest number of Newton steps. A fair guess needs four or five. More are allowed, since steps
 /// that would change the order of impacts are shortened.

@@ -1,8 +1,8 @@
 //! Stable ranges of branches between located bifurcations, and sequences of period doublings.
 
 use super::branch::{Branch, OrbitPoint};
-use crate::label::Label;
 use super::orbit::Orbit;
+use crate::label::Label;
 
 /// Largest difference of the parameter, relative to its size, at which two points count as one. A
 /// branch and the branch born on it locate their common point separately, to rounding.

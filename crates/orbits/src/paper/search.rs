@@ -1,9 +1,9 @@
 //! Orbits of a word without a guess of their phases.
 
-use crate::obstacle::Obstacle;
 use super::orbit::Orbit;
 use super::system::System;
 use super::word::OrbitWord;
+use crate::obstacle::Obstacle;
 use vibro_studies::{Error, Result};
 
 /// Largest difference of phases, rad, at which two orbits count as one.

@@ -10,12 +10,12 @@ use super::tree_options::TreeOptions;
 use super::word::OrbitWord;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use vibro_impact::simulator::{Event, Simulator, State};
 use vibro_studies::Error;
 use vibro_studies::paper::attractor::distance;
 use vibro_studies::paper::bifurcation::within_gap;
-use vibro_studies::sobol::coordinate;
 use vibro_studies::paper::stroboscopic::{StroboscopicState, moving_block};
-use vibro_impact::simulator::{Event, Simulator, State};
+use vibro_studies::sobol::coordinate;
 
 /// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;

@@ -1,15 +1,15 @@
 //! Orbits from settled simulated motions.
 
-use crate::obstacle::Obstacle;
 use super::orbit::{Orbit, newton};
 use super::system::System;
 use super::word::{MOST_LETTERS, OrbitWord, REPETITION};
+use crate::obstacle::Obstacle;
 use std::f64::consts::TAU;
+use vibro_impact::parameters::Parameters;
+use vibro_impact::simulator::{Contact, Event, Simulator, State};
 use vibro_studies::paper::attractor::distance;
 use vibro_studies::paper::stroboscopic::StroboscopicState;
 use vibro_studies::{Error, Result};
-use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Contact, Event, Simulator, State};
 
 /// Longest period that is sought, in drive periods.
 pub(super) const LONGEST: u32 = 32;

@@ -1,13 +1,13 @@
 //! Location of special points.
 
-use crate::curve::{gradient, meet};
 use super::cycle::Cycle;
 use super::family::{ContactEquations, Family};
-use crate::obstacle::Obstacle;
 use super::orbit::eigenvalues;
-use crate::test_functions::{SignedLog, is_on_circle};
-use crate::paper::sample::{DOUBLING, test};
 use super::word::OrbitWord;
+use crate::curve::{gradient, meet};
+use crate::obstacle::Obstacle;
+use crate::paper::sample::{DOUBLING, test};
+use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 
 /// Largest difference of the halves of an orbit, rad, that counts as rounding.

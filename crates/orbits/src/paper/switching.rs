@@ -1,14 +1,14 @@
 //! Starts of branches: at settled orbits, at bifurcations of another branch, at touches.
 
 use super::branch::Special;
-use crate::label::Label;
-use crate::curve::{axis, least_vectors, tangent};
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::grazing::{self, Touch, Touching};
-use crate::obstacle::Obstacle;
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
 use super::word::{OrbitWord, REPETITION};
+use crate::curve::{axis, least_vectors, tangent};
+use crate::label::Label;
+use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DVector};
 
 /// First step from an orbit, and from a point where branches meet.

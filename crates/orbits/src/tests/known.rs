@@ -1,8 +1,8 @@
 //! Trees list every orbit once, and have the orbits on which motions from the start settle.
 
 use super::*;
-use vibro_studies::Measure;
 use vibro_machine::Start;
+use vibro_studies::Measure;
 
 /// Relative difference of a measure of one motion in two words.
 const ROUNDING: f64 = 1e-9;

@@ -25,10 +25,10 @@ use crate::curve::Equations;
 use nalgebra::DMatrix;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_studies::Machine;
 use vibro_machine::Differentiated;
 use vibro_machine::derivative::By;
 use vibro_machine::file::no_records;
+use vibro_studies::Machine;
 
 fn machine(text: &str) -> Machine {
     Machine::parse(text, "machine.toml", &no_records).unwrap()

@@ -1,8 +1,8 @@
 //! Orbits against the machines' own motions.
 
 use super::*;
-use crate::problem::Problem;
 use crate::curve::Equations;
+use crate::problem::Problem;
 use std::sync::Arc;
 use vibro_machine::Differentiated;
 use vibro_machine::Motion;

@@ -2,8 +2,8 @@
 
 use super::*;
 use nalgebra::{DVector, SMatrix, SVector};
-use vibro_studies::Measure;
 use vibro_machine::Start;
+use vibro_studies::Measure;
 
 /// Rounding of numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;

@@ -1,8 +1,8 @@
 //! Orbits of machines with states of first order.
 
 use super::*;
-use crate::problem::Problem;
 use crate::curve::Equations;
+use crate::problem::Problem;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 use vibro_machine::derivative::By;

@@ -2,8 +2,8 @@
 
 use super::*;
 use std::f64::consts::PI;
-use vibro_studies::Measure;
 use vibro_machine::Start;
+use vibro_studies::Measure;
 
 /// Rounding of a touch, relative.
 const ROUNDING: f64 = 1e-11;

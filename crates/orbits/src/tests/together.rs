@@ -159,8 +159,6 @@ fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differen
 #[test]
 fn closed_form_a_functional_is_told_relative_to_its_terms() {
     for unit in [1e-9, 1.0, 1e9] {
-        assert!(
-            (crate::timed::beyond(&[2.0, -1.0], &[3.0 * unit, 2.0 * unit]) - 0.5).abs() < 1e-15
-        );
+        assert!((crate::timed::beyond(&[2.0, -1.0], &[3.0 * unit, 2.0 * unit]) - 0.5).abs() < 1e-15);
     }
 }

@@ -1,8 +1,8 @@
 //! A curve in two parameters followed in both directions to its ends.
 
 use super::LocusEnd;
-use super::marks::{Marked, ahead};
 use super::TwoParameters;
+use super::marks::{Marked, ahead};
 use crate::curve::{CurvePoint, axis, correct, meet, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;

@@ -1,8 +1,8 @@
 //! Curves over two parameters of normal forms, whose special points are known.
 
 use super::LocusEnd;
-use super::following::{Located, both_ways};
 use super::TwoParameters;
+use super::following::{Located, both_ways};
 use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};

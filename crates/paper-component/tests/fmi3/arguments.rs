@@ -265,7 +265,9 @@ fn start_values_are_read_before_initialization() {
     assert_eq!(fmu.get("stopAtImpact"), 1.0);
     assert_eq!(fmu.set("block.s", 0.25), OK);
     assert_eq!((fmu.get("block.s"), fmu.get("mode")), (0.25, 1.0));
-    for (_, variable) in vibro_paper_component::fmi3::description::variables(vibro_paper_component::fmi3::description::MAIN) {
+    for (_, variable) in
+        vibro_paper_component::fmi3::description::variables(vibro_paper_component::fmi3::description::MAIN)
+    {
         let _ = fmu.get(variable.name);
     }
     assert!(fmu.log().is_empty(), "{:?}", fmu.log());

@@ -3,9 +3,9 @@
 
 use super::fmi2::Fmu2;
 use super::host::*;
+use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables::{Base, reference};
 use vibro_paper_component::fmi2::description;
-use vibro_impact::{Parameters, Simulator, State};
 
 /// All variables of both descriptions but the setting whose start differs.
 fn compare(two: &Fmu2, three: &Fmu, at: f64) {

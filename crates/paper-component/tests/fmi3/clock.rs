@@ -2,9 +2,9 @@
 
 use super::host::*;
 use std::ptr::null;
-use vibro_paper_component::fmi3::abi::*;
 use vibro_impact::simulator::Event;
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_paper_component::fmi3::abi::*;
 
 const CLOCKED: [&str; 4] =
     ["impacts.clocked.time", "impacts.clocked.impulse", "impacts.clocked.speed", "impacts.clocked.side"];

@@ -1,9 +1,9 @@
 //! Event mode and early return.
 
 use super::host::*;
-use vibro_paper_component::fmi3::abi::*;
 use vibro_impact::simulator::Event;
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_paper_component::fmi3::abi::*;
 
 /// The default motion is stable: rounding at each pause is not amplified.
 const SAME: f64 = 1e-10;

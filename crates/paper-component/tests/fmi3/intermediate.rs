@@ -4,11 +4,11 @@
 use super::host::*;
 use std::ffi::{CString, c_void};
 use std::ptr::{null, null_mut};
+use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::abi::*;
 use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi3::abi::*;
-use vibro_impact::{Parameters, Simulator, State};
 
 /// One call of the callback.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Sets of designs of a sweep.
 
 use crate::paper::parameter_set::Name;
-use crate::sobol::coordinate;
 use crate::paper::start::StartRule;
+use crate::sobol::coordinate;
 use serde::{Deserialize, Serialize};
 
 /// Parameter with the values that it takes, SI.

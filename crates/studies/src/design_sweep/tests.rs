@@ -3,8 +3,8 @@ use crate::paper::measures::Measure;
 use crate::paper::measures::measure;
 use crate::paper::motion::settled_simulator;
 use crate::paper::parameter_set::Name;
-use crate::parts::{PartStore, Shard};
 use crate::paper::start::StartRule;
+use crate::parts::{PartStore, Shard};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use vibro_impact::Parameters;
@@ -199,9 +199,7 @@ const RESONATOR: &str = "name = \"R\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween
     damping = 1.16\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"9 Hz\"\n";
 
 fn described(text: &str) -> crate::Machine {
-    crate::Machine::new(
-        vibro_machine::file::parse(text, "m.toml", &vibro_machine::file::no_records).unwrap(),
-    )
+    crate::Machine::new(vibro_machine::file::parse(text, "m.toml", &vibro_machine::file::no_records).unwrap())
 }
 
 fn described_axis(name: &str, values: &[f64]) -> SampledAxis<String> {

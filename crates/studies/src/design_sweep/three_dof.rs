@@ -2,7 +2,9 @@
 
 use super::{DesignMachine, MotionMeasures, SweepRequest, spread_starts};
 use crate::error::{Error, Result};
-use crate::paper::measures::{Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words};
+use crate::paper::measures::{
+    Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words,
+};
 use crate::paper::parameter_set::{Name, ParameterSet};
 use crate::paper::start::StartRule;
 use vibro_impact::parameters::Parameters;

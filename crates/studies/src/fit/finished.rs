@@ -9,8 +9,8 @@ use super::statistics::rms;
 use super::unknowns::Made;
 use super::verdict::Verdict;
 use super::{FitRequest, Fitted, Fresh};
-use crate::{Machine, QuantityName};
 use crate::error::Result;
+use crate::{Machine, QuantityName};
 use vibro_machine::{Assembly, Start};
 
 impl Model<'_> {

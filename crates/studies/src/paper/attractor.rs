@@ -9,13 +9,13 @@ mod record;
 
 pub(crate) use record::{StroboscopicRecord, appended, comes_nearer, least_period};
 
-use crate::error::Result;
 use super::free_limit::limit_keeps_clear;
 pub use super::largest_exponent::ZERO_EXPONENT;
 use super::largest_exponent::{ExponentSign, LargestExponent, zero_exponent};
 use super::lyapunov::Spectrum;
 use super::statistics::{Likeness, Statistics};
 use super::stroboscopic::{StroboscopicState, dimensionless};
+use crate::error::Result;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;

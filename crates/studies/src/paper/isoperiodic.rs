@@ -5,16 +5,16 @@
 //! machine run [side by side](Workspace::run).
 
 use super::attractor::{MotionClass, OBSERVED};
-use crate::design_sweep::{DesignMachine, Plain};
-use crate::error::{Error, Result};
 use super::parameter_set::ParameterSet;
-use crate::parts::Task;
 use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells};
 pub use super::start::StartRule;
 use super::start::state;
 use super::stroboscopic::{dimensionless, moving_block};
 use super::trajectories::{MOTIONS, Start, Workspace};
 use super::verdict::{Followed, Following, PROLONGED, follow};
+use crate::design_sweep::{DesignMachine, Plain};
+use crate::error::{Error, Result};
+use crate::parts::Task;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;

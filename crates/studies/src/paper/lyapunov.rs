@@ -20,9 +20,9 @@
 //! # Ok::<(), vibro_studies::Error>(())
 //! ```
 
-use crate::error::Result;
 use super::smooth_pieces::{PieceEnd, SmoothPiece, smooth_pieces};
 use super::variation::{DIMENSION, Frame, Rank, Variation, generic_frame, on_circle, orthonormalize};
+use crate::error::Result;
 use serde::{Deserialize, Serialize};
 use vibro_impact::error::Error;
 use vibro_impact::model::{DRIVE_COS, DRIVE_SIN, Model};

@@ -25,8 +25,8 @@ pub(crate) mod parts;
 
 pub use name::{Coordinate, Measure};
 
-use crate::paper::attractor::MotionClass;
 use crate::error::Result;
+use crate::paper::attractor::MotionClass;
 use crate::paper::lyapunov::{self, Spectrum, SpectrumOptions};
 use crate::paper::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::paper::trajectories::Start;

@@ -1,9 +1,9 @@
 //! Response curves: steady states along one parameter, with their stability (figures 10, 11).
 
-use crate::error::Result;
 use super::maxima::Displacement;
 use super::parameter_set::{Name, ParameterSet};
 use super::plane::Method;
+use crate::error::Result;
 use vibro_impact::parameters::Groups;
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::continuation::{self, Branch, Special};

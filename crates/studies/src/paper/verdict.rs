@@ -7,13 +7,13 @@
 //! attractor. docs/studies.md, "When a verdict is decided", has the reasons.
 
 use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
-use crate::error::Result;
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::largest_exponent::LargestExponent;
 use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
+use crate::error::Result;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 

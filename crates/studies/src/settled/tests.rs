@@ -162,8 +162,7 @@ fn closed_form_exponents_by_multipliers_say_their_period_and_error() {
 /// still on its way.
 #[test]
 fn closed_form_what_comes_nearer_from_two_sides_is_no_doubled_period() {
-    let (mut motion, section) =
-        crate::tests::verdicts::ball(0.605e-3).motion(&Start::default()).unwrap();
+    let (mut motion, section) = crate::tests::verdicts::ball(0.605e-3).motion(&Start::default()).unwrap();
     let mut follower = Follower::new(&mut motion, &section);
     follower.begin();
     let (mut seemed, mut found) = (0, None);

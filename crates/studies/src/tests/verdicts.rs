@@ -109,7 +109,7 @@ const G: f64 = 9.81;
 const PERIOD: f64 = 0.04;
 
 /// A ball on a table, which starts on its 1T motion but for a hundredth of its speed.
-pub(in crate) fn ball(amplitude: f64) -> Machine {
+pub(crate) fn ball(amplitude: f64) -> Machine {
     ball_from(amplitude, 1.01)
 }
 

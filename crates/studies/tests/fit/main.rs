@@ -10,11 +10,11 @@ mod segments;
 mod sure;
 mod verdicts;
 
-use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
-use vibro_studies::{Machine, QuantityName};
 use vibro_machine::file::no_records;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Assembly, Motion, Start};
+use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
+use vibro_studies::{Machine, QuantityName};
 
 /// Standard errors within which an estimate lies but for one in some ten thousand.
 const FAR: f64 = 4.0;

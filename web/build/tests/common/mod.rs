@@ -10,7 +10,7 @@ pub fn workspace() -> &'static Path {
 
 /// Builds a page; returns the folder of what is built, with the page in it.
 pub fn built(argument: &str) -> PathBuf {
-    let output = Command::new(env!("CARGO_BIN_EXE_explorer-build")).arg(argument).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_web-build")).arg(argument).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = String::from_utf8(output.stdout).unwrap();
     Path::new(page.trim()).parent().unwrap().to_owned()

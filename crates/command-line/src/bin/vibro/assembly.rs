@@ -12,14 +12,14 @@ use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::{self, Chosen, DerivativeRecord, Ended, MotionRecord};
+use vibro::machine::{Chosen, DerivativeRecord, Ended, MotionRecord};
 use vibro::manifest::Manifest;
 use vibro::part_folder::write_whole;
 use vibro::{Error, Result};
-use vibro_studies::Machine;
-use vibro_machine::Start;
 use vibro_figures::canvas;
+use vibro_machine::Start;
 use vibro_sketch::Sketch;
+use vibro_studies::Machine;
 
 /// Stem of the manifest of a motion.
 const RESULT: &str = "assembly-run";
@@ -46,14 +46,14 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Orbits(a) => return assembly_orbits::orbits(file, common, a),
         Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
         // `vibro check`: no other command takes a file.
-        _ => output::say(&assembly::summary(read(file, common)?.description)?)?,
+        _ => output::say(&vibro::machine::summary(read(file, common)?.description)?)?,
     }
     Ok(true)
 }
 
 /// The machine, with what `--set` changes.
 fn read(file: &Path, common: &Common) -> Result<Machine> {
-    assembly::read(file, &common.set, &mut |words| crate::note(&words))
+    vibro::machine::read(file, &common.set, &mut |words| crate::note(&words))
 }
 
 /// Writes NAME.svg and NAME.png, regardless of the folder's other content.
@@ -77,7 +77,7 @@ fn follow(
     let start = start_of(&machine, start)?;
     let times = match (&a.times, a.until) {
         (Some(path), until) => {
-            let mut times = assembly::times_of(path, start.time)?;
+            let mut times = vibro::machine::times_of(path, start.time)?;
             let (last, end) = (times.last().copied(), until.unwrap_or(f64::INFINITY));
             if let Some(last) = last.filter(|last| *last > end) {
                 let problem = format!("has the time {last} s; allowed are times up to --until, {end} s");
@@ -86,7 +86,7 @@ fn follow(
             times.extend(until.filter(|end| last.is_none_or(|last| last < *end)));
             times
         }
-        (None, Some(until)) => assembly::even_times((start.time, until), *samples as usize)?,
+        (None, Some(until)) => vibro::machine::even_times((start.time, until), *samples as usize)?,
         (None, None) => {
             let problem = "needs the end of the motion, --until TIME, or --times FILE".into();
             return Err(Error::Refused { what: format!("run {}", file.display()), problem });
@@ -104,7 +104,7 @@ fn follow(
     }
     let destination = Destination::new(common, &invocation, &machine);
     let by = names(&a.derivatives);
-    assembly::check_parameters(&machine.description, &start, &by)?;
+    vibro::machine::check_parameters(&machine.description, &start, &by)?;
     let columns = Chosen::of(&machine.description, &a.columns)?;
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
@@ -114,9 +114,10 @@ fn follow(
     drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
     let progress = Progress::new(0, TIME);
     let what = (&times[..], &columns.further[..]);
-    let record = assembly::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
-        progress.part(part)
-    })?;
+    let record =
+        vibro::machine::record_with(machine.description.clone(), &start, what, &stop, &mut |part| {
+            progress.part(part)
+        })?;
     let derivatives = match by.is_empty() {
         true => None,
         false => Some(DerivativeRecord::new(&record, &by, &stop)?),
@@ -168,7 +169,7 @@ fn write(
     }
     let account = lines.join("\n");
     write_whole(&out.join("account.txt"), format!("{account}\n").as_bytes())?;
-    if let Some(figure) = assembly::figure(record, lines) {
+    if let Some(figure) = vibro::machine::figure(record, lines) {
         let (svg, png) = canvas::svg_and_png(&figure)?;
         write_whole(&out.join("motion.svg"), svg.as_bytes())?;
         write_whole(&out.join("motion.png"), &png)?;

@@ -6,10 +6,10 @@ use crate::long::perform_as;
 use crate::plane_arguments::Basin;
 use std::path::Path;
 use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
-use vibro::{Error, Result, assembly};
+use vibro::{Error, Result};
+use vibro_machine::Start;
 use vibro_studies::Machine;
 use vibro_studies::basin::{BasinRequest, StartAxis};
-use vibro_machine::Start;
 
 /// Largest number of cells on an axis.
 const MOST: usize = 5_000;
@@ -36,7 +36,7 @@ fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
     let end = |text: &str| -> Result<f64> {
         let mut start = Start::default();
         if let Some(unit) = machine.set_start(&mut start, name, text)? {
-            crate::note(&assembly::note_of_unit(&format!("--start {name}={text}"), unit));
+            crate::note(&vibro::machine::note_of_unit(&format!("--start {name}={text}"), unit));
         }
         let found = start.numbers().into_iter().find(|(own, _)| own == name);
         found.map(|(_, value)| value).ok_or_else(|| Error::form(text, FORM))

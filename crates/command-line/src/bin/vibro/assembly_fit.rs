@@ -8,14 +8,14 @@ use crate::output;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::assembly::{check_record, read_record};
+use vibro::machine::{check_record, read_record};
 use vibro::part_folder::write_whole;
 use vibro::studies::{self, fit_json};
 use vibro::{Error, Result};
+use vibro_impact::quantities::quantity_in;
+use vibro_machine::What;
 use vibro_studies::fit::{FitRequest, Free, Measured, Segments, fit};
 use vibro_studies::{Machine, QuantityName};
-use vibro_machine::What;
-use vibro_impact::quantities::quantity_in;
 
 /// A number with an optional unit of a dimension, SI.
 fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {

@@ -17,10 +17,13 @@ use vibro::part_folder::write_whole;
 use vibro::special_points::PointOfFile;
 use vibro::studies::{self, CurveOfFile, Study};
 use vibro::{Error, Result};
-use vibro_studies::{Machine, Measure};
 use vibro_machine::{Assembly, Start};
 use vibro_orbits::paper::PathOptions;
-use vibro_orbits::{Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, check_second, locus, read_measure, tree_on};
+use vibro_orbits::{
+    Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
+    check_second, locus, read_measure, tree_on,
+};
+use vibro_studies::{Machine, Measure};
 
 /// Longest period in common periods of the drive.
 const MOST_PERIODS: u32 = 32;

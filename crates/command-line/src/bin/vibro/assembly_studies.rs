@@ -18,11 +18,13 @@ use vibro::manifest::Invocation;
 use vibro::studies::{
     SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum, diagram_family,
 };
-use vibro::{Error, Result, assembly};
-use vibro_studies::{Machine, Measure, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare, section_of};
+use vibro::{Error, Result};
+use vibro_machine::Start;
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_machine::Start;
+use vibro_studies::{
+    Machine, Measure, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare, section_of,
+};
 
 /// Largest number of values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
@@ -31,7 +33,7 @@ const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
 /// Reads the machine, with the changes of `--set`.
 pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
-    let mut machine = assembly::read(file, &common.set, &mut |words| crate::note(&words))?;
+    let mut machine = vibro::machine::read(file, &common.set, &mut |words| crate::note(&words))?;
     machine.section = match (section.period, &section.section) {
         (Some(period), _) => SectionRule::Period(period),
         (None, Some(element)) => SectionRule::Element(element.clone()),
@@ -42,7 +44,7 @@ pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Resu
 
 /// The start that `--start` gives; the machine's own without it.
 pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
-    let read = |given: &String| assembly::read_start(machine, given, &mut |words| crate::note(&words));
+    let read = |given: &String| vibro::machine::read_start(machine, given, &mut |words| crate::note(&words));
     one_of(given)?.map_or_else(|| Ok(Start::default()), read)
 }
 
@@ -65,7 +67,7 @@ pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<Strin
     if numbers.iter().any(|number| is_bare(number) != is_bare(&numbers[0])) {
         return Err(Error::form(text, "a unit at every number or at none"));
     }
-    assembly::note_if_not_si(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
+    vibro::machine::note_if_not_si(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
     numbers.iter().for_each(|number| machine.note_unit(name, number));
     let (name, values): (_, Vec<f64>) =
         (name.to_owned(), read.iter().map(|quantity| quantity.value).collect());
@@ -300,7 +302,8 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
     let mut request = request::<Machine>(a, &vary, &over, measures)?;
     if !a.start.is_empty() {
-        let one = |given: &String| assembly::read_start(&machine, given, &mut |words| crate::note(&words));
+        let one =
+            |given: &String| vibro::machine::read_start(&machine, given, &mut |words| crate::note(&words));
         request.starts = a.start.iter().map(one).collect::<Result<_>>()?;
     }
     request.check()?;

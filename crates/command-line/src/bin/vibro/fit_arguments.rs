@@ -4,8 +4,8 @@ use crate::common_arguments::{START_VALUE, start_help};
 use crate::ranges::whole;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use vibro_studies::fit::{Loss, Segments};
 use vibro_impact::quantities::quantity_in;
+use vibro_studies::fit::{Loss, Segments};
 
 /// Arguments of `fit`.
 #[derive(Args, Debug)]

@@ -13,15 +13,15 @@ use vibro::long_study::{LongStudy, StudyKind};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::{Error, Result, report, studies};
+use vibro_orbits::paper::TreeOptions;
 use vibro_studies::paper::basin::{self, InitialValueRange};
 use vibro_studies::paper::bifurcation::Sweep;
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::{PartStore, Shard, Task};
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::{ParameterSet, find_group, numbers};
-use vibro_orbits::paper::TreeOptions;
+use vibro_studies::parts::{PartStore, Shard, Task};
 
 /// Values of f10 whose spectra are listed by default.
 const SPECTRA: [f64; 4] = [0.6, 1.5, 2.45, 3.6];

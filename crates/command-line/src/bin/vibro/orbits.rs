@@ -8,9 +8,12 @@ use vibro::long_study::{LongStudy, StudyKind};
 use vibro::special_points::SpecialPoint;
 use vibro::studies::{self, LocusCurve, Study};
 use vibro::{Error, Result};
+use vibro_orbits::paper::{
+    Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of,
+    search, settle,
+};
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{Name, ParameterSet, find_group, numbers};
-use vibro_orbits::paper::{Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of, search, settle};
 
 /// Number of guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;

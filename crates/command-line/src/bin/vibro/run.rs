@@ -10,9 +10,9 @@ use std::str::FromStr;
 use vibro::load_file::{LoadArgument, LoadFile, files};
 use vibro::studies::{self, RunLength, RunRequest, Study};
 use vibro::{Error, Result};
+use vibro_impact::load::Interpolation;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, quantity_in};
-use vibro_impact::load::Interpolation;
 
 /// Largest number of rows of the table in a drive period.
 const MOST_SAMPLES: u32 = 10_000;

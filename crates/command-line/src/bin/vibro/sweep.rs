@@ -8,12 +8,12 @@ use std::fmt::Display;
 use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
-use vibro_studies::paper::ParameterSet;
 use vibro_studies::design_sweep::{DesignMachine, Designs, SweepRequest, spread_starts};
+use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::measures::Measure;
 use vibro_studies::paper::plane::AxisName;
-use vibro_studies::sobol::DIMENSIONS;
 use vibro_studies::paper::start::StartRule;
+use vibro_studies::sobol::DIMENSIONS;
 
 /// The designs of `--vary`: a grid, or a Sobol sequence.
 fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N>> {

@@ -1,10 +1,10 @@
 //! Maps of a measure over two parameters, in steps of colour.
 
 use super::words::Labelled;
-use vibro_studies::design_sweep::SampledAxis;
-use vibro_studies::significant;
 use vibro_figures::canvas::palette::{BLACK, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
+use vibro_studies::design_sweep::SampledAxis;
+use vibro_studies::significant;
 
 /// Colours from the least to the largest value (viridis): ever darker, so that grey separates them
 /// too.

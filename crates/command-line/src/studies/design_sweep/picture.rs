@@ -5,9 +5,9 @@ use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
 use super::words::Labelled;
 use super::{method, varied};
-use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 use vibro_figures::canvas::palette::BLACK;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
+use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 
 /// Largest number of panels of a picture.
 const PANELS: usize = 6;

@@ -14,8 +14,8 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
-use vibro_studies::paper::Unit;
 use vibro_studies::design_sweep::{Again, Choice, DesignRow, SweepRequest, choice, each_final_row};
+use vibro_studies::paper::Unit;
 use vibro_studies::parts::Task;
 
 /// Number of rows of a Parquet row group. These rows are in memory at the same time.

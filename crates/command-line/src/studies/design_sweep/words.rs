@@ -1,16 +1,15 @@
 //! Names and units of parameters and measures in tables and pictures of a sweep.
 
-use crate::studies::lengths::LengthUnit;
+use crate::studies::paper::lengths::LengthUnit;
 use crate::subject::Subject;
-use vibro_studies::design_sweep::DesignMachine;
-use vibro_studies::paper::measures::{Coordinate, Measure};
-use vibro_studies::paper::{Name, ParameterSet};
-use vibro_studies;
-use vibro_studies::significant;
 use vibro_figures::canvas::palette::{
     BLACK, BLOCK, BLUE, BOX, GREEN, GREY, ORANGE, PURPLE, RELATIVE, SECONDARY, VERMILLION,
 };
 use vibro_figures::chart::{Axis, Colour};
+use vibro_studies::design_sweep::DesignMachine;
+use vibro_studies::paper::measures::{Coordinate, Measure};
+use vibro_studies::paper::{Name, ParameterSet};
+use vibro_studies::significant;
 
 /// A machine with names, units and colours of its parameters and measures for tables and pictures.
 pub trait Labelled: DesignMachine + Subject {
@@ -125,7 +124,7 @@ const SMALL: f64 = 0.1;
 /// Colours of bodies and elements by index.
 const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
 
-impl Labelled for assembly::Machine {
+impl Labelled for vibro_studies::Machine {
     fn symbol(&self, name: &String) -> String {
         name.clone()
     }
@@ -154,27 +153,27 @@ impl Labelled for assembly::Machine {
 
     fn caption_of_all(&self, names: &[String]) -> Option<String> {
         let is_frequency = |name: &String| self.si_unit(name) == "Hz" || name.ends_with(".repeat");
-        let section = assembly::Section::of(&self.description, &self.section);
-        let varies = self.section == assembly::SectionRule::Auto
-            && matches!(section, Ok(assembly::Section::Period(_)))
+        let section = vibro_studies::Section::of(&self.description, &self.section);
+        let varies = self.section == vibro_studies::SectionRule::Auto
+            && matches!(section, Ok(vibro_studies::Section::Period(_)))
             && names.iter().any(is_frequency);
         let name = self.name_with_changes();
         let what = crate::subject::periodic_parts(&self.description);
         varies.then(|| format!("{name}, looked at after each common period of its {what}, which varies"))
     }
 
-    fn words(measure: &assembly::Measure) -> String {
+    fn words(measure: &vibro_studies::Measure) -> String {
         match measure {
-            assembly::Measure::Power(name) => format!("mean power of {name}"),
+            vibro_studies::Measure::Power(name) => format!("mean power of {name}"),
             other => other.description(),
         }
     }
 
-    fn measure_unit(&self, measure: &assembly::Measure) -> &'static str {
+    fn measure_unit(&self, measure: &vibro_studies::Measure) -> &'static str {
         measure.unit(&self.description)
     }
 
-    fn measure_shown(&self, measure: &assembly::Measure) -> MeasureUnit {
+    fn measure_shown(&self, measure: &vibro_studies::Measure) -> MeasureUnit {
         let gaps = self.description.stops.iter().map(|s| s.gap.abs());
         let small = gaps.fold(0.0, f64::max) < SMALL;
         match self.measure_unit(measure) {
@@ -184,17 +183,17 @@ impl Labelled for assembly::Machine {
         }
     }
 
-    fn is_class(measure: &assembly::Measure) -> bool {
-        *measure == assembly::Measure::Class
+    fn is_class(measure: &vibro_studies::Measure) -> bool {
+        *measure == vibro_studies::Measure::Class
     }
 
-    fn is_closed_form(_: &assembly::Measure) -> bool {
+    fn is_closed_form(_: &vibro_studies::Measure) -> bool {
         false
     }
 
-    fn colour(&self, measure: &assembly::Measure) -> Colour {
-        let all = assembly::Measure::all(&self.description);
-        let of = |m: &assembly::Measure| m.to_string().rsplit('.').next().map(str::to_owned);
+    fn colour(&self, measure: &vibro_studies::Measure) -> Colour {
+        let all = vibro_studies::Measure::all(&self.description);
+        let of = |m: &vibro_studies::Measure| m.to_string().rsplit('.').next().map(str::to_owned);
         let body = measure.quantity().map(|q| q.of.clone()).or_else(|| of(measure));
         let bodies = self.description.bodies.iter().map(|b| &b.name);
         let names: Vec<&String> = bodies.chain(self.description.stops.iter().map(|s| &s.name)).collect();

@@ -3,11 +3,11 @@
 use super::{ClassifiedMotion, ShownPlane, number, percent, word};
 use crate::studies::here;
 use std::borrow::Cow;
+use vibro_figures::canvas::palette::HERE;
+use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::isoperiodic::{Agreement, Isoperiodic, IsoperiodicRequest, PlanePoint};
 use vibro_studies::paper::plane::SteadyStateClass;
-use vibro_figures::canvas::palette::HERE;
-use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
 
 /// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with all
 /// digits has 167.

@@ -2,14 +2,14 @@
 //! the touch.
 
 use crate::curve::{Equations, Linearization, slope};
-use crate::two_parameters::{Border, LocusEnd, TwoParameters, smallness};
+use crate::obstacle::Obstacle;
 use crate::paper::cycle::{Cycle, Functional};
 use crate::paper::family::{ContactEquations, Family};
 use crate::paper::grazing::Touching;
-use crate::obstacle::Obstacle;
 use crate::paper::orbit::is_clear;
 use crate::paper::system::Anchor;
 use crate::paper::word::OrbitWord;
+use crate::two_parameters::{Border, LocusEnd, TwoParameters, smallness};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 

@@ -2,19 +2,19 @@
 //! onto the curve.
 
 use super::equations::{Condition, Locus};
-use crate::two_parameters::Border;
-use crate::label::Label;
 use crate::curve::{axis, meet};
+use crate::label::Label;
+use crate::obstacle::Obstacle;
 use crate::paper::cycle::{Cycle, Functional};
 use crate::paper::family::Family;
 use crate::paper::flights;
 use crate::paper::free;
 use crate::paper::grazing::Touch;
-use crate::obstacle::Obstacle;
 use crate::paper::orbit::{canonical, eigenvalues, newton, same_phases};
 use crate::paper::switching::FlightTouch;
 use crate::paper::word::OrbitWord;
 use crate::paper::word::REPETITION;
+use crate::two_parameters::Border;
 use nalgebra::{Complex, DVector};
 use vibro_studies::{Error, Result as Outcome};
 

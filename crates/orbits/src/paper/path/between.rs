@@ -1,15 +1,15 @@
 //! Special points between two points of a branch.
 
 use super::{Follower, Position};
-use crate::paper::branch::{OrbitPoint, Special};
-use crate::label::Label;
 use crate::curve::{CurvePoint, correct};
-use crate::paper::cycle::Cycle;
+use crate::label::Label;
 use crate::obstacle::Obstacle;
+use crate::paper::branch::{OrbitPoint, Special};
+use crate::paper::cycle::Cycle;
 use crate::paper::orbit::newton;
+use crate::paper::sample::{DOUBLING, PAIR, TESTS, UNIT, test};
 use crate::paper::special;
 use crate::test_functions::SignedLog;
-use crate::paper::sample::{DOUBLING, PAIR, TESTS, UNIT, test};
 use nalgebra::Complex;
 
 /// Accuracy of the `arc` of a special point: the rounding of points.
@@ -116,7 +116,8 @@ impl Follower<'_> {
         };
         let ends = (unit.sign, next.tests[index].map_or(f64::NAN, |b| b.relative_to(unit)));
         if index == PAIR
-            && !self.may_be_torus(last, next, |tolerance| crate::curve::zero(&value, length, ends, tolerance))?
+            && !self
+                .may_be_torus(last, next, |tolerance| crate::curve::zero(&value, length, ends, tolerance))?
         {
             return neutral(last, next);
         }

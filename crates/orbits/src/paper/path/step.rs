@@ -1,16 +1,16 @@
 //! One step along a branch: to the next point, or to the end of the branch before it.
 
 use super::{Advance, COSINE, Follower, LEAST_STEP, PathEnd, Position};
-use crate::paper::branch::Special;
-use crate::label::Label;
 use crate::curve::{self, CurvePoint, correct};
+use crate::label::Label;
+use crate::obstacle::Obstacle;
+use crate::paper::branch::Special;
 use crate::paper::cycle::Cycle;
 use crate::paper::grazing::{self, ExaminedTouch, Touch};
-use crate::obstacle::Obstacle;
 use crate::paper::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
+use crate::paper::sample::{DOUBLING, UNIT, test};
 use crate::paper::special;
 use crate::paper::switching::FlightTouch;
-use crate::paper::sample::{DOUBLING, UNIT, test};
 use crate::paper::word::OrbitWord;
 use nalgebra::DVector;
 

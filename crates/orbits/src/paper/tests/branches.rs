@@ -1,12 +1,15 @@
 //! Branches and their special points against the closed form, the other side of a point, half
 //! steps, and the simulator.
 
-use crate::paper::{Branch, Family, Label, Orbit, OrbitPoint, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle, tree};
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::{ParameterSet, find_field, find_group};
+use crate::paper::{
+    Branch, Family, Label, Orbit, OrbitPoint, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch,
+    orbit_of, settle, tree,
+};
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::continuation::{self, Special};
 use vibro_impact::{Simulator, State};
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{ParameterSet, find_field, find_group};
 
 /// Difference of a point located in two ways, each to about 1e-13.
 const LOCATION: f64 = 1e-11;

@@ -3,10 +3,10 @@
 use crate::paper::{Family, Span, Tree, TreeOptions, tree};
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::parts::Task;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_studies::parts::Task;
 
 /// Discarded periods of the diagram, which leave less of a transient than counts as a return.
 const DISCARD: u32 = 1500;

@@ -2,10 +2,10 @@
 
 use super::branches::{family, labelled, machine, settled_branch, symmetric};
 use crate::paper::{Family, Label, LocusEnd, LocusStart, OrbitPoint, PathOptions, Span, branch, locus};
-use vibro_studies::paper::{ParameterSet, find_field, find_group};
 use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::OrbitFamily;
+use vibro_studies::paper::{ParameterSet, find_field, find_group};
 
 /// The curve of a special point of the symmetric branch over force and restitution coefficient,
 /// from a value of the latter.

@@ -1,10 +1,10 @@
 //! Multipliers of orbits against the Lyapunov exponents of simulated motions, and their product.
 
 use crate::paper::{Orbit, OrbitWord, System, orbit_of, settle};
-use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
-use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::{Parameters, Simulator};
+use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
+use vibro_studies::paper::stroboscopic::moving_block;
 
 #[test]
 fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {

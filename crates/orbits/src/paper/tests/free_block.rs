@@ -1,13 +1,16 @@
 //! Block without a spring (docs/theory.md (111) to (113)) against closed forms of the symmetric
 //! motion and of a block that bounces under gravity, the balance of impulses, and the simulator.
 
-use crate::paper::{Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, orbit_of, search, settle, tree};
+use crate::paper::{
+    Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, orbit_of,
+    search, settle, tree,
+};
 use nalgebra::Complex;
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::{Name, ParameterSet, find_group};
 use vibro_impact::Simulator;
 use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit;
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{Name, ParameterSet, find_group};
 
 /// Difference of phases found in two ways: the rounding of a flight times the sensitivity of the
 /// orbit.

@@ -1,8 +1,8 @@
 //! Stable windows beside the motions that are followed along the range, which other starts reach.
 
 use crate::paper::{Branch, Family, Orbit, Span, TreeOptions, tree};
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::Simulator;
+use vibro_studies::paper::{ParameterSet, find_group};
 
 /// Values in the two windows of period three of the default set that random starts found.
 const WINDOWS: [f64; 2] = [3.33, 3.84];

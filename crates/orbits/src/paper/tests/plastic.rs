@@ -1,9 +1,9 @@
 //! Orbits without restitution, whose block leaves its stop with speed zero.
 
 use crate::paper::{Family, Label, OrbitWord, PathOptions, Span, branch};
-use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator};
+use vibro_studies::paper::{ParameterSet, find_group};
 
 /// Acceleration after an impact, units of ω1² L, that is rounding.
 const NONE: f64 = 1e-9;

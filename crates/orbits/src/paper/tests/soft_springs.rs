@@ -2,12 +2,12 @@
 //! symmetric motion, the simulator and its verdict.
 
 use crate::paper::{Orbit, OrbitWord, System, orbit_of, settle};
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::trajectories::Start;
-use vibro_studies::paper::verdict::verdict;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
+use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::paper::trajectories::Start;
+use vibro_studies::paper::verdict::verdict;
 
 /// Difference of phases found in two ways: the rounding of a flight times the sensitivity of the
 /// orbit.

@@ -1,15 +1,18 @@
 //! Whole trees: certificates, interruption, repeated words, marks, a cascade of doublings, mirror
 //! images under loads.
 
-use crate::paper::{Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle, tree, tree_in_parts};
+use crate::paper::{
+    Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, Tree, TreeOptions, branch, orbit_of, settle,
+    tree, tree_in_parts,
+};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use vibro_studies::parts::PartStore;
-use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::{Error, Result};
-use vibro_studies::paper::{Name, ParameterSet, find_group};
 use vibro_impact::Simulator;
 use vibro_impact::parameters::Parameters;
+use vibro_studies::paper::stroboscopic::moving_block;
+use vibro_studies::paper::{Name, ParameterSet, find_group};
+use vibro_studies::parts::PartStore;
+use vibro_studies::{Error, Result};
 
 /// A family under a constant load.
 fn loaded(from: f64, to: f64, load: &str, force: f64) -> Family {

@@ -1,7 +1,7 @@
 use super::*;
-use crate::{Machine, settled};
 use crate::paper::motion::{amplitude, record_flights, settled_simulator};
 use crate::paper::stroboscopic::moving_block;
+use crate::{Machine, settled};
 use std::f64::consts::TAU;
 use vibro_impact::State;
 use vibro_impact::parameters::{Groups, Scales};
@@ -234,8 +234,10 @@ fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_it
     let start = State { x: [0.0, 0.5, 0.0], v: [0.0, 0.6, 0.0] };
     let mut simulator = settled_simulator(&p, &start, 400.0).unwrap();
     let [exponent] = found(&mut simulator, &["exponent".into()], 6)[..] else { panic!("one number") };
-    let path =
-        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/paper_machine.toml"));
+    let path = std::path::Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/assembly/paper_machine.toml"
+    ));
     let machine = Machine::new(vibro_machine::file::read(path).unwrap());
     let machine = machine.with([("spring.mount.stiffness", 0.0), ("load.drive.amplitude", 1.0)]).unwrap();
     let (mut motion, section) = machine.motion(&Default::default()).unwrap();

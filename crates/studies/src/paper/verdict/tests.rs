@@ -3,8 +3,8 @@ use crate::paper::ParameterSet;
 use crate::paper::attractor::{Relation, distance};
 use crate::paper::basin::{Basin, BasinRequest, InitialValueRange, basin};
 use crate::paper::motion::settled_simulator;
-use crate::parts::Task;
 use crate::paper::stroboscopic::{dimensional, dimensionless, moving_block};
+use crate::parts::Task;
 use vibro_impact::{Parameters, State};
 
 mod tori;
@@ -122,7 +122,8 @@ fn second_method_an_alternating_approach_has_no_period_before_it_arrives() {
 fn second_method_an_alternating_approach_to_a_symmetric_orbit_is_not_asymmetric() {
     for (f10, class) in [(2.039558865238, MotionClass::Periodic(1)), (2.039578865238, MotionClass::Settling)]
     {
-        let p = *ParameterSet::basic().with(crate::paper::find_group("f10").unwrap(), f10).unwrap().parameters();
+        let p =
+            *ParameterSet::basic().with(crate::paper::find_group("f10").unwrap(), f10).unwrap().parameters();
         let orbit = vibro_impact::steady::exact_orbit::solve(&p).unwrap().upper.unwrap();
         assert!(orbit.is_stable() && orbit.spectral_radius() > 0.9999);
         let found = verdict(&Start { parameters: p, state: moving_block(&p) }, 400).unwrap();
@@ -141,7 +142,8 @@ fn second_method_an_alternating_approach_to_a_symmetric_orbit_is_not_asymmetric(
 #[test]
 fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     for below in [1e-6, 4e-6, 1e-5] {
-        let set = ParameterSet::basic().with(crate::paper::find_group("f10").unwrap(), 2.914356570079 - below);
+        let set =
+            ParameterSet::basic().with(crate::paper::find_group("f10").unwrap(), 2.914356570079 - below);
         let p = *set.unwrap().parameters();
         let found = verdict(&Start { parameters: p, state: moving_block(&p) }, 400).unwrap();
         assert!(!matches!(found.class, MotionClass::Periodic(_)), "{below}: {:?}", found.class);

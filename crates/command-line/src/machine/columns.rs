@@ -1,0 +1,57 @@
+//! Columns of `states.csv` by name (`--columns`).
+
+use crate::{Error, Result};
+use vibro_machine::Description;
+use vibro_machine::quantity::NamedQuantity;
+use vibro_studies::unknown;
+
+/// The columns that were asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Chosen {
+    /// Their names in order; empty for all columns that a record has by itself.
+    pub names: Vec<String>,
+    /// Those of them that a record does not have by itself: coordinates of bodies with many,
+    /// states of blocks.
+    pub further: Vec<NamedQuantity>,
+}
+
+impl Chosen {
+    /// The columns of a machine that names stand for: a column (`box.s`, `tube.q[3].v`,
+    /// `pid.x[0]`), or a body or an element (`box`, `stop.upper`) for all of its columns.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for an unknown name, with the nearest one, and for a column named twice.
+    pub fn of(d: &Description, names: &[String]) -> Result<Self> {
+        let own = d.named_quantities();
+        let mut inner: Vec<_> = (0..d.bodies.len()).flat_map(|body| d.inner_quantities(body)).collect();
+        let states: Vec<_> = (0..d.blocks.len()).flat_map(|i| d.quantities_of_block(i, false)).collect();
+        inner.extend(states.iter().cloned());
+        let mut chosen = Self::default();
+        for name in names {
+            let plain = d.elements().find(|element| element.dotted() == *name);
+            let plain = plain.map_or(name.as_str(), |element| element.name());
+            let is_meant = |column: &&NamedQuantity| {
+                let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
+                // States of a block are many: each is named by itself.
+                column.name == plain || (of == plain && !states.contains(column))
+            };
+            let found: Vec<_> = own.iter().chain(&inner).filter(is_meant).collect();
+            if found.is_empty() {
+                let all: Vec<String> = own.iter().chain(&inner).map(|column| column.name.clone()).collect();
+                let problem = unknown(name, &all).to_string();
+                return Err(Error::Refused { what: format!("--columns {name}"), problem });
+            }
+            for column in found {
+                if chosen.names.contains(&column.name) {
+                    let problem = format!("names {} twice; allowed is each column once", column.name);
+                    return Err(Error::Refused { what: format!("--columns {name}"), problem });
+                }
+                chosen.names.push(column.name.clone());
+                if inner.contains(column) {
+                    chosen.further.push(column.clone());
+                }
+            }
+        }
+        Ok(chosen)
+    }
+}

@@ -1,0 +1,43 @@
+//! The start of a motion as the command line gives it.
+
+use super::note_of_unit;
+use crate::{Error, Result};
+use std::path::Path;
+use vibro_machine::{Assembly, Start};
+use vibro_studies::Machine;
+
+/// Reads a start: numbers as `NAME=VALUE,…`, a start's file, or a file with numbers behind it that
+/// replace its own. Numbers are read as those of `--set`; `note` is called with the unit of a
+/// number that was read in another one than SI.
+///
+/// # Errors
+/// [`Error::Refused`] for a number that is not allowed or given twice; [`Error::Refusal`] for a
+/// file that is not one of a start of this machine; an error if the machine cannot be built.
+pub fn read_start(machine: &Machine, given: &str, note: &mut dyn FnMut(String)) -> Result<Start> {
+    const FORM: &str = "NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…, e.g. box.s=5mm,box.v=1,time=0.2s or end.toml,box.v=0";
+    let refused = |what: &str, problem: String| Error::Refused { what: format!("--start {what}"), problem };
+    let description = &machine.description;
+    let mut start = Start::default();
+    let mut named: Vec<&str> = Vec::new();
+    for (i, part) in given.split(',').enumerate() {
+        let Some((name, value)) = part.split_once('=') else {
+            if i > 0 || part.trim().is_empty() {
+                return Err(Error::form(given, FORM));
+            }
+            start = Start::read(Path::new(part), description)?;
+            continue;
+        };
+        let name = name.trim();
+        let plain = name.strip_prefix("body.").unwrap_or(name);
+        if named.contains(&plain) {
+            return Err(refused(given, format!("{plain} stands there twice; allowed is each number once")));
+        }
+        named.push(plain);
+        let set = machine.set_start(&mut start, name, value);
+        if let Some(unit) = set.map_err(|error| refused(part, error.to_string()))? {
+            note(note_of_unit(part, unit));
+        }
+    }
+    start.state(&Assembly::new(description.clone())?)?;
+    Ok(start)
+}

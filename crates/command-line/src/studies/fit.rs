@@ -1,0 +1,226 @@
+//! A fit of a machine to a record: values with their errors, residuals, a picture.
+
+use super::Study;
+use super::orbits::shown_axis;
+use crate::Result;
+use crate::table::{CsvRows, exact};
+use std::fmt::Write;
+use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
+use vibro_machine::quantity::NamedQuantity;
+use vibro_studies::fit::{FitRequest, Fitted, Verdict};
+use vibro_studies::significant;
+
+/// Most points of a curve.
+const POINTS: usize = 2000;
+/// Most columns that are drawn.
+const DRAWN: usize = 4;
+
+/// The study of a fit: `residuals.csv` of columns, `residuals-contacts.csv` of contacts, and a
+/// picture of record, motion and residual.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
+    let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
+    if fitted.verdict != Verdict::Fits {
+        remarks.push("errors below hold only where the motion is the record's".into());
+    }
+    for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
+        let unit = request.machine.si_unit(name);
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        remarks.push(match error {
+            Some(error) => {
+                let vague = if *error > value.abs() { ", which may be 0: less than its error" } else { "" };
+                format!("{name} = {} ± {}{unit}{vague}", significant(*value), significant(*error))
+            }
+            None if is_undetermined(fitted, name) => {
+                format!("{name} = {}{unit}: the record does not determine it", significant(*value))
+            }
+            None => format!("{name} = {}{unit}, without an error", significant(*value)),
+        });
+    }
+    for own in &fitted.uncertainty.undetermined {
+        remarks.push(format!("not determined, in parts of the values: {own}"));
+    }
+    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; differences stand there")));
+    for (name, rms) in &fitted.rms {
+        remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
+    }
+    if !fitted.segments.is_empty() {
+        let defects = fitted.segments.iter().flat_map(|own| &own.defect);
+        let most = defects.fold(0.0, |most: f64, defect| most.max(defect.abs()));
+        let count = fitted.segments.len() + 1;
+        remarks.push(format!(
+            "in {count} segments, which miss each next start by {} at most, SI",
+            significant(most)
+        ));
+    }
+    let last = fitted.near_until;
+    let end = request.measured.times.last().copied().unwrap_or(last);
+    if last < end {
+        remarks.push(format!(
+            "the fitted motion leaves the record at {} s: a local minimum, or another law",
+            significant(last)
+        ));
+    }
+    let what = format!(
+        "fit of {} numbers to {} samples in {} simulations",
+        fitted.values.len(),
+        request.measured.samples(),
+        fitted.simulations
+    );
+    let mut tables = Vec::new();
+    if !request.measured.columns.is_empty() {
+        tables.push(("residuals".into(), residual_table(request, fitted)?));
+    }
+    if !request.measured.contacts.is_empty() {
+        tables.push(("residuals-contacts".into(), contact_table(request, fitted)?));
+    }
+    let figure = (!request.measured.columns.is_empty()).then(|| figure(request, fitted)).transpose()?;
+    Ok(Study { tables, figure, ..Study::without_figure("fit", what).with_remarks(remarks) })
+}
+
+/// Whether a number takes part in what the record does not determine.
+fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
+    let all = fitted.uncertainty.undetermined.iter().flat_map(|own| &own.combination);
+    all.into_iter().any(|(own, _)| own == name)
+}
+
+/// The text of `fit.json`.
+pub fn fit_json(fitted: &Fitted) -> String {
+    let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { "null".into() };
+    let quoted = |text: &str| format!("{text:?}");
+    let list = |all: Vec<String>| all.join(", ");
+    let own = &fitted.uncertainty;
+    let parameters =
+        fitted.values.iter().zip(own.errors.iter().zip(&own.white)).map(|((name, value), (error, white))| {
+            let [error, white] = [error, white].map(|x| x.map_or("null".into(), number));
+            format!(
+                "{}: {{\"value\": {}, \"error\": {error}, \"white_error\": {white}}}",
+                quoted(name),
+                number(*value)
+            )
+        });
+    let names = own.names.iter().map(|name| quoted(name)).collect();
+    let rows =
+        own.correlation.row_iter().map(|row| format!("[{}]", list(row.iter().map(|x| number(*x)).collect())));
+    let undetermined = own.undetermined.iter().map(|own| {
+        let parts = own.combination.iter().map(|(name, part)| format!("{}: {}", quoted(name), number(*part)));
+        let (parts, value) = (list(parts.collect()), number(own.singular_value));
+        format!("{{\"combination\": {{{parts}}}, \"singular_value\": {value}}}")
+    });
+    let rms = fitted.rms.iter().map(|(name, rms)| format!("{}: {}", quoted(name), number(*rms)));
+    let segments = fitted.segments.iter().map(|own| {
+        let named = own.state.iter().zip(&own.defect);
+        let (state, defect): (Vec<_>, Vec<_>) = named
+            .map(|((name, x), d)| [*x, *d].map(|x| format!("{}: {}", quoted(name), number(x))).into())
+            .unzip();
+        let (time, state, defect) = (number(own.time), list(state), list(defect));
+        format!("{{\"time\": {time}, \"state\": {{{state}}}, \"defect\": {{{defect}}}}}")
+    });
+    let mut text = String::new();
+    // Writing to a text does not fail.
+    let _ = writeln!(
+        text,
+        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
+        quoted(&fitted.verdict.to_string()),
+        list(parameters.collect()),
+        list(names),
+        list(rows.collect()),
+        list(undetermined.collect()),
+        list(rms.collect()),
+        fitted.simulations,
+        number(fitted.near_until),
+        number(own.persistence),
+        list(segments.collect())
+    );
+    text
+}
+
+fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
+    let names = request.measured.columns.iter().map(|(name, _)| name.to_string());
+    let header: Vec<String> = std::iter::once("time".to_owned())
+        .chain(names.flat_map(|name| [name.clone(), format!("{name}.fit"), format!("{name}.residual")]))
+        .collect();
+    let mut table = CsvRows::new(&header)?;
+    for (i, (time, residuals)) in request.measured.times.iter().zip(&fitted.residuals).enumerate() {
+        let cells = residuals.iter().zip(&request.measured.columns).flat_map(|(residual, (_, values))| {
+            [exact(values[i]), exact(values[i] + residual), exact(*residual)]
+        });
+        table.push(std::iter::once(exact(*time)).chain(cells))?;
+    }
+    table.text()
+}
+
+/// For each contact of the record its stop, its time, that of the motion and their difference;
+/// empty cells where the motion has none.
+fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
+    let mut table = CsvRows::new(["element", "time", "time.fit", "time.residual"])?;
+    for ((name, times), (_, off)) in request.measured.contacts.iter().zip(&fitted.contacts) {
+        for (time, off) in times.iter().zip(off) {
+            let cell = |x: f64| if x.is_nan() { String::new() } else { exact(x) };
+            table.push([name.clone(), exact(*time), cell(time + off), cell(*off)])?;
+        }
+    }
+    table.text()
+}
+
+/// The contacts of the fitted motion, as ticks below a record; `None` where it has none.
+fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Layer> {
+    let times = &request.measured.times;
+    let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let inside = fitted.events.iter().map(|(time, _)| *time).filter(|time| (first..=last).contains(time));
+    let every = fitted.events.len().div_ceil(POINTS).max(1);
+    let ends = [0.1, 0.04].map(|below| least - below * (most - least));
+    let ticks = inside.step_by(every).map(|time| ends.map(|y| (time, y)).to_vec());
+    let ticks: Vec<Path> = ticks.collect();
+    (!ticks.is_empty()).then(|| Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks))
+}
+
+/// For each column the record with the fitted motion, and the residual.
+fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
+    let measured = &request.measured;
+    let mut panels = Vec::new();
+    let every = measured.times.len().div_ceil(POINTS).max(1);
+    for (k, (name, values)) in measured.columns.iter().enumerate().take(DRAWN) {
+        let NamedQuantity { unit, .. } = name.find(&request.machine.description)?;
+        let size = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let path = |of: &dyn Fn(usize) -> f64| -> Path {
+            (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
+        };
+        let moved = path(&|i| values[i] + fitted.residuals[i][k]);
+        let drawn = [
+            Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
+            Layer::line("fitted motion", BLUE, Dash::Solid, moved),
+        ];
+        panels.push(Panel {
+            title: name.to_string(),
+            x: Axis::new("time (s)"),
+            y: shown_axis(&name.to_string(), unit, size),
+            layers: drawn.into_iter().chain(contacts(request, fitted, values)).collect(),
+        });
+        let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));
+        panels.push(Panel {
+            title: format!("{name}: residual"),
+            x: Axis::new("time (s)"),
+            y: shown_axis("motion less record", unit, size),
+            layers: vec![Layer::line("residual", VERMILLION, Dash::Solid, path(&|i| fitted.residuals[i][k]))],
+        });
+    }
+    let told =
+        fitted.values.iter().zip(&fitted.uncertainty.errors).map(|((name, value), error)| match error {
+            Some(error) => format!("{name} = {} ± {}", significant(*value), significant(*error)),
+            None => format!("{name} undetermined"),
+        });
+    Ok(Figure {
+        title: format!("{}: fit to a record", request.machine.description.name),
+        caption: vec![told.collect::<Vec<_>>().join(", ")],
+        panels,
+        columns: 2,
+        panel: (1500, 900),
+        shared_legend: false,
+    })
+}

@@ -1,0 +1,36 @@
+//! The studies of the paper's machine alone.
+
+pub(super) mod basin;
+mod compare;
+mod diagram_orbits;
+pub(super) mod lengths;
+pub(super) mod locus;
+mod manifold;
+mod motions;
+mod orbit;
+pub(super) mod orbits;
+mod plane;
+mod response;
+mod run;
+mod stability;
+mod steady;
+mod steady_motion;
+mod strong;
+pub(super) mod sweep;
+
+pub use basin::{basins, check_basins};
+pub use compare::{accuracy, force_overlay, histories};
+pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
+pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
+pub use locus::{LocusCurve, loci};
+pub use manifold::{branches, families, shapes};
+pub use motions::{Modulation, histories_of, portraits, running};
+pub use orbit::orbit;
+pub use orbits::orbits;
+pub use plane::planes;
+pub use response::{along, force, frequency};
+pub use run::{RunLength, RunRequest, run};
+pub use stability::{masri, regions};
+pub use steady::steady;
+pub use strong::strong_case;
+pub use sweep::{overlay, periodic_ranges, spectra, sweep};
