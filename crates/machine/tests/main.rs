@@ -16,6 +16,7 @@ mod derivatives_extremes;
 mod derivatives_named;
 mod derivatives_none;
 mod derivatives_random;
+mod derivatives_rows;
 mod derivatives_start;
 mod derivatives_under_way;
 mod follows;
