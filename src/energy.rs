@@ -7,11 +7,11 @@ use crate::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::{StateRows, form, form_and_squares};
 use crate::parameters::Parameters;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::simd::{StateRows, form, form_and_squares};
 
 /// Gauss–Legendre rule on [0, 1].
 pub struct Rule<const N: usize> {
@@ -231,7 +231,7 @@ impl Gramians {
     ) -> f64 {
         let mut input = 0.0;
         for (node, weight) in FOUR.nodes.iter().zip(&FOUR.weights) {
-            let at = crate::numerics::simd::polynomial(simd, rows, u * node);
+            let at = vibro_numerics::simd::polynomial(simd, rows, u * node);
             input += weight * at[BOX_RATE] * at[DRIVE_SIN];
         }
         self.drive * u * radius * input

@@ -110,3 +110,9 @@ pub enum Error {
 
 /// Result with the error of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
+
+impl From<vibro_numerics::OutOfRange> for Error {
+    fn from(vibro_numerics::OutOfRange { name, value, allowed }: vibro_numerics::OutOfRange) -> Self {
+        Self::OutOfRange { name, value, allowed }
+    }
+}

@@ -36,11 +36,11 @@ use crate::model::{
     Augmented, BOX_RATE, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model, RELATIVE, RELATIVE_RATE,
     SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::simd::{PADDED, StateRows, product, row};
 pub use polynomial::polynomial;
 use polynomial::{PLACES, at_interval_ends, at_places};
 use pulp::Simd;
 pub use series::{ANCHORED, CENTRED, PIECE, Series, WHOLE, expand_along, remainder};
+use vibro_numerics::simd::{PADDED, StateRows, product, row};
 
 /// Intervals of a sub-step.
 pub const INTERVALS: usize = 16;

@@ -30,7 +30,7 @@
 //! parameters → steady (multiple scales, strong coupling, exact orbit)
 //! ```
 //!
-//! The modules `model`, `flow`, `events`, `energy` and `numerics` are for the other packages of the
+//! The modules `model`, `flow` and `energy` are for the other packages of the
 //! workspace and are not shown here. Their types that occur in the simulator's signatures are in
 //! [`simulator`].
 //!
@@ -48,16 +48,11 @@
 pub mod energy;
 pub mod error;
 #[doc(hidden)]
-pub mod events;
-#[doc(hidden)]
 pub mod flow;
 pub mod load;
 #[doc(hidden)]
 pub mod model;
-#[doc(hidden)]
-pub mod numerics;
 pub mod parameters;
-pub mod quantities;
 pub mod reference;
 pub mod simulator;
 mod state;
@@ -88,3 +83,4 @@ pub use error::{Error, Result};
 pub use parameters::{Groups, Parameters, Scales};
 pub use simulator::Simulator;
 pub use state::State;
+pub use vibro_numerics::quantities;

@@ -6,8 +6,8 @@ use vibro_impact::model::{
     Augmented, BOX, BOX_RATE, COORDINATES, Forces, Model, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
     SmoothMode,
 };
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Relative rounding of sums of positive terms and of their bounds.
 const ROUNDING: f64 = 1e-12;

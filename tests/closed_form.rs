@@ -1,8 +1,8 @@
 //! The simulator against motions in closed form.
 
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// A few hundred roundings of numbers of order one, over at most a few hundred sub-steps.
 const ROUNDING: f64 = 2e-13;

@@ -2,9 +2,9 @@
 //! adds no further event.
 
 use vibro_impact::model::Model;
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause, Snapshot};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 fn machine(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()

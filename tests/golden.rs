@@ -3,9 +3,9 @@
 mod common;
 
 use common::golden::{distance, standard, table};
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Pause};
 use vibro_impact::{Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Rounding of w after a flight of up to one and a half periods, with states of order one.
 const GAP_ROUNDING: f64 = 2e-14;

@@ -2,9 +2,9 @@
 //! repeatability.
 
 use vibro_impact::model::Model;
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 fn start() -> State {
     State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] }

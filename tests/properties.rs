@@ -2,10 +2,10 @@
 //! `properties.proptest-regressions` keeps them.
 
 use proptest::prelude::*;
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::reference::{Reference, Tolerance};
 use vibro_impact::simulator::{Contact, Event, ImpactRecord, Loads, Pause, advance_together};
 use vibro_impact::{Error, Parameters, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// A number over several decades.
 fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {

@@ -1,8 +1,8 @@
 //! All kinds of starts, and parameters at the limits of their ranges.
 
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 
 fn at_stop(side: f64, relative: f64) -> State {
     State { x: [0.0, side, 0.0], v: [0.0, relative, 0.0] }

@@ -10,7 +10,7 @@ use crate::{date, licences};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, io};
-use vibro_impact::numerics::digest::{EMPTY, extended};
+use vibro_numerics::digest::{EMPTY, extended};
 pub use vibro_pack::{KIT_FILE, Kit};
 
 /// Entry of a cached kit that holds the digest of its inputs.

@@ -9,9 +9,9 @@ use crate::version::{MODEL_DESCRIPTION, Version};
 use crate::xml::Element;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{DueEvent, Pause};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_numerics::double_double::DoubleDouble;
 use vibro_paper_component::component::variables;
 use vibro_paper_component::fmi3::description::{MAIN, MODEL_IDENTIFIER, value_reference};
 

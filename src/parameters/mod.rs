@@ -7,12 +7,11 @@
 
 mod fields;
 mod groups;
-mod range;
 
 pub use fields::{FIELDS, Field, LOADS};
 pub(crate) use groups::RESTITUTION;
 pub use groups::{GROUPS, Group, Groups, check_together};
-pub use range::Range;
+pub use vibro_numerics::Range;
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

@@ -5,9 +5,9 @@ use super::step::AdvanceState;
 use super::{Contact, Simulator};
 use crate::flow::{CENTRED, INTERVALS};
 use crate::model::{Augmented, BOX_RATE, SmoothMode};
-use crate::numerics::simd::StateRows;
 use pulp::Simd;
 use std::sync::Arc;
+use vibro_numerics::simd::StateRows;
 
 impl Simulator {
     /// Begins the account of the drive's work in a flight without loads. This work is the

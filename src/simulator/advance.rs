@@ -4,7 +4,7 @@
 use super::step::EventObserver;
 use super::{AdvanceOutcome, DueEvent, Event, Pause, Simulator, check_time};
 use crate::error::{Error, Result};
-use crate::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 impl Simulator {
     /// Advances to exactly `end` (s), through all events.

@@ -10,8 +10,8 @@ use crate::flow::{Series, shifted};
 use crate::model::{
     Augmented, BOX, BOX_RATE, Forces, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE, SmoothMode,
 };
-use crate::numerics::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Size above which a derivative of w of order k is more than rounding, in units of k² ε rᵏ S with
 /// the size S of docs/numerics.md, section 1. This is twice the rounding of w'', which is a sum of

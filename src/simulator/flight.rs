@@ -2,12 +2,12 @@
 
 use super::Simulator;
 use super::points::{SeriesPoint, SubstepStart};
-use crate::events::flight_crossing;
 use crate::flow::{ANCHORED, INTERVALS, Series};
 use crate::model::{Augmented, RELATIVE, SmoothMode};
-use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::{at_least, excess_over, polynomial, product};
 use pulp::Simd;
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::events::flight_crossing;
+use vibro_numerics::simd::{at_least, excess_over, polynomial, product};
 
 /// Samples of w over a sub-step, and the intervals that they leave to be searched.
 pub(super) struct DisplacementSamples {

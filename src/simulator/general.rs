@@ -36,12 +36,12 @@
 
 use super::points::{SeriesPoint, SubstepStart};
 use super::{Contact, Simulator};
-use crate::events::first_crossing;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, Series, SubstepTable};
 use crate::model::{Augmented, RELATIVE, RELATIVE_RATE, SmoothMode};
-use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::value;
 use std::sync::Arc;
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::events::first_crossing;
+use vibro_numerics::simd::value;
 
 /// Largest penetration of a stop at the start of a search, relative to path and gap, that counts as
 /// rounding; checked in debug builds only.

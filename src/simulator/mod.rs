@@ -55,8 +55,6 @@ use crate::error::{Error, Result};
 use crate::flow::{self, Series};
 use crate::model::{Acceleration, COORDINATES, DRIVE_COS, DRIVE_SIN, Forces, Model};
 pub use crate::model::{Augmented, SmoothMode};
-pub use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::drive_phase::DrivePhase;
 use crate::parameters::Parameters;
 pub use crate::state::State;
 use departure::Departure;
@@ -65,6 +63,8 @@ use limits::{check_constant_forces, check_loads, check_speeds, coordinates};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tables::ModeTables;
+pub use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::drive_phase::DrivePhase;
 
 /// Everything that changes as the simulator advances.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,9 +6,9 @@ use super::{HybridState, Simulator};
 use crate::error::{Error, Result};
 use crate::flow::{shifted, substep};
 use crate::model::{Model, RELATIVE};
-use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use serde::{Deserialize, Serialize};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Everything that changes as the simulator advances, with its parameters, as plain data. A motion
 /// restored from it continues bit-identically.

@@ -6,10 +6,10 @@ use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulat
 use crate::error::{Error, Result};
 use crate::flow::INTERVALS;
 use crate::model::{Augmented, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE};
-use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd;
 use pulp::Simd;
 use std::ops::ControlFlow;
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::simd;
 
 /// Number of sub-steps (about ten drive periods) after which cos θ and sin θ are computed again
 /// from the extended phase. The rotations in between add a few units in the last place.

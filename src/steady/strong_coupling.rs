@@ -19,10 +19,10 @@ use super::{
     Roots, SteadyMotion, check_groups, eigenvalue_pair, inverse_mass_factors, largest, spectral_radius,
 };
 use crate::error::{Error, Result};
-use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_to_maximum, stays_within};
 use crate::parameters::Groups;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use std::f64::consts::{FRAC_PI_2, PI};
+use vibro_numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_to_maximum, stays_within};
 
 /// Distance of β from a positive integer below which groups are refused, because C would lose more
 /// than half of its digits.

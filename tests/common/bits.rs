@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 use std::{env, fs};
-use vibro_impact::numerics::digest;
+use vibro_numerics::digest;
 
 /// Folder of the golden files of the package under test.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");

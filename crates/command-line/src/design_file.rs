@@ -16,8 +16,8 @@
 use crate::table::read_text;
 use crate::{Error, Result};
 use std::path::Path;
-use vibro_impact::numerics::digest::fnv1a;
 use vibro_machine::table::{Heading, Table};
+use vibro_numerics::digest::fnv1a;
 use vibro_studies::design_sweep::Designs;
 use vibro_studies::paper::{Name, ParameterSet};
 

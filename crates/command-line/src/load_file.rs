@@ -13,9 +13,9 @@ use crate::table::read_text;
 use crate::{Error, Result};
 use std::path::PathBuf;
 use vibro_impact::load::{Body, Interpolation, Load};
-use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::parameters::LOADS;
 use vibro_machine::table::{Table, in_unit};
+use vibro_numerics::digest::fnv1a;
 use vibro_studies::paper::{Name, ParameterSet, quantity_in};
 
 /// Load of the command line: `box=record.csv` or `block=-3.4N`. A text that can be read as a force

@@ -20,11 +20,11 @@ use crate::{Error, Result, parameter_file};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro_impact::quantities::{self, Unit};
 use vibro_machine::description::Description;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::quantity::NamedQuantity;
 use vibro_machine::{Assembly, Element, Motion, Quantity, Start, What};
+use vibro_numerics::quantities::{self, Unit};
 use vibro_studies::{
     ContactRecorder, Extreme, Extremes, Followed, Machine, NamedEvent, StopContact, columns, named, values,
 };

@@ -7,7 +7,7 @@ use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use vibro_impact::numerics::digest::fnv1a;
+use vibro_numerics::digest::fnv1a;
 
 /// The program in every manifest.
 const PROGRAM: &str = "vibro";

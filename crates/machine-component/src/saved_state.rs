@@ -8,8 +8,8 @@ use crate::machine::{SavedMoving, Shown};
 use crate::problem::refused;
 use fmi_doors::{Life, Problem};
 use serde::{Deserialize, Serialize};
-use vibro_impact::numerics::digest::fnv1a;
 use vibro_machine::signals::Input;
+use vibro_numerics::digest::fnv1a;
 
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROMCH";

@@ -175,7 +175,7 @@ pub(crate) fn enumerations(rebounds: bool) -> [Type; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibro_impact::quantities::quantity_in;
+    use vibro_numerics::quantities::quantity_in;
 
     /// The engine's own names of its states, and whose they are.
     #[test]

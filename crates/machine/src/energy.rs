@@ -13,7 +13,7 @@ pub use crate::kernel::{AtNodes, EIGHT, NODES, SHORT};
 use crate::system::{Account, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Sums since the start, J. Losses are positive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use crate::description::Description;
 use crate::named::{Named, NamedParameters};
 use crate::refusal::Problem;
 use crate::slots::{Slot, slots};
-use vibro_impact::parameters::Range;
+use vibro_numerics::Range;
 
 /// A number that follows from named parameters.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 //! setting of parameters share them, so that both refuse a number for the same reason.
 
 use crate::description::Dimension;
-use vibro_impact::parameters::Range;
-use vibro_impact::quantities::symbols;
+use vibro_numerics::Range;
+use vibro_numerics::quantities::symbols;
 
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]

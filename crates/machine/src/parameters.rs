@@ -15,8 +15,8 @@ use crate::kinds::NumberKind;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use std::collections::HashMap;
-use vibro_impact::parameters::Range;
-use vibro_impact::quantities::quantity_in;
+use vibro_numerics::Range;
+use vibro_numerics::quantities::quantity_in;
 
 /// A parameter of a machine.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ use crate::system::{BranchRows, FrictionRows, Functional, RowMatrix, SpringRows,
 use lines::Lined;
 use nalgebra::DVector;
 use path::LoadPath;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 use weighted::Weighted;
 
 /// Factor of the proximal weight from step to step, as it falls from the largest stiffness per

@@ -21,7 +21,7 @@ use nalgebra::DVector;
 use pieces::{Knots, Pieces};
 use std::f64::consts::TAU;
 use sweep::SweepPiece;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Value and derivatives of an input, which is a cubic from the time it was set.
 pub type Input = [f64; 4];

@@ -15,7 +15,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
-use vibro_impact::quantities::{UNITS, Unit, in_si, symbols};
+use vibro_numerics::quantities::{UNITS, Unit, in_si, symbols};
 
 /// Separator of cells unless the first line has a semicolon.
 const COMMA: char = ',';

@@ -5,7 +5,7 @@
 use super::obstacle::Obstacle;
 use nalgebra::{ComplexField, DMatrix, DVector};
 use std::cell::Cell;
-use vibro_impact::numerics::roots::brent;
+use vibro_numerics::roots::brent;
 
 /// Largest number of Newton steps of a correction in continuation.
 const STEPS: usize = 8;

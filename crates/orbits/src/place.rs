@@ -1,11 +1,11 @@
 //! A machine at one value of a parameter, and the machines over its values.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_machine::Assembly;
 use vibro_machine::description::{Block, Description};
 use vibro_machine::mode::Mode;
 use vibro_machine::system::System;
+use vibro_numerics::double_double::DoubleDouble;
 use vibro_studies::flight::{Flow, Flows};
 use vibro_studies::{Error, Result};
 use vibro_studies::{Machine, common_period, is_steady, require_free, runs_on};

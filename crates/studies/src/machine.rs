@@ -7,11 +7,11 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vibro_impact::quantities::{Unit, quantity_in};
 use vibro_machine::Start;
 use vibro_machine::description::{Body, Description};
 use vibro_machine::start::BodyStart;
 use vibro_machine::{Assembly, Motion, file};
+use vibro_numerics::quantities::{Unit, quantity_in};
 
 /// Described machine, with its section and the units in which its parameters were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,10 +8,10 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_machine::description::Description;
 use vibro_machine::file::{self, Records};
 use vibro_machine::refusal::Refusal;
+use vibro_numerics::quantities::{Quantity, Unit, quantity_in};
 
 impl Machine {
     /// Reads a machine's file, with the units in which it writes its parameters.

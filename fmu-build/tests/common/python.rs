@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-use vibro_impact::numerics::digest::fnv1a;
+use vibro_numerics::digest::fnv1a;
 
 /// Oldest Python that the pinned requirements can be installed in.
 const OLDEST_PYTHON: (u32, u32) = (3, 9);

@@ -20,7 +20,6 @@ use super::super::{Contact, Event, Pause, Simulator};
 use super::queue::{LaneUse, MotionQueue, Plan};
 use crate::error::Result;
 use crate::model::{Augmented, RELATIVE};
-use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::vectors::ROW;
 use centres::Centres;
 use pulp::Simd;
@@ -28,6 +27,7 @@ use report::{Reporter, SubstepOrigin};
 use rows::{LaneStates, LaneSystems, SubstepStarts};
 use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Number of sub-steps in a lane after which cos θ and sin θ are computed again from the extended
 /// phase. Until then they collect no more round-off than the other coordinates, which are never

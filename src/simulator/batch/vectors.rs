@@ -218,7 +218,7 @@ impl<S: Simd> Not for Mask<S> {
 /// Vector of sums in extended precision, by the formulas of [`DoubleDouble::plus`] on vectors;
 /// `second_method_sums_are_double_double` checks that both are bit-identical.
 ///
-/// [`DoubleDouble::plus`]: crate::numerics::double_double::DoubleDouble::plus
+/// [`DoubleDouble::plus`]: vibro_numerics::double_double::DoubleDouble::plus
 #[derive(Clone, Copy)]
 pub(crate) struct WideDoubleDouble<S: Simd> {
     pub(crate) hi: Wide<S>,
@@ -253,8 +253,8 @@ impl<S: Simd> WideDoubleDouble<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::double_double::DoubleDouble;
     use proptest::prelude::*;
+    use vibro_numerics::double_double::DoubleDouble;
 
     /// Sums of the terms of each lane, all from one start.
     struct Sums<'a>(f64, &'a [[f64; ROW]]);

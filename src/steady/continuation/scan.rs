@@ -4,8 +4,8 @@
 use super::super::Sheet;
 use super::{BranchPoint, Curve, Family, LOCATION, Special};
 use crate::error::Result;
-use crate::numerics::roots::brent;
 use std::cell::Cell;
+use vibro_numerics::roots::brent;
 
 /// Largest number of golden-section steps to a hidden extremum of the discriminant between three
 /// nodes.

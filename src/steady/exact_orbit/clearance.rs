@@ -1,7 +1,7 @@
 //! Proof that an orbit keeps within the stops, up to its own rounding.
 
 use super::super::PENETRATION_ROUNDING;
-use crate::numerics::bernstein::{Polynomial, stays_within};
+use vibro_numerics::bernstein::{Polynomial, stays_within};
 
 /// Proof that the block keeps within the stops along the Taylor pieces of an orbit, to 1e-12 L and
 /// the orbit's rounding. The rounding grows from piece to piece. It is large near the resonance of

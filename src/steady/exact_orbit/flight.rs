@@ -2,10 +2,10 @@
 //! Taylor pieces, exact to round-off, and the transition matrices made from them.
 
 use crate::error::{Error, Result};
-use crate::numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
 use crate::parameters::Parameters;
 use nalgebra::{Complex, Matrix2, Matrix4, Vector2, Vector4};
 use std::f64::consts::PI;
+use vibro_numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, evaluate};
 
 /// A state (x1, x2, x3, v1, v2, v3) in units of L and ω1 L.
 pub type Vector6 = nalgebra::Vector6<f64>;

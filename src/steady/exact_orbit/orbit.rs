@@ -5,11 +5,11 @@ use super::clearance::Clearance;
 use super::flight::{Flight, Vector6};
 use super::{OrbitFamily, no_eigenvalues};
 use crate::error::Result;
-use crate::numerics::bernstein::{Polynomial, raise_to_maximum};
 use crate::parameters::Parameters;
 use crate::state::State;
 use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
+use vibro_numerics::bernstein::{Polynomial, raise_to_maximum};
 
 /// Relative difference of phases that counts as rounding.
 const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;

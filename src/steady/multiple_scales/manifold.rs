@@ -2,9 +2,9 @@
 //! section 3.1; docs/theory.md, section 6), and their range of admissibility (section 7).
 
 use crate::error::{Error, Result};
-use crate::numerics::roots::brent;
 use crate::parameters::RESTITUTION;
 use std::f64::consts::{PI, TAU};
+use vibro_numerics::roots::brent;
 
 /// Upper end of the search for C_Gmax. C_Gmax is largest at κ = 1, where it is about 8.235.
 const C_GMAX_BRACKET: f64 = 10.0;

@@ -3,7 +3,7 @@
 use arbitrary::Arbitrary;
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr::null_mut;
-use vibro_impact::numerics::digest::fnv1a;
+use vibro_numerics::digest::fnv1a;
 
 pub const FATAL: c_int = 4;
 /// Elements of every buffer: the largest count that is not refused.

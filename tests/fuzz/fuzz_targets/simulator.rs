@@ -10,7 +10,7 @@
 
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, Loads, Pause};
 use vibro_impact::{Error, Parameters, Simulator, State};

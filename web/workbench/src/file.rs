@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 use std::io;
-use vibro_impact::quantities::quantity_in;
 use vibro_machine::description::{BodyKind, Description, Dimension};
 use vibro_machine::elements::Element;
 use vibro_machine::refusal::{Problem, Refusal};
+use vibro_numerics::quantities::quantity_in;
 use vibro_studies::{Machine, common_period, places};
 use wasm_bindgen::prelude::*;
 

@@ -103,7 +103,7 @@ impl Bench {
     fn row(&self, kind: f64) -> Vec<f64> {
         let (motion, energy) = (&self.motion, self.motion.energy());
         let (kinetic, stored) = motion.kinetic_and_stored();
-        let sum = |all: &[vibro_impact::numerics::double_double::DoubleDouble]| -> f64 {
+        let sum = |all: &[vibro_numerics::double_double::DoubleDouble]| -> f64 {
             all.iter().map(|x| x.value()).sum()
         };
         let put_in = sum(&energy.loads) + energy.motions.value() + energy.switched.value();

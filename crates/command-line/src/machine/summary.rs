@@ -324,7 +324,7 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     lines.push(events(record, knots));
     let (kinetic, stored) = record.motion.kinetic_and_stored();
     let energy = record.motion.energy();
-    let sum = |parts: &[vibro_impact::numerics::double_double::DoubleDouble]| {
+    let sum = |parts: &[vibro_numerics::double_double::DoubleDouble]| {
         short(parts.iter().map(|x| x.value()).sum::<f64>())
     };
     let end = kinetic + stored;

@@ -182,7 +182,7 @@ fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
         assert_eq!(fmi3SerializeFMUState(machine.c, state, bytes.as_mut_ptr(), size), OK);
         let token = usize::from(bytes[CONTENT]);
         bytes[CONTENT + 1 + token + BEFORE_THE_PHASE] = phase;
-        let sum = vibro_impact::numerics::digest::fnv1a(&bytes[CONTENT..]);
+        let sum = vibro_numerics::digest::fnv1a(&bytes[CONTENT..]);
         bytes[8..CONTENT].copy_from_slice(&sum.to_le_bytes());
         let status = fmi3DeserializeFMUState(machine.c, bytes.as_ptr(), size, &mut state);
         assert_eq!(fmi3FreeFMUState(machine.c, &mut state), OK);

@@ -13,7 +13,7 @@ use crate::quantity::Quantity;
 use crate::system::StateRow;
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_impact::events::turns;
+use vibro_numerics::events::turns;
 
 /// Values that differ by less than this part of their terms' sizes are equal: rounding of a motion.
 const EQUAL: f64 = 1e-11;

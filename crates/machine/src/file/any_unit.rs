@@ -3,7 +3,7 @@
 use crate::description::Dimension;
 use crate::kinds;
 use crate::parameters::read;
-use vibro_impact::quantities::{UNITS, split};
+use vibro_numerics::quantities::{UNITS, split};
 
 /// Dimensions in whose SI unit a unit of several is read: angular velocities before frequencies.
 const FIRST: [&str; 2] = ["Hz", "rad/s"];

@@ -6,7 +6,7 @@
 use super::reading::{self, ASKED, Allowed, FileTable, Reading};
 use super::{TABLES, VALUES, machine, no_records};
 use crate::elements::SECTIONS;
-use vibro_impact::quantities::split;
+use vibro_numerics::quantities::split;
 
 /// Stands for the further items of an array that is being written.
 const FURTHER: &str = "\u{f8fe}";

@@ -14,7 +14,7 @@ use crate::description::{
 };
 use crate::kinds;
 use crate::parameters::has_unit;
-use vibro_impact::quantities::symbols;
+use vibro_numerics::quantities::symbols;
 
 /// Message for a name that is no body's.
 const NO_BODY: &str = "no body has this name";

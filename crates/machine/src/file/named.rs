@@ -8,7 +8,7 @@ use crate::elements::SECTIONS;
 use crate::named::{Expression, Named, NamedParameters};
 use crate::slots::slots;
 use std::collections::HashSet;
-use vibro_impact::quantities::UNITS;
+use vibro_numerics::quantities::UNITS;
 
 /// Most named parameters.
 const MOST: usize = 1_000;

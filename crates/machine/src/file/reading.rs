@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
-use vibro_impact::quantities::symbols;
+use vibro_numerics::quantities::symbols;
 
 /// Most letters of a value quoted in a message.
 const QUOTED: usize = 60;

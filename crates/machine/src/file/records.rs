@@ -7,7 +7,7 @@ use crate::kinds;
 use crate::table::{Heading, Table, in_unit};
 use std::io;
 use std::path::{Component, Path, PathBuf};
-use vibro_impact::quantities::Unit;
+use vibro_numerics::quantities::Unit;
 
 /// A reader for texts without records, which finds none.
 ///

@@ -10,7 +10,7 @@ use crate::mode::Elastic;
 use crate::system::{Functional, Term};
 use nalgebra::DMatrix;
 use std::sync::Arc;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// A = rest - Σ by ⊗ force, with separate forces.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@
 use super::apart::Apart;
 use super::exponential::series_orders;
 use nalgebra::DMatrix;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 type Matrix = DMatrix<DoubleDouble>;
 

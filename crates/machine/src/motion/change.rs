@@ -10,7 +10,7 @@ use crate::signals::Input;
 use crate::system::{BlockRows, System};
 use nalgebra::DVector;
 use std::sync::Arc;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// The inner places among what has its place.
 fn inner_places(standing: &[(Contact, f64)]) -> Vec<(Contact, f64)> {

@@ -22,7 +22,7 @@ use crate::system::{BlockRows, BranchRows, StateRow, StopRows, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Relative overshoot of a watched functional where its indicator passes zero. It is larger than
 /// the rounding of the roots that solvers find, and so small that an impact at this depth is as

@@ -9,7 +9,7 @@ use crate::assembly::Assembly;
 use crate::mode::{Contact, SliderState};
 use crate::signals::Input;
 use nalgebra::DVector;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 impl Motion {
     /// The augmented state with coordinates, rates and states of first order `start`; sliders are

@@ -4,7 +4,7 @@
 use super::passage::PassageSearch;
 use super::{Hybrid, Motion, Scratch};
 use crate::flow::{FlowTable, RUNGS};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 impl Motion {
     /// Advances by 2, 4, 8, … sub-steps at once, ending before `goal`, if it is proved that no

@@ -41,7 +41,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use tables::Tables;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Callback for the events of an advance.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;

@@ -28,7 +28,7 @@ use super::contact::DOUBTFUL;
 use super::{Hybrid, Scratch};
 use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Series, TERMS, head_of};
 use crate::mode::{StopState, Watch};
-use vibro_impact::events::{crossing_after_start, first_crossing};
+use vibro_numerics::events::{crossing_after_start, first_crossing};
 
 /// A span is halved while the bound of a stop's travel exceeds this many times its largest size so
 /// far, beyond which roots would lose more than a digit. Halving is limited to [`HALVINGS`], since

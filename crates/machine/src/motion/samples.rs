@@ -8,7 +8,7 @@ use super::{Motion, Observer};
 use crate::error::Error;
 use crate::system::{SampleAction, SampleKind, Sampler, System};
 use serde::{Deserialize, Serialize};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// How far a sampled block has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

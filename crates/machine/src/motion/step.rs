@@ -7,7 +7,7 @@ use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
 use crate::energy::{EIGHT, NODES, Rule, Samples};
 use crate::error::Error;
 use crate::flow::ORDERS;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Allowed sub-steps: in one call, and additionally per sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);

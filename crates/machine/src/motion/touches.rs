@@ -6,7 +6,7 @@ use super::Motion;
 use super::passage::{PassageSearch, StepPoint, shortened};
 use crate::flow::Ahead;
 use crate::mode::{StopState, Watch};
-use vibro_impact::events::turns;
+use vibro_numerics::events::turns;
 
 /// Multiples of what counts as zero within which a turning point is a touch.
 const BESIDE: f64 = 4.0;

@@ -1,7 +1,7 @@
 //! Expressions as straight lines in one named parameter, and the ranges of parameters that follow.
 
 use super::{Expression, NamedParameters};
-use vibro_impact::parameters::Range;
+use vibro_numerics::Range;
 
 /// `constant + slope · parameter`, with the parameter's place; a number without a place.
 #[derive(Clone, Copy, Debug, PartialEq)]

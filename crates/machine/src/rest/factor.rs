@@ -2,7 +2,7 @@
 //! precision of doubles.
 
 use crate::sparse_factor::{Number, SymmetricSparse};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Factors L D Lᵀ of a positive definite matrix.
 pub(super) struct Factor<'p>(SymmetricSparse<'p, DoubleDouble>);

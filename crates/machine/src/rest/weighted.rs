@@ -5,7 +5,7 @@ use super::{Direction, Holding, RestSpring};
 use crate::sparse_factor::{Pattern, SymmetricSparse};
 use crate::system::RowMatrix;
 use nalgebra::DMatrix;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// The factored stiffness with a proximal weight, and the contacts' directions scaled by the
 /// inverse factor.

@@ -1,7 +1,7 @@
 //! Integrals of piecewise polynomials over time, from time 0 on (docs/assembly-law.md (A46)).
 
 use super::pieces::{Knots, Pieces};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Value and derivatives of orders 1 to 5.
 pub(super) type Long = [f64; 6];

@@ -3,7 +3,7 @@
 
 use crate::description::{Sweep, SweepLaw};
 use std::f64::consts::TAU;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Number of derivatives that are found, value included.
 pub(super) const ORDER: usize = 6;

@@ -2,7 +2,7 @@
 
 use super::shifted;
 use crate::description::{Interpolation, Record, Step};
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// A knot of a repeated function: whole periods before it, and its place in the period.
 pub(super) type Place = (f64, usize);
@@ -138,12 +138,12 @@ fn close(knots: &mut Vec<(f64, f64)>, period: f64) {
 /// Slopes at the knots. In a period those at its ends are as others, with their neighbours across
 /// the turn.
 fn slopes(knots: &[(f64, f64)], repeat: Option<f64>) -> Vec<f64> {
-    let Some(period) = repeat else { return vibro_impact::load::monotone_slopes(knots) };
+    let Some(period) = repeat else { return vibro_numerics::monotone::monotone_slopes(knots) };
     let (first, last) = (knots[0], knots[knots.len() - 1]);
     let mut all = vec![(last.0 - period, last.1)];
     all.extend(knots);
     all.push((first.0 + period, first.1));
-    vibro_impact::load::monotone_slopes(&all)[1..=knots.len()].to_vec()
+    vibro_numerics::monotone::monotone_slopes(&all)[1..=knots.len()].to_vec()
 }
 
 /// Value and derivatives at the begin of each piece, straight or by slopes at the knots.

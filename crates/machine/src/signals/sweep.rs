@@ -4,7 +4,7 @@
 use super::phase::{Jet, ORDER, Phase, Side, Wave, binomial};
 use crate::description::Sweep;
 use std::f64::consts::TAU;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Number of coefficients of a polynomial: twice as many as derivatives that it has in common with
 /// the sweep at either end of its cell.

@@ -7,7 +7,7 @@ use super::{Course, Parts, SignalPiece, Signals, harmonic};
 use crate::description::{Harmonic, Record};
 use nalgebra::DVector;
 use std::f64::consts::TAU;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// The derivative of the signals by one parameter: that of each signal's row, of the coordinates at
 /// a fixed time, and of the times of knots.

@@ -80,7 +80,7 @@ fn closed_form_each_part_of_a_signal_from_the_clock() {
 #[test]
 fn invariant_a_cubic_record_is_smooth_and_meets_its_knots_from_both_sides() {
     let table = Pieces::of_record(&Record::new(KNOTS.to_vec(), Interpolation::Cubic), 1.0, None);
-    let slopes = vibro_impact::load::monotone_slopes(&KNOTS);
+    let slopes = vibro_numerics::monotone::monotone_slopes(&KNOTS);
     for (i, &(time, value)) in KNOTS.iter().enumerate() {
         for beside in [time - BESIDE, time + BESIDE] {
             let [y, slope, ..] = table.at(DoubleDouble::new(beside));

@@ -2,10 +2,10 @@
 //! the extrema.
 
 use super::system::System;
-use vibro_impact::numerics::bernstein::{Polynomial, add_sine, evaluate};
-use vibro_impact::numerics::roots::brent;
 pub(super) use vibro_impact::steady::PENETRATION_ROUNDING;
 use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
+use vibro_numerics::bernstein::{Polynomial, add_sine, evaluate};
+use vibro_numerics::roots::brent;
 
 /// Parts into which a piece is divided to search its extrema. Over a piece the fastest mode turns
 /// by 0.75 rad, so that the slope changes its sign at most once in a part, except next to an

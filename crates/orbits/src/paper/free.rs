@@ -8,7 +8,7 @@ use super::switching::{FlightTouch, free_word};
 use crate::label::Label;
 use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use vibro_impact::numerics::roots::brent;
+use vibro_numerics::roots::brent;
 use vibro_studies::Result;
 
 /// Number of equal parts of the range. Their ends are the values at which the clearance is

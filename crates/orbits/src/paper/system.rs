@@ -7,9 +7,9 @@ use super::balance::{Balance, balance};
 use super::word::OrbitWord;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use vibro_impact::State;
-use vibro_impact::numerics::bernstein::Polynomial;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit::{Flight, Transition, Vector6};
+use vibro_numerics::bernstein::Polynomial;
 use vibro_studies::Result;
 
 /// A machine with its constant loads in an orbit's units. Lengths are in L, and a prime is the

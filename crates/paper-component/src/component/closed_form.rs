@@ -10,12 +10,12 @@ use std::f64::consts::{PI, TAU};
 use vibro_impact::energy::{self, FIVE};
 use vibro_impact::error::Error;
 use vibro_impact::model::{Impact, Model};
-use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{
     AdvanceOutcome, Contact, Event, EventObserver, ImpactRecord, State, check_time,
 };
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::drive_phase::DrivePhase;
 
 /// Length of a piece of the energies' quadrature, times the fastest rate. Five Gauss nodes on such
 /// a piece have a relative error below 1e-12.

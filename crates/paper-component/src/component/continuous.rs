@@ -13,10 +13,10 @@ use vibro_impact::error::Error;
 use vibro_impact::model::{
     Acceleration, Augmented, COORDINATES, DRIVE_COS, DRIVE_SIN, Model, RELATIVE, RELATIVE_RATE, SmoothMode,
 };
-use vibro_impact::numerics::double_double::DoubleDouble;
-use vibro_impact::numerics::drive_phase::DrivePhase;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, ImpactRecord, Simulator, State, check_time};
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::drive_phase::DrivePhase;
 
 /// Everything that changes, as plain data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -33,8 +33,8 @@ use super::values::Tick;
 use fmi_doors::{Experiment, Interface, Phase};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use vibro_impact::numerics::digest::fnv1a;
 use vibro_impact::simulator::Snapshot;
+use vibro_numerics::digest::fnv1a;
 
 /// First bytes of a serialized state.
 const MAGIC: [u8; 8] = *b"VIBROFMU";

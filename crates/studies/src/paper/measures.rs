@@ -2,7 +2,7 @@
 //!
 //! They come from one pass over the smooth pieces of the motion, along which the flow's series are
 //! known. Extrema lie at the ends of a piece or where a rate is zero, which
-//! [`turns`](vibro_impact::events::turns) proves; squares are integrated by a Gauss rule whose
+//! [`turns`](vibro_numerics::events::turns) proves; squares are integrated by a Gauss rule whose
 //! error is below round-off. Losses at impacts and the work of the drive are the simulator's
 //! accounts; the loss in a damper is its coefficient times the mean square of its rate.
 //!

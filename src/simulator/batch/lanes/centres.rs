@@ -2,9 +2,9 @@
 
 use super::rows::{LaneSystems, state_in};
 use crate::flow::INTERVALS;
-use crate::numerics::simd::product;
 use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use pulp::Simd;
+use vibro_numerics::simd::product;
 
 /// Number of coordinates that are transposed at a time.
 const GROUP: usize = 4;

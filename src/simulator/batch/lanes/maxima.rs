@@ -8,14 +8,14 @@
 //! Over a sub-step of flight, 16 samples of the rate and a bound on its second derivative exclude
 //! most intervals. Only the others are searched, as in the search for impacts.
 
-use crate::events::turns;
 use crate::flow::{ANCHORED, CENTRED, INTERVALS, RateTable, Series, expand_along, weighted_sum};
 use crate::model::{Augmented, BOX, BOX_RATE, Forces, Model, SmoothMode};
-use crate::numerics::simd::{product, value, weigh};
 use crate::simulator::Simulator;
 use crate::simulator::batch::queue::Maximum;
 use crate::simulator::batch::vectors::{LaneRow, Wide};
 use pulp::Simd;
+use vibro_numerics::events::turns;
+use vibro_numerics::simd::{product, value, weigh};
 
 /// Follows the sign of a displacement's rate along a motion.
 pub(super) struct MaximumFinder {

@@ -200,7 +200,7 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// First zero in (`from`, [`REACH`]), proved as in [`crate::events::flight_crossing`], its
+    /// First zero in (`from`, [`REACH`]), proved as in [`vibro_numerics::events::flight_crossing`], its
     /// counterpart for one motion. It is found only for a path that rises and is nearly straight.
     /// `second_method_crossings_and_their_absence` compares the two.
     #[inline(always)]

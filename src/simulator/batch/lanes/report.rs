@@ -7,7 +7,6 @@ use super::{LaneSet, Rounds, lanes_of};
 use crate::error::{Error, Result};
 use crate::flow::{CENTRED, INTERVALS, Series, SubstepTable, WHOLE};
 use crate::model::{Augmented, Forces, RELATIVE, RELATIVE_RATE, SmoothMode};
-use crate::numerics::double_double::DoubleDouble;
 use crate::simulator::batch::queue::{MotionQueue, Reports};
 use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::step::AdvanceState;
@@ -15,6 +14,7 @@ use crate::simulator::{Event, Simulator};
 use crate::state::State;
 use pulp::Simd;
 use std::ops::ControlFlow;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Reports of one motion, with their progress.
 pub(super) struct Reporter {

@@ -4,7 +4,6 @@ use super::LaneSet;
 use super::transition::LaneTransitions;
 use crate::flow::{CORE, INTERVALS, SubstepTable};
 use crate::model::{Augmented, DRIVE_COS, DRIVE_SIN, ImpactFactors};
-use crate::numerics::double_double::DoubleDouble;
 use crate::parameters::Parameters;
 use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use crate::simulator::general::MAX_REACH;
@@ -13,6 +12,7 @@ use crate::simulator::tables::ModeTables;
 use crate::simulator::{Contact, Simulator};
 use pulp::Simd;
 use std::sync::Arc;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Value of `departing` for a motion that lanes cannot advance: a motion in rest, or within
 /// rounding of a departure. It is larger than any order of departure.

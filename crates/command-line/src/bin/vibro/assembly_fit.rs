@@ -12,8 +12,8 @@ use vibro::machine::{check_record, read_record};
 use vibro::part_folder::write_whole;
 use vibro::studies::{self, fit_json};
 use vibro::{Error, Result};
-use vibro_impact::quantities::quantity_in;
 use vibro_machine::What;
+use vibro_numerics::quantities::quantity_in;
 use vibro_studies::fit::{FitRequest, Free, Measured, Segments, fit};
 use vibro_studies::{Machine, QuantityName};
 

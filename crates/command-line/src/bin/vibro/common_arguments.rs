@@ -11,7 +11,7 @@ use clap::Args;
 use std::path::PathBuf;
 use vibro::load_file::LoadArgument;
 use vibro::manifest::Invocation;
-use vibro_impact::quantities::quantity_in;
+use vibro_numerics::quantities::quantity_in;
 
 /// Heading of the options of a machine's file.
 pub const WITH_FILE: &str = "Options with FILE";

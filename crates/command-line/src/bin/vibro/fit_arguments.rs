@@ -4,7 +4,7 @@ use crate::common_arguments::{START_VALUE, start_help};
 use crate::ranges::whole;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use vibro_impact::quantities::quantity_in;
+use vibro_numerics::quantities::quantity_in;
 use vibro_studies::fit::{Loss, Segments};
 
 /// Arguments of `fit`.

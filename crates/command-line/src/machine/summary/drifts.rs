@@ -1,10 +1,10 @@
 //! Mean speeds of bodies whose acceleration is prescribed, where they do not stay in place.
 
 use super::{short, units};
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_machine::Assembly;
 use vibro_machine::description::{Body, BodyKind, Description, Integrated, Level};
 use vibro_machine::system::{BodyRows, StateRow};
+use vibro_numerics::double_double::DoubleDouble;
 use vibro_studies::common_period;
 
 /// Mean speed, relative to the largest speed beside it, below which a body stays in place.

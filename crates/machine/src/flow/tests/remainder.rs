@@ -9,7 +9,7 @@ use crate::system::System;
 use crate::{Assembly, Motion};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Random modes, and sub-steps of each.
 const MODES: u64 = 1250;

@@ -1,6 +1,6 @@
 //! Fixed-point numbers of 384 bits, of which 256 are behind the point: 77 decimal digits.
 
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_numerics::double_double::DoubleDouble;
 
 const LIMBS: usize = 6;
 /// Limbs behind the point.

@@ -4,8 +4,8 @@
 use super::ComponentProblem;
 use vibro_impact::State;
 use vibro_impact::error::Error;
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Contact, EventObserver, Pause, Simulator, Snapshot};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Advances to `end`. The simulator's own time may already be past `end` by the rounding that the
 /// `point` of a step is allowed. Then nothing is done.

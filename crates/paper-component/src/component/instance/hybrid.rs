@@ -13,8 +13,8 @@ use crate::component::variables::Edition;
 use fmi_doors::hybrid::{Ended, Hybrid, Met, StepEnd, Until};
 use fmi_doors::{Handled, Model};
 use vibro_impact::error::Error;
-use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
+use vibro_numerics::double_double::DoubleDouble;
 
 /// Data by which a step of a closed form is undone. A simulator goes back to the beginning of its
 /// [`LastStep`].

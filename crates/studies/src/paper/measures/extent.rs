@@ -1,9 +1,9 @@
 //! Extrema and mean square of a coordinate along the series of the flow.
 
 use super::Coordinate;
-use vibro_impact::events::turns;
 use vibro_impact::flow::{PIECE, Series, weighted_sum};
-use vibro_impact::numerics::simd::value;
+use vibro_numerics::events::turns;
+use vibro_numerics::simd::value;
 
 /// Gauss–Legendre nodes and weights on [0, 1].
 ///

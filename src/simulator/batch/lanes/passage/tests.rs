@@ -2,14 +2,14 @@
 //! the lanes against the series of a single motion.
 
 use super::*;
-use crate::events::first_crossing;
 use crate::flow::Series;
 use crate::model::{Model, SmoothMode};
-use crate::numerics::double_double::DoubleDouble;
-use crate::numerics::simd::value;
 use crate::parameters::Parameters;
 use crate::simulator::{Simulator, State};
 use proptest::prelude::*;
+use vibro_numerics::double_double::DoubleDouble;
+use vibro_numerics::events::first_crossing;
+use vibro_numerics::simd::value;
 
 /// Coefficients of a path towards a stop: from nearly straight to strongly bent, starting just
 /// below zero or far below.

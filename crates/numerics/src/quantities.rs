@@ -37,7 +37,7 @@ impl Unit {
     /// Number in this unit of a value in the SI unit.
     ///
     /// ```
-    /// use vibro_impact::quantities::quantity_in;
+    /// use vibro_numerics::quantities::quantity_in;
     ///
     /// let unit = quantity_in("m", "5 mm").and_then(|gap| gap.unit).expect("a length");
     /// assert_eq!((unit.number(0.005), unit.symbol()), (5.0, "mm".into()));
@@ -161,7 +161,7 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
 /// for any other text.
 ///
 /// ```
-/// use vibro_impact::quantities::quantity_in;
+/// use vibro_numerics::quantities::quantity_in;
 ///
 /// let time = quantity_in("s", "20 ms").expect("a time");
 /// assert!(time.value == 0.02 && time.unit.is_some());
@@ -176,7 +176,7 @@ pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
 /// `si` itself comes first.
 ///
 /// ```
-/// let mut masses = vibro_impact::quantities::symbols("kg");
+/// let mut masses = vibro_numerics::quantities::symbols("kg");
 /// assert_eq!(masses.next(), Some("kg"));
 /// assert!(masses.any(|symbol| symbol == "g"));
 /// ```

@@ -1,11 +1,9 @@
 //! Range of values that a quantity may take.
 
-use crate::error::{Error, Result};
-
 /// Range of finite numbers, with its description in error messages.
 ///
 /// ```
-/// use vibro_impact::parameters::Range;
+/// use vibro_numerics::Range;
 ///
 /// let share = Range { min: 0.0, max: 1.0, open_min: true, allowed: "0 < share <= 1" };
 /// assert!(share.contains(1.0) && !share.contains(0.0));
@@ -21,6 +19,18 @@ pub struct Range {
     /// Whether `min` itself is refused.
     pub open_min: bool,
     /// Description of the range, for messages and documentation.
+    pub allowed: &'static str,
+}
+
+/// Refusal of a value outside its range (also NaN and infinities).
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name} = {value}: allowed is {allowed}")]
+pub struct OutOfRange {
+    /// Name of the quantity.
+    pub name: &'static str,
+    /// The refused value.
+    pub value: f64,
+    /// Description of the range.
     pub allowed: &'static str,
 }
 
@@ -49,12 +59,12 @@ impl Range {
     /// Checks the value of the quantity `name`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if [`contains`](Self::contains) is false for the value.
-    pub fn check(&self, name: &'static str, value: f64) -> Result<()> {
+    /// [`OutOfRange`] if [`contains`](Self::contains) is false for the value.
+    pub fn check(&self, name: &'static str, value: f64) -> Result<(), OutOfRange> {
         if self.contains(value) {
             return Ok(());
         }
-        Err(Error::OutOfRange { name, value, allowed: self.allowed })
+        Err(OutOfRange { name, value, allowed: self.allowed })
     }
 }
 
@@ -78,7 +88,7 @@ mod tests {
             for value in outside.into_iter().chain([f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
                 assert!(!range.contains(value), "{value} in {range:?}");
                 let refused = range.check("x", value);
-                assert!(matches!(refused, Err(Error::OutOfRange { name: "x", .. })), "{value} in {range:?}");
+                assert!(matches!(refused, Err(OutOfRange { name: "x", .. })), "{value} in {range:?}");
             }
         }
     }

@@ -100,7 +100,7 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
 /// limit that the proof would need more than 512 subdivisions.
 ///
 /// ```
-/// use vibro_impact::numerics::bernstein::{DEGREE, stays_within};
+/// use vibro_numerics::bernstein::{DEGREE, stays_within};
 ///
 /// let mut parabola = [0.0; DEGREE + 1];
 /// (parabola[1], parabola[2]) = (4.0, -4.0); // 4 t (1 - t), with the maximum 1

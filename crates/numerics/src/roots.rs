@@ -13,7 +13,7 @@ const BRENT_STEPS: usize = 200;
 /// if it shrinks that interval fast enough, a bisection otherwise.
 ///
 /// ```
-/// use vibro_impact::numerics::roots::brent;
+/// use vibro_numerics::roots::brent;
 ///
 /// let root = brent(|x| x * x - 2.0, 0.0, 2.0, 1e-15).expect("a change of sign");
 /// assert!((root - 2f64.sqrt()).abs() < 1e-15);

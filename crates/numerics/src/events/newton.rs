@@ -1,6 +1,6 @@
 //! Roots of a rising polynomial by Newton's method, in a bracket or with proved accuracy.
 
-use crate::numerics::simd::{PADDED, multiply_add, value};
+use crate::simd::{PADDED, multiply_add, value};
 use pulp::Simd;
 
 /// Largest number of steps of Newton's method in a bracket. It is never reached, since a step that

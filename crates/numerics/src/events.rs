@@ -36,7 +36,7 @@
 
 mod newton;
 
-use crate::numerics::simd::{PADDED, value, weighted};
+use crate::simd::{PADDED, value, weighted};
 use newton::{
     by_fours, pairwise, refine, reverted, rising, root_of_nearly_straight, slope_of, value_and_slope,
 };

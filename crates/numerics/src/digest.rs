@@ -13,7 +13,7 @@ pub fn extended(of: u64, bytes: &[u8]) -> u64 {
 /// 64-bit digest of `bytes`.
 ///
 /// ```
-/// assert_eq!(vibro_impact::numerics::digest::fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+/// assert_eq!(vibro_numerics::digest::fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
 /// ```
 pub fn fnv1a(bytes: &[u8]) -> u64 {
     extended(EMPTY, bytes)
