@@ -69,7 +69,7 @@ fn closed_form_answer_of_a_lag_to_a_ramp_in_a_step() {
     assert!((y - answer(STEP)).abs() < LEFT, "{y} {}", answer(STEP));
     // From the step's end on it holds the value that it has there.
     assert!((read(&mut lag, U) - STEP).abs() < f64::EPSILON);
-    lag.advance(STEP, STEP, &mut Silence).unwrap();
+    lag.step_as_agreed(STEP, STEP, &mut Silence).unwrap();
     let held = STEP + (answer(STEP) - STEP) * (-STEP).exp();
     assert!((read(&mut lag, Y) - held).abs() < LEFT);
 }
