@@ -47,14 +47,8 @@ fn second_method_blocks_that_turn_at_one_instant_have_the_derivatives_that_each_
     let end = 1.0;
     let alone = derivatives(&format!("name = \"A\"\n{}", block("a")), "spring.a.stiffness", end);
     let both = format!("name = \"B\"\n{}{}", block("a"), block("b"));
-    assert_near(
-        &derivatives(&both, "spring.a.stiffness", end),
-        &[alone[0], 0.0, alone[1], 0.0],
-    );
-    assert_near(
-        &derivatives(&both, "spring.b.stiffness", end),
-        &[0.0, alone[0], 0.0, alone[1]],
-    );
+    assert_near(&derivatives(&both, "spring.a.stiffness", end), &[alone[0], 0.0, alone[1], 0.0]);
+    assert_near(&derivatives(&both, "spring.b.stiffness", end), &[0.0, alone[0], 0.0, alone[1]]);
 }
 
 #[test]
