@@ -5,19 +5,21 @@
 mod blocks;
 mod bodies;
 mod first_order;
+mod forces;
 mod freewheels;
-mod functional;
 mod further;
 mod gyroscopic;
 mod inertia;
 mod levels;
 mod losses;
+mod matrix;
 mod parts;
 mod reduction;
 mod row_matrix;
 mod rows;
 mod split;
 mod stiff;
+mod watched;
 
 pub(crate) use blocks::starts as starts_of_blocks;
 pub use blocks::{
@@ -26,20 +28,20 @@ pub use blocks::{
 };
 pub(crate) use first_order::in_series;
 pub use first_order::{BranchRows, FirstOrder};
-pub use functional::Functional;
 pub use gyroscopic::Gyroscopic;
 pub use inertia::Inertia;
 pub use levels::StopLevel;
 pub use losses::{Account, Losses, Power};
 pub use parts::Part;
 pub use row_matrix::RowMatrix;
-pub use rows::{BodyRows, Elongation, FrictionRows, LevelRows, SpringRows, StateRow, StopRows};
+pub use rows::{BodyRows, Elongation, FrictionRows, LevelRows, SpringRows, StopRows};
 pub use split::{Split, Term};
+pub(crate) use stiff::STIFF;
 
 use crate::description::{Arms, BodyKind, Description, Spring, StopLaw};
 use crate::elements::Element;
 use crate::error::Error;
-use crate::flow::DENSE;
+use crate::functional::{Functional, StateRow};
 use crate::polyline::Polyline;
 use crate::signals::{Builder, Layout, Signals};
 use crate::stepped;
@@ -48,6 +50,12 @@ use nalgebra::DVector;
 use reduction::reduce;
 use row_matrix::RowSums;
 use std::sync::OnceLock;
+
+/// Most coordinates with which a mode stores dense matrices of its sub-step; with more, a power
+/// series of the actual state replaces them. Measured on chains: the series takes less time where
+/// modes are new, and up to half as much again where few modes recur, beyond 30 coordinates hardly
+/// more.
+pub(crate) const DENSE: usize = 20;
 
 /// The matrices of a machine, constant during a motion.
 #[derive(Clone, Debug)]

@@ -8,10 +8,13 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
-use vibro_assembly::mode::{Linear, Mode, Watch};
+use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix};
+use vibro_assembly::functional::StateRow;
+use vibro_assembly::linear::Linear;
+use vibro_assembly::mode::{Mode, Watch};
 use vibro_assembly::motion::{Event, Reached};
-use vibro_assembly::system::{StateRow, System};
+use vibro_assembly::norm::rate_bound;
+use vibro_assembly::system::System;
 use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
 

@@ -14,8 +14,9 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector, Schur};
 use vibro_assembly::Motion;
 use vibro_assembly::description::Dimension;
+use vibro_assembly::functional::StateRow;
 use vibro_assembly::neutral::Neutral;
-use vibro_assembly::system::{Elongation, StateRow, System};
+use vibro_assembly::system::{Elongation, System};
 
 /// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;

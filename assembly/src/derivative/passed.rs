@@ -76,7 +76,7 @@ impl Passed {
         // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = motion.due().and_then(|watch| {
             let rows = mode.watched.iter().enumerate().filter(|(_, own)| own.0 == watch);
-            let off = |(_, row): &(usize, &(_, crate::system::Functional))| row.1.at(z.as_slice()).abs();
+            let off = |(_, row): &(usize, &(_, crate::functional::Functional))| row.1.at(z.as_slice()).abs();
             rows.min_by(|a, b| off(a).total_cmp(&off(b))).map(|row| row.0)
         });
         let mut events = Vec::new();

@@ -1,7 +1,8 @@
 //! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A32)), which is
 //! also the place of the weights of these rows in a gradient (A40).
 
-use crate::system::{CombinationTangent, SamplerTangent, StateRow};
+use crate::functional::StateRow;
+use crate::system::{CombinationTangent, SamplerTangent};
 use nalgebra::DVector;
 
 /// Derivatives of a body's rows, as those of [`BodyRows`](crate::system::BodyRows).

@@ -6,10 +6,10 @@ use super::lost::{Cause, Lost};
 use super::machine::{BESIDE, Instant, Machine, STILL, TOUCH, Varied};
 use super::rest::equilibrium;
 use super::samples::actions;
+use crate::functional::Functional;
 use crate::law::ZERO;
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind};
-use crate::system::Functional;
 use nalgebra::DVector;
 
 /// What determines the state at the start.

@@ -5,12 +5,13 @@ use super::rows::{
     BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
+use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, Functional, StateRow, System};
+use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The derivative of a [`System`] by one parameter.

@@ -15,7 +15,7 @@ mod passage;
 mod projection;
 mod report;
 mod samples;
-pub(crate) mod saved;
+mod saved;
 mod start;
 mod step;
 mod tables;
@@ -89,7 +89,7 @@ pub struct Hybrid {
     time: DoubleDouble,
     /// Start of the present mode, s.
     since: f64,
-    #[serde(with = "saved::vector")]
+    #[serde(with = "crate::serialized")]
     z: DVector<f64>,
     mode: Mode,
     /// By watched functional: the order of its zero at the last event, 0 for none,

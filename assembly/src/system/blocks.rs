@@ -8,8 +8,9 @@ mod sided;
 pub use samples::{CombinationTangent, SampleAction, SampleKind, SampledVariation, SamplerTangent};
 pub use sided::LimitedValue;
 
-use super::{Elongation, FirstOrder, Functional, Part, StateRow, StopRows, System};
+use super::{Elongation, FirstOrder, Part, StopRows, System};
 use crate::description::{Block, BlockInput, DampingLimit, Description, OutputPlace, StopLaw};
+use crate::functional::{Functional, StateRow};
 use crate::mode::StopState;
 use crate::quantity::What;
 use nalgebra::{DMatrix, DVector};

@@ -1,8 +1,9 @@
 //! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md
 //! (A16)).
 
-use super::{Functional, Part, StopRows, System};
+use super::{Part, StopRows, System};
 use crate::description::{DampingLimit, Description, StopLaw};
+use crate::functional::Functional;
 use crate::mode::StopState;
 use crate::stepped;
 use nalgebra::DVector;

@@ -1,12 +1,9 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
-use super::{Functional, OutputLimit, StopLevel};
+use super::{OutputLimit, StopLevel};
 use crate::description::{DampingLimit, StopLaw};
-use crate::mode::states::StopState;
-use nalgebra::DVector;
-
-/// A row that acts on the augmented state.
-pub type StateRow = DVector<f64>;
+use crate::functional::Functional;
+use crate::mode::StopState;
 
 /// The elongation e = Σ arm · s of an element, with its rate.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 //! λ² M + λ C + K from its undamped one.
 
 use nalgebra::Complex;
-use vibro_assembly::mode::Linear;
+use vibro_assembly::linear::Linear;
 use vibro_assembly::sparse_factor::{Number, Pattern, SymmetricSparse};
 use vibro_assembly::system::System;
 

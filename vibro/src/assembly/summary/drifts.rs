@@ -4,7 +4,8 @@ use super::{short, units};
 use vibro_analysis::assembly::common_period;
 use vibro_assembly::Assembly;
 use vibro_assembly::description::{Body, BodyKind, Description, Integrated, Level};
-use vibro_assembly::system::{BodyRows, StateRow};
+use vibro_assembly::functional::StateRow;
+use vibro_assembly::system::BodyRows;
 use vibro_impact::numerics::double_double::DoubleDouble;
 
 /// Mean speed, relative to the largest speed beside it, below which a body stays in place.
