@@ -3,6 +3,7 @@
 mod blame;
 mod expression;
 mod line;
+mod ranges;
 
 pub(crate) use expression::Expression;
 

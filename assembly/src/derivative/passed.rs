@@ -1,13 +1,12 @@
 //! An event that a motion has passed, for carrying derivatives over it.
 
 use super::crossing::{Crossing, Met};
-use super::impulse::Impulse;
 use super::jump::jumped;
 use super::machine::{Instant, Machine};
 use super::mode::VariedMode;
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::motion::{Event, Motion};
+use crate::motion::{Event, Impulse, Motion};
 use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What blocks read, by name: quantities of bodies and elements, signals, outputs of other blocks.
+//! Names of what blocks read: quantities of bodies and elements, signals, outputs of other blocks.
 
 use super::Element;
 use crate::description::{Block, BlockInput, Description};

@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod given;
+mod impulse;
 mod instant;
 mod jump;
 mod limits;
@@ -26,6 +27,7 @@ mod varied;
 
 pub use course::Course;
 pub use event::{Event, EventKind};
+pub(crate) use impulse::Impulse;
 pub(crate) use start::start_of;
 pub use varied::{Crossing, keep};
 

@@ -6,21 +6,12 @@
 //! of e, and the difference is far larger than a small force of a stiff spring. States that are
 //! given or told outside have x ([`System::take_given`], [`System::given`]).
 
-use super::{Elongation, Part, StopRows, System};
+use super::{Elongation, FirstOrder, Part, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
 use crate::mode::{SliderState, StopState};
 use std::ops::Range;
-
-/// A state of first order.
-#[derive(Clone, Debug)]
-pub struct FirstOrder {
-    /// Its rate while it moves.
-    pub rate: Functional,
-    /// The branch with a slider whose stretch it is: it moves only while the slider is held.
-    pub slider: Option<usize>,
-}
 
 /// Rows of a spring in series with a partner.
 #[derive(Clone, Debug)]
