@@ -2,7 +2,7 @@
 //! one instant, and a sample at a start that an impact changes.
 
 use crate::common::*;
-use vibro_machine_fmu::Differentiated;
+use vibro_machine::Differentiated;
 
 /// Rounding of some hundred operations on numbers of order one.
 const ROUNDING: f64 = 1e-12;

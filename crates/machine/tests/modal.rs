@@ -217,8 +217,7 @@ fn second_method_derivatives_by_the_numbers_of_modes() {
         let difference = (up - down) / (2.0 * h);
         let found = m.motion().assembly();
         let body = found.description.bodies.iter().position(|b| b.name == "beam.tip").unwrap();
-        let found =
-            m.derivative(vibro_machine::Quantity::of_body(body, vibro_machine::What::S), p).unwrap();
+        let found = m.derivative(vibro_machine::Quantity::of_body(body, vibro_machine::What::S), p).unwrap();
         assert!(
             (found - difference).abs() < 1e-6 * difference.abs().max(1e-3),
             "{name} {found} {difference}"

@@ -1,10 +1,10 @@
 //! The 3-DOF machine as an assembly against the 3-DOF core; the two share the root finder only.
 
 use crate::common::*;
-use vibro_machine::description::*;
-use vibro_machine::motion::EventKind;
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_machine::description::*;
+use vibro_machine::motion::EventKind;
 
 /// Rounding of the hundreds of sub-steps in twenty periods, magnified tenfold by impacts.
 const AGREEMENT: f64 = 1e-12;

@@ -8,15 +8,15 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_assembly::flow::{ORDERS, Sparse, SparseMatrix};
-use vibro_assembly::functional::StateRow;
-use vibro_assembly::linear::Linear;
-use vibro_assembly::mode::{Mode, Watch};
-use vibro_assembly::motion::{Event, Reached};
-use vibro_assembly::norm::rate_bound;
-use vibro_assembly::system::System;
-use vibro_assembly::{Error, Motion, Quantity};
 use vibro_impact::events::turns;
+use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix};
+use vibro_machine::functional::StateRow;
+use vibro_machine::linear::Linear;
+use vibro_machine::mode::{Mode, Watch};
+use vibro_machine::motion::{Event, Reached};
+use vibro_machine::norm::rate_bound;
+use vibro_machine::system::System;
+use vibro_machine::{Error, Motion, Quantity};
 
 /// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
 /// out less than 2²⁶/26! of the state.

@@ -12,11 +12,11 @@ use super::section::{Section, is_steady};
 use super::variation::{Frame, Metric};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector, Schur};
-use vibro_assembly::Motion;
-use vibro_assembly::description::Dimension;
-use vibro_assembly::functional::StateRow;
-use vibro_assembly::neutral::Neutral;
-use vibro_assembly::system::{Elongation, System};
+use vibro_machine::Motion;
+use vibro_machine::description::Dimension;
+use vibro_machine::functional::StateRow;
+use vibro_machine::neutral::Neutral;
+use vibro_machine::system::{Elongation, System};
 
 /// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;

@@ -6,9 +6,9 @@ pub use span::{Oscillation, SHOWN, Span};
 
 use super::eigenvalues::eigenvalues;
 use nalgebra::{Complex, DMatrix};
-use vibro_assembly::components::components;
-use vibro_assembly::linear::Linear;
-use vibro_assembly::system::System;
+use vibro_machine::components::components;
+use vibro_machine::linear::Linear;
+use vibro_machine::system::System;
 
 /// Most states of a part whose values are all computed, by a dense matrix: its time grows with the
 /// third power of the states, and here is under a second.

@@ -212,7 +212,8 @@ fn refusals_name_the_expression_and_its_line() {
 #[test]
 fn second_method_the_example_moves_as_the_one_with_numbers() {
     let end = |name: &str| {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly").join(name);
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly").join(name);
         let machine = vibro_machine::file::read(&path).unwrap();
         let mut motion =
             vibro_machine::Motion::new(vibro_machine::Assembly::new(machine).unwrap().into()).unwrap();

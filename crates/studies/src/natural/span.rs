@@ -7,9 +7,9 @@
 //! λ² M + λ C + K from its undamped one.
 
 use nalgebra::Complex;
-use vibro_assembly::linear::Linear;
-use vibro_assembly::sparse_factor::{Number, Pattern, SymmetricSparse};
-use vibro_assembly::system::System;
+use vibro_machine::linear::Linear;
+use vibro_machine::sparse_factor::{Number, Pattern, SymmetricSparse};
+use vibro_machine::system::System;
 
 /// Number of the lowest, and of the highest, oscillations.
 pub const SHOWN: usize = 10;

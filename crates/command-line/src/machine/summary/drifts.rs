@@ -1,12 +1,12 @@
 //! Mean speeds of bodies whose acceleration is prescribed, where they do not stay in place.
 
 use super::{short, units};
-use vibro_studies::common_period;
+use vibro_impact::numerics::double_double::DoubleDouble;
 use vibro_machine::Assembly;
 use vibro_machine::description::{Body, BodyKind, Description, Integrated, Level};
 use vibro_machine::functional::StateRow;
 use vibro_machine::system::BodyRows;
-use vibro_impact::numerics::double_double::DoubleDouble;
+use vibro_studies::common_period;
 
 /// Mean speed, relative to the largest speed beside it, below which a body stays in place.
 const STAYS: f64 = 1e-6;
