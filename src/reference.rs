@@ -54,7 +54,7 @@ impl Tolerance {
     fn validate(&self) -> Result<()> {
         TOLERANCES.check("tolerance.step", self.step)?;
         TOLERANCES.check("tolerance.gap", self.gap)?;
-        TOLERANCES.check("tolerance.rebound", self.rebound)
+        Ok(TOLERANCES.check("tolerance.rebound", self.rebound)?)
     }
 }
 

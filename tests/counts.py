@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Counts of the source by which its size and its words are watched.
 
-    python3 tests/counts.py [--names] [--wide]
+    python3 tests/counts.py [--packages] [--names] [--wide]
 
-`--names` lists the types that share a name, `--wide` the comments wider than 100 columns. Tests are files named tests.rs or in a
+`--packages` counts the lines of Rust by package: code, comments, tests (code and comments of tests). `--names` lists the types that share a name, `--wide` the comments wider than 100 columns. Tests are files named tests.rs or in a
 folder of tests, and what stands behind `#[cfg(test)]`.
 """
 
@@ -33,6 +33,34 @@ def without_tests(texts):
 
 def lines_of(texts):
     return sum(t.count("\n") for t in texts.values())
+
+
+def package_of(path):
+    """Folder of the package that a file belongs to."""
+    parts = path.split("/")
+    return "/".join(parts[:2]) if parts[0] in ("crates", "web") else parts[0]
+
+
+def lines_by_kind(path, text):
+    """Lines of code, of comments and of tests of a Rust file; blank lines are left out."""
+    is_test = path not in without_tests({path: ""})
+    own = text if is_test else text.split("#[cfg(test)]\nmod ")[0]
+    filled = [line.strip() for line in own.split("\n") if line.strip()]
+    comments = sum(line.startswith("//") for line in filled)
+    if is_test:
+        return 0, 0, len(filled)
+    unit = sum(bool(line.strip()) for line in text[len(own) :].split("\n"))
+    return len(filled) - comments, comments, unit
+
+
+def packages(rust):
+    """Lines of code, comments and tests, and files, by package."""
+    counts = collections.defaultdict(lambda: [0, 0, 0, 0])
+    for path, text in rust.items():
+        for name in (package_of(path), "all"):
+            for i, number in enumerate((*lines_by_kind(path, text), 1)):
+                counts[name][i] += number
+    return counts
 
 
 def wide_comments(texts):
@@ -74,9 +102,15 @@ def required_of_trait(text, name):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--packages", action="store_true")
     parser.add_argument("--names", action="store_true")
     parser.add_argument("--wide", action="store_true")
     args = parser.parse_args()
+    if args.packages:
+        print(f"{'code':>8}{'comments':>10}{'tests':>8}{'files':>7}")
+        for name, (code, comments, tests, count) in sorted(packages(files("*.rs")).items()):
+            print(f"{code:8}{comments:10}{tests:8}{count:7}  {name}")
+        return
     both = files("*.rs", "*.py")
     rust = files("*.rs")
     code = without_tests(rust)

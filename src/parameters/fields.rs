@@ -81,6 +81,6 @@ impl Field {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange), which names this field, if the value is
     /// outside the range, NaN or infinite.
     pub fn check(&self, value: f64) -> Result<()> {
-        self.range.check(self.name, value)
+        Ok(self.range.check(self.name, value)?)
     }
 }

@@ -173,7 +173,7 @@ impl Group {
     /// [`Error::OutOfRange`], which names this group, if the value is outside the range, NaN or
     /// infinite.
     pub fn check(&self, value: f64) -> Result<()> {
-        self.range.check(self.name, value)
+        Ok(self.range.check(self.name, value)?)
     }
 
     /// Label of an axis: symbol and unit 1.

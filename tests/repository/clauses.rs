@@ -105,7 +105,8 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
         let text = if place == "docs/design.md" { standing_apart(&text) } else { text };
         let flowing = flowing(&text);
         let mut found = cited_clauses(&flowing);
-        for (folder, version) in [("doors/src/fmi2/abi", "2.0"), ("crates/doors/src/fmi3/abi", "3.0")] {
+        for (folder, version) in [("crates/doors/src/fmi2/abi", "2.0"), ("crates/doors/src/fmi3/abi", "3.0")]
+        {
             if place.starts_with(folder) {
                 found.extend(headed_clauses(&text, version));
             }

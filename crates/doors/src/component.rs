@@ -1,8 +1,8 @@
 //! Life cycle and steps of a component, as the doors call them: the same for every [`Hybrid`].
 
-use crate::events::{Advance, Handled, StepOutcome, StepReason};
+use crate::events::{Handled, StepOutcome};
 use crate::hybrid::{AtEvent, Hybrid, steps};
-use crate::life::{Experiment, Interface, Phase};
+use crate::life::{EventHandling, Experiment, Interface, Phase};
 use crate::log::Log;
 use crate::problem::Problem;
 
@@ -91,33 +91,43 @@ pub trait Component: Hybrid {
         Ok(())
     }
 
-    /// `fmi3DoStep`: from the present time towards `point + size`. The step begins at the
-    /// component's time; `point` may differ from it by rounding
-    /// ([`Life::check_step`](crate::Life::check_step)). [`EventHandling`](crate::EventHandling)
-    /// decides what the step does at an event inside it.
+    /// `fmi3DoStep`: a step from the present time towards `point + size`, with the event handling
+    /// that was agreed with the host ([`EventHandling`]). The step begins at the component's time;
+    /// `point` may differ from it by rounding ([`Life::check_step`](crate::Life::check_step)).
     ///
     /// # Errors
     /// If the step was not carried out; the component then stays where it was.
     #[inline]
-    fn advance(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<Advance, Self::Problem> {
+    fn step_as_agreed(
+        &mut self,
+        point: f64,
+        size: f64,
+        log: &mut dyn Log,
+    ) -> Result<StepOutcome, Self::Problem> {
         let at_event = AtEvent::of(self.life().handling, self.ends_at_events());
-        steps::advance(self, (point, size), at_event, log)
+        steps::whole_step(self, (point, size), at_event, log)
     }
 
-    /// `fmi2DoStep`: [`advance`](Self::advance) for a host that does not handle events. After a
-    /// step that ends early the phase is [`Phase::StoppedEarly`], and the next step may begin
-    /// there.
+    /// `fmi2DoStep`: a step as [`step_as_agreed`](Self::step_as_agreed), but for a host without
+    /// event mode that accepts steps that end early. After such a step the phase is
+    /// [`Phase::StoppedEarly`], and the next step may begin there.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// As [`step_as_agreed`](Self::step_as_agreed).
     #[inline]
-    fn step(&mut self, point: f64, size: f64, log: &mut dyn Log) -> Result<StepOutcome, Self::Problem> {
-        let at_event = if self.ends_at_events() { AtEvent::EndAfter } else { AtEvent::Pass };
-        let Advance { time, early, .. } = steps::advance(self, (point, size), at_event, log)?;
-        if early {
+    fn step_without_event_mode(
+        &mut self,
+        point: f64,
+        size: f64,
+        log: &mut dyn Log,
+    ) -> Result<StepOutcome, Self::Problem> {
+        let handling = EventHandling { event_mode: false, early_return: true };
+        let at_event = AtEvent::of(handling, self.ends_at_events());
+        let outcome = steps::whole_step(self, (point, size), at_event, log)?;
+        if outcome.early {
             self.life_mut().phase = Phase::StoppedEarly;
         }
-        Ok(StepOutcome { time, reason: if early { StepReason::Stopped } else { StepReason::EndReached } })
+        Ok(outcome)
     }
 
     /// `fmi2EnterContinuousTimeMode`: the host's solver goes on from here.

@@ -9,33 +9,15 @@ pub struct Handled {
     pub nominals: bool,
 }
 
-/// Result of an advance, for a host that may handle events itself or accept steps that end early.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Advance {
-    /// The time reached, s.
-    pub time: f64,
-    /// Whether the host must handle an event there.
-    pub event: bool,
-    /// Whether it is before the end asked for.
-    pub early: bool,
-}
-
-/// Result of a step, for a host that does not handle events.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Result of a step, in either version: the returned arguments of `fmi3DoStep` (FMI 3.0.2, 4.2.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepOutcome {
-    /// The time reached, s.
+    /// The time reached, s (`lastSuccessfulTime`).
     pub time: f64,
-    /// Why it ended there.
-    pub reason: StepReason,
-}
-
-/// Why a step ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepReason {
-    /// It reached its end.
-    EndReached,
-    /// It ended early at an event, as requested; the event has been carried out.
-    Stopped,
+    /// Whether the host must handle an event there (`eventHandlingNeeded`).
+    pub event: bool,
+    /// Whether the step ended before its requested end (`earlyReturn`; FMI 2.0: Discard).
+    pub early: bool,
 }
 
 /// Where a piece of a step ends.

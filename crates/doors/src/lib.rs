@@ -94,6 +94,7 @@
 //! assert!((y - (1.0 - (-1.0_f64).exp())).abs() < 1e-15);
 //! ```
 
+mod allowed;
 pub mod component;
 pub mod description;
 pub mod events;
@@ -113,7 +114,7 @@ pub mod tabular;
 pub mod values;
 
 pub use component::Component;
-pub use events::{Advance, EarlyEnd, Handled, Piece, StepOutcome, StepReason};
+pub use events::{EarlyEnd, Handled, Piece, StepOutcome};
 pub use hybrid::Hybrid;
 pub use instantiation::{Instantiation, Named, Version};
 pub use life::{EventHandling, Experiment, Interface, Life, Phase};

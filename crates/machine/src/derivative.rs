@@ -39,5 +39,4 @@ pub use by::{By, has_derivative};
 pub use differentiated::{Differentiated, VariedObserver};
 pub use extremes::{Extreme, Extremes};
 pub use gradient::Gradient;
-pub(crate) use impulse::Impulse;
 pub use lost::{Cause, Lost};

@@ -4,6 +4,8 @@
 //! of the file, elongation, quantities, signals), so that they name no kind of element.
 //! `docs/adding-an-element.md` lists what a further kind needs.
 
+mod inputs;
+
 use crate::description::{
     Arms, Block, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
     Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,

@@ -21,18 +21,19 @@ mod watched;
 
 pub use crate::kernel::{Sparse, SparseMatrix};
 pub use ahead::{Ahead, Series, TERMS};
-pub use exponential::rate_bound;
 pub use ladder::{Ladder, RUNGS, Rung};
 pub(crate) use watched::taylor;
-pub use watched::{Group, Head, WatchTable, head_of};
+pub use watched::{Group, Head, head_of};
 
 use crate::law::ZERO;
-use crate::mode::{Linear, Mode, Triangle};
+use crate::law::groups::Triangle;
+use crate::linear::Linear;
+use crate::mode::{Mode, WatchTable};
+use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
-use crate::system::System;
+use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
-pub(crate) use exponential::{LEAST_RATE, swept};
-use exponential::{norm, series_orders};
+use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;
 
@@ -42,19 +43,12 @@ pub const ORDERS: usize = 26;
 /// Rate times the length of a sub-step. Radius 2 needs more sub-steps; radius 4 loosens the bounds,
 /// so that more is searched; both are slower.
 pub(crate) const RADIUS: f64 = 3.0;
-/// A tie is stiff where the mode's rate is more than this many times the rate without it.
-pub(crate) const STIFF: f64 = 30.0;
 /// Number of equal intervals of a sub-step, at whose ends functionals are sampled.
 pub const INTERVALS: usize = 8;
 /// Number of Taylor coefficients of a functional over an interval: with a radius of 3/8 the first
 /// omitted term is below 0.375¹⁶/16! < 8e-21 of the largest coordinate. A multiple of the vector
 /// length.
 pub const LOCAL: usize = 16;
-/// Most coordinates with which a mode stores dense matrices of its sub-step; with more, a power
-/// series of the actual state replaces them. Measured on chains: the series takes less time where
-/// modes are new, and up to half as much again where few modes recur, beyond 30 coordinates hardly
-/// more.
-pub(crate) const DENSE: usize = 20;
 /// Within an interval no harmonic turns by more than [`SMALL`] rad, as `Signals::carry_within`
 /// requires.
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);

@@ -3,12 +3,18 @@
 mod blame;
 mod expression;
 mod line;
+mod ranges;
 
 pub(crate) use expression::Expression;
 
-use crate::parameters::usual_name;
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
+
+/// The usual spelling of a name that is understood in another one: `a[0][1]` is `a[0,1]`, and
+/// `harmonics[0].amplitude` of a single harmonic is `amplitude`.
+pub(crate) fn usual_name(name: &str) -> String {
+    name.replace("][", ",").replace(".harmonics[0].", ".")
+}
 
 /// The named parameters of a machine with the expressions of its file. A file's reader makes them.
 #[derive(Clone, Debug, Default, PartialEq)]

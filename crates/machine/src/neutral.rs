@@ -9,8 +9,9 @@
 //! depends on them.
 
 use crate::description::Description;
+use crate::functional::Functional;
 use crate::kernel::Sparse;
-use crate::system::{Elongation, Functional, System};
+use crate::system::{Elongation, System};
 use nalgebra::DVector;
 
 /// Largest entry of a unit row that counts as zero: arms and links are given to more digits.

@@ -12,6 +12,7 @@ use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
 use crate::following::Following;
 use crate::kinds::NumberKind;
+use crate::named::usual_name;
 use crate::refusal::{Problem, Refusal, advice};
 use crate::slots::{Slot, slots};
 use std::collections::HashMap;
@@ -207,12 +208,6 @@ impl Description {
         }
         if problems.is_empty() { Ok(changed) } else { Err(Refusal { file: String::new(), problems }) }
     }
-}
-
-/// The usual spelling of a name that is understood in another one: `a[0][1]` is `a[0,1]`, and
-/// `harmonics[0].amplitude` of a single harmonic is `amplitude`.
-pub(crate) fn usual_name(name: &str) -> String {
-    name.replace("][", ",").replace(".harmonics[0].", ".")
 }
 
 fn position<T>(all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usize, Problem> {

@@ -47,6 +47,24 @@ impl Quantity {
     }
 }
 
+impl Block {
+    /// The name of one of its quantities.
+    pub(crate) fn name_of(&self, what: What) -> String {
+        let (own, states, outputs) = (&self.name, self.start.len(), self.outputs.len());
+        match what {
+            What::Output(j) => format!("{own}.{}", self.outputs[j]),
+            What::State(k) if k < states => format!("{own}.x[{k}]"),
+            What::State(k) if k < states + outputs => format!("{own}.{}.held", self.outputs[k - states]),
+            What::State(k) => {
+                let (turn, j) = ((k - states) / outputs - 1, (k - states) % outputs);
+                format!("{own}.{}.next[{turn}]", self.outputs[j])
+            }
+            What::StateRate(k) => format!("{}.rate", self.name_of(What::State(k))),
+            _ => own.clone(),
+        }
+    }
+}
+
 impl Description {
     /// All quantities: s, v, a of each body that is no [coordinate](Body::is_inner) of a body with
     /// many, then those of each element.

@@ -8,9 +8,10 @@ mod weighted;
 
 use crate::description::{Description, Friction, SeriesLaw, StopLaw};
 use crate::error::Error;
+use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{BranchRows, FrictionRows, Functional, RowMatrix, SpringRows, StateRow, System};
+use crate::system::{BranchRows, FrictionRows, RowMatrix, SpringRows, System};
 use lines::Lined;
 use nalgebra::DVector;
 use path::LoadPath;

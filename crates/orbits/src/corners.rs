@@ -6,7 +6,7 @@
 
 use super::place::{Place, with_signals};
 use super::timed::{Source, Tick, Timed};
-use super::word::{Letter, Word};
+use super::word::{Between, Letter, Word};
 use std::sync::Arc;
 use vibro_machine::signals::RepeatedKnot;
 use vibro_machine::system::System;
@@ -19,15 +19,6 @@ const MOST: usize = 32;
 const ROUNDING: f64 = 1e-9;
 /// Distance of times of one instant, in periods: rounding of numbers that follow from each other.
 const INSTANT: f64 = 1e-12;
-
-/// The corners before and after an event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Between {
-    /// The corners' ticks, before and after the event.
-    pub ticks: [Tick; 2],
-    /// Whether each is an event of the word, whose order with this one is a condition of its own.
-    pub are_letters: [bool; 2],
-}
 
 /// The piece of the signals in which an event lies.
 #[derive(Clone, Copy, Debug)]
@@ -138,13 +129,6 @@ impl Word {
         };
         self.between = self.letters.iter().zip(times).map(of).collect();
         self
-    }
-
-    /// The corners next to the events of the word passed `times` times.
-    pub(super) fn repeated_corners(&self, times: u32) -> Arc<[Option<Between>]> {
-        let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
-        let of = |own: Between, by: i64| Between { ticks: own.ticks.map(|tick| tick.later(by)), ..own };
-        turns.flat_map(|by| self.between.iter().map(move |own| own.map(|own| of(own, by)))).collect()
     }
 
     /// The word with one event beyond the corner after it or before it.

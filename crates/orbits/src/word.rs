@@ -1,8 +1,7 @@
 //! Words of orbits: the events of a period, each with the modes before and after it.
 
-use super::corners::Between;
 use super::place::with_signals;
-use super::timed::Timed;
+use super::timed::{Tick, Timed};
 use std::sync::Arc;
 use vibro_machine::mode::{Mode, StopState, Watch};
 use vibro_machine::motion::{Crossing, Event, keep};
@@ -183,6 +182,15 @@ impl Letter {
     }
 }
 
+/// The corners before and after an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Between {
+    /// The corners' ticks, before and after the event.
+    pub ticks: [Tick; 2],
+    /// Whether each is an event of the word, whose order with this one is a condition of its own.
+    pub are_letters: [bool; 2],
+}
+
 /// The events of a period in their order, and the period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Word {
@@ -259,6 +267,13 @@ impl Word {
         let letters = turns.flat_map(|by| self.letters.iter().map(move |letter| letter.later(by)));
         let whole = Self::new(letters.collect(), self.mode.clone(), self.periods.map(|n| n * times));
         Self { between: self.repeated_corners(times), ..whole }
+    }
+
+    /// The corners next to the events of the word passed `times` times.
+    fn repeated_corners(&self, times: u32) -> Arc<[Option<Between>]> {
+        let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
+        let of = |own: Between, by: i64| Between { ticks: own.ticks.map(|tick| tick.later(by)), ..own };
+        turns.flat_map(|by| self.between.iter().map(move |own| own.map(|own| of(own, by)))).collect()
     }
 
     /// The first part of the word, where it has the same events `times` times.

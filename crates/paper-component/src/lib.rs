@@ -21,7 +21,5 @@ mod description;
 mod exported;
 pub mod fmi2;
 pub mod fmi3;
-#[cfg(test)]
-mod random;
 
 pub use fmi_doors::{ffi, messages};

@@ -136,23 +136,77 @@ fn neither_stop_time_nor_tolerance_is_defined() {
     assert_eq!(host.time(), 1e4);
 }
 
-/// Hosts that print messages without expanding arguments show them as they are; those that expand
-/// them need %%.
-#[test]
-fn messages_are_finished_text_with_percent_signs_doubled() {
-    let host = Fmu2::logged().start(&[]);
-    let category = c"50 % of %s %n".as_ptr();
-    // SAFETY: one C string.
-    assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
-    let message = &host.log().last().unwrap().2;
-    assert!(message.contains("50 %% of %%s %%n"), "{message}");
-    assert!(!message.replace("%%", "").contains('%'), "{message}");
+/// Status Discard, for a host that has asked for steps that end at impacts.
+const DISCARD: i32 = 2;
+
+fn stopping() -> Fmu2 {
+    Fmu2::logged().start(&[("stopAtImpact", 1.0)])
 }
 
-/// Many instances in many threads, as servers that run studies have them.
+fn last(host: &Fmu2) -> &str {
+    &host.log().last().unwrap().2
+}
+
 #[test]
-fn a_thousand_instances_in_eight_threads() {
-    let expected = native(20.0);
+fn a_step_after_an_impact_names_the_way_back() {
+    let host = stopping();
+    assert_eq!(host.try_step(0.0, 40.0), DISCARD);
+    let (status, category, message) = host.log().last().unwrap();
+    assert_eq!((*status, category.as_str()), (DISCARD, "logStatusDiscard"));
+    assert!(message.starts_with("fmi2DoStep: the step ended at the impact at t = "), "{message}");
+    let time = host.time();
+    assert_eq!(host.try_step(40.0, 1.0), ERROR);
+    let refusal = format!(
+        "currentCommunicationPoint = 40 s, but the last step ended at the impact at t = {time} s: restore the state saved \
+         before the impact, or go on from lastSuccessfulTime"
+    );
+    assert!(last(&host).ends_with(&refusal), "{}", last(&host));
+    // SAFETY: a live component.
+    assert_eq!(unsafe { fmi2EnterInitializationMode(host.c) }, ERROR);
+    let refusal = "StepFailed of Co-Simulation: restore the state saved before the impact, or go on from lastSuccessfulTime";
+    assert!(last(&host).ends_with(refusal), "{}", last(&host));
+}
+
+/// As fmusim does, with a load of its own; the same motion as of a host that goes back to the state
+/// it saved.
+#[test]
+fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
+    const END: f64 = 60.0;
+    const LOAD: f64 = 0.01;
+    let (going_on, going_back) = (stopping(), stopping());
+    let (mut time, mut stops) = (0.0, 0);
+    loop {
+        let load = if stops % 2 == 0 { LOAD } else { -LOAD };
+        for host in [&going_on, &going_back] {
+            host.set("block.f", load);
+        }
+        let saved = going_back.bytes();
+        let status = going_on.try_step(time, END - time);
+        assert_eq!(going_back.try_step(time, END - time), status);
+        if status == OK {
+            break;
+        }
+        assert_eq!(status, DISCARD, "{}", last(&going_on));
+        let mut reached = 0.0;
+        // SAFETY: one value.
+        assert_eq!(unsafe { fmi2GetRealStatus(going_on.c, 2, &mut reached) }, OK);
+        going_back.restore(&saved);
+        going_back.step(time, reached - time);
+        (time, stops) = (reached, stops + 1);
+    }
+    assert!(stops > 5, "{stops}");
+    // A step up to the impact and one that stops there part by the last digit of its time.
+    assert_same(going_on.motion(), going_back.motion());
+}
+
+/// Many instances in many threads, as servers that run studies have them, against one alone and the
+/// library.
+#[test]
+fn a_thousand_instances_in_eight_threads_have_the_same_bits() {
+    let alone = Fmu2::logged().start(&[]);
+    (0..20).for_each(|i| alone.step(f64::from(i), 1.0));
+    assert_same(alone.motion(), native(20.0));
+    let expected = alone.motion().map(f64::to_bits);
     std::thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {
@@ -164,7 +218,7 @@ fn a_thousand_instances_in_eight_threads() {
                     }
                 }
                 for host in &hosts {
-                    assert_same(host.motion(), expected);
+                    assert_eq!(host.motion().map(f64::to_bits), expected);
                 }
             });
         }

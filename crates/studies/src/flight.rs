@@ -8,10 +8,14 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix, rate_bound};
-use vibro_machine::mode::{Linear, Mode, Watch};
+use vibro_numerics::events::turns;
+use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix};
+use vibro_machine::functional::StateRow;
+use vibro_machine::linear::Linear;
+use vibro_machine::mode::{Mode, Watch};
 use vibro_machine::motion::{Event, Reached};
-use vibro_machine::system::{StateRow, System};
+use vibro_machine::norm::rate_bound;
+use vibro_machine::system::System;
 use vibro_machine::{Error, Motion, Quantity};
 use vibro_numerics::events::turns;
 

@@ -14,8 +14,9 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector, Schur};
 use vibro_machine::Motion;
 use vibro_machine::description::Dimension;
+use vibro_machine::functional::StateRow;
 use vibro_machine::neutral::Neutral;
-use vibro_machine::system::{Elongation, StateRow, System};
+use vibro_machine::system::{Elongation, System};
 
 /// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;

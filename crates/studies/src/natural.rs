@@ -7,7 +7,7 @@ pub use span::{Oscillation, SHOWN, Span};
 use super::eigenvalues::eigenvalues;
 use nalgebra::{Complex, DMatrix};
 use vibro_machine::components::components;
-use vibro_machine::mode::Linear;
+use vibro_machine::linear::Linear;
 use vibro_machine::system::System;
 
 /// Most states of a part whose values are all computed, by a dense matrix: its time grows with the

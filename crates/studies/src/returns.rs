@@ -10,8 +10,9 @@ use crate::paper::attractor::{LONGEST, RETURN, comes_nearer, least_period};
 use std::f64::consts::TAU;
 use vibro_machine::Motion;
 use vibro_machine::description::{Description, Dimension};
+use vibro_machine::functional::StateRow;
 use vibro_machine::motion::{Event, EventKind};
-use vibro_machine::system::{Elongation, Part, StateRow, System};
+use vibro_machine::system::{Elongation, Part, System};
 
 /// Speed of contacts relative to the fastest below which they are chatter, whose number does not
 /// count for a period.

@@ -50,7 +50,7 @@ fuzz_target!(|text: &str| {
     for size in STEPS {
         let time = machine.time();
         // A refused step does not move the instance.
-        if machine.advance(time, size, &mut Silent).is_err() {
+        if machine.step_as_agreed(time, size, &mut Silent).is_err() {
             assert_eq!(machine.time(), time);
         }
         let numbers = machine.get(Bases::ANY, &references, |_, value| assert!(value.is_finite()));

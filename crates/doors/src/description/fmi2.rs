@@ -5,18 +5,7 @@ use super::{Capabilities, Description, Kind, Text, Type, TypeKind, Unit, Unknown
 
 pub(super) fn root(of: &Description) -> Element {
     let exchange = of.model_exchange.as_ref();
-    Element::new("fmiModelDescription")
-        .with("fmiVersion", "2.0")
-        .with("modelName", &of.model_name)
-        .with("guid", &of.token)
-        .with("description", &of.description)
-        .with("author", &of.author)
-        .with("version", &of.version)
-        .with("copyright", &of.copyright)
-        .with("license", &of.license)
-        .with("generationTool", &of.generation_tool)
-        .maybe("generationDateAndTime", of.generation_date_and_time.as_ref())
-        .with("variableNamingConvention", if of.structured_names { "structured" } else { "flat" })
+    named("2.0", "guid", of)
         .maybe("numberOfEventIndicators", exchange.map(|exchange| exchange.number_of_event_indicators))
         .children(exchange.map(|exchange| {
             let own = |element: Element| {
@@ -45,6 +34,22 @@ pub(super) fn root(of: &Description) -> Element {
             .children(some("Outputs", unknowns(&of.outputs, of, false)))
             .children(some("Derivatives", unknowns(&of.derivatives, of, false)))
             .children(some("InitialUnknowns", unknowns(&of.initial_unknowns, of, true)))])
+}
+
+/// The root with the attributes that both versions have; `token` is the attribute for the token.
+pub(super) fn named(version: &'static str, token: &'static str, of: &Description) -> Element {
+    Element::new("fmiModelDescription")
+        .with("fmiVersion", version)
+        .with("modelName", &of.model_name)
+        .with(token, &of.token)
+        .with("description", &of.description)
+        .with("author", &of.author)
+        .with("version", &of.version)
+        .with("copyright", &of.copyright)
+        .with("license", &of.license)
+        .with("generationTool", &of.generation_tool)
+        .maybe("generationDateAndTime", of.generation_date_and_time.as_ref())
+        .with("variableNamingConvention", if of.structured_names { "structured" } else { "flat" })
 }
 
 /// An element for a list; `None` for an empty list, which the schema does not allow.

@@ -1,7 +1,7 @@
 //! A description as FMI 3.0 writes it (FMI 3.0.2, 2.4, 3.4 and 4.4).
 
 use super::element::Element;
-use super::fmi2::{experiment, items, log_categories, some, unit, with_dependencies};
+use super::fmi2::{experiment, items, log_categories, named, some, unit, with_dependencies};
 use super::{Description, Kind, Type, TypeKind, Unknown, Variable};
 
 pub(super) fn root(of: &Description) -> Element {
@@ -10,18 +10,7 @@ pub(super) fn root(of: &Description) -> Element {
         interface("ModelExchange", of)
             .with("needsCompletedIntegratorStep", exchange.needs_completed_integrator_step)
     });
-    Element::new("fmiModelDescription")
-        .with("fmiVersion", "3.0")
-        .with("modelName", &of.model_name)
-        .with("instantiationToken", &of.token)
-        .with("description", &of.description)
-        .with("author", &of.author)
-        .with("version", &of.version)
-        .with("copyright", &of.copyright)
-        .with("license", &of.license)
-        .with("generationTool", &of.generation_tool)
-        .maybe("generationDateAndTime", of.generation_date_and_time.as_ref())
-        .with("variableNamingConvention", if of.structured_names { "structured" } else { "flat" })
+    named("3.0", "instantiationToken", of)
         .children(exchange)
         .children(co_simulation(of))
         .children(some("UnitDefinitions", of.units.iter().map(unit)))

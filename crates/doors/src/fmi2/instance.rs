@@ -7,7 +7,7 @@ use super::states::{self, Function, Stage};
 use super::status::{self, StatusKind};
 use super::types::FmiEventInfo;
 use crate::component::Component;
-use crate::events::StepReason;
+use crate::events::StepOutcome;
 use crate::instance;
 use crate::instantiation::{Instantiation, Version};
 use crate::life::EventHandling;
@@ -117,14 +117,13 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// [`CallProblem::Stopped`] (status Discard) if the step ended early; otherwise as
-    /// [`step`](Component::step).
+    /// [`step_as_agreed`](Component::step_as_agreed).
     #[inline]
     pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C> {
         let mut log = self.log(sink, Function::DoStep.name());
-        let outcome = self.component.step(point, size, &mut log)?;
-        match outcome.reason {
-            StepReason::EndReached => Ok(()),
-            StepReason::Stopped => Err(CallProblem::Stopped { time: outcome.time, early: C::EARLY_END }),
+        match self.component.step_without_event_mode(point, size, &mut log)? {
+            StepOutcome { time, early: true, .. } => Err(CallProblem::Stopped { time, early: C::EARLY_END }),
+            _ => Ok(()),
         }
     }
 

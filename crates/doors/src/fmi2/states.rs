@@ -1,6 +1,7 @@
 //! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3
 //! and 4.2.4).
 
+use crate::allowed::function_table;
 use crate::life::{Interface, Phase};
 use crate::problem::Problem;
 
@@ -90,31 +91,16 @@ const X: u16 = 1 << Stage::StepCanceled as u16;
 const T: u16 = 1 << Stage::Terminated as u16;
 const R: u16 = 1 << Stage::Error as u16;
 
-/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called
-/// in.
-macro_rules! functions {
-    ($($(#[$doc:meta])* $name:ident: $exchange:expr, $cosimulation:expr;)*) => {
-        /// The functions that act on an instance (FMI 2.0, 2.1, 3.2 and 4.2).
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[allow(missing_docs)] // named as in the standard
-        pub enum Function { $($name,)* }
-
-        /// All functions.
-        pub const FUNCTIONS: &[Function] = &[$(Function::$name,)*];
-
-        const NAMES: &[&str] = &[$(concat!("fmi2", stringify!($name)),)*];
-        const MODEL_EXCHANGE: &[u16] = &[$($exchange,)*];
-        const CO_SIMULATION: &[u16] = &[$($cosimulation,)*];
-    };
-}
-
 const GET_EXCHANGE: u16 = N | E | C | T | R;
 const GET_COSIMULATION: u16 = N | S | F | X | T | R;
 const KEEP_EXCHANGE: u16 = I | N | E | C | T | R;
 const KEEP_COSIMULATION: u16 = I | N | S | F | X | T | R;
 
 #[rustfmt::skip]
-functions! {
+function_table! {
+    /// The functions that act on an instance (FMI 2.0, 2.1, 3.2 and 4.2).
+    "fmi2";
+
     SetDebugLogging:              KEEP_EXCHANGE,      KEEP_COSIMULATION | P;
     FreeInstance:                 KEEP_EXCHANGE,      KEEP_COSIMULATION;
     SetupExperiment:              I,                  I;
@@ -164,25 +150,10 @@ functions! {
     GetStringStatus:              0,                  S | P | F | T;
 }
 
-impl Function {
-    /// Its C name.
-    pub fn name(self) -> &'static str {
-        NAMES[self as usize]
-    }
-
-    /// Whether it may be called in `stage` of an instance of type `interface`.
-    pub fn allowed(self, interface: Interface, stage: Stage) -> bool {
-        let masks = match interface {
-            Interface::ModelExchange => MODEL_EXCHANGE,
-            Interface::CoSimulation => CO_SIMULATION,
-        };
-        masks[self as usize] & (1 << stage as u16) != 0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::allowed::assert_is_the_standards;
 
     /// What is allowed beside the standard, in `StepFailed`.
     const BESIDE: [Function; 6] = [
@@ -256,25 +227,10 @@ mod tests {
         ];
         let exchange =
             [Instantiated, InitializationMode, EventMode, ContinuousTimeMode, Terminated, Error, Fatal];
-        let lines: Vec<_> = STANDARD.lines().filter(|line| !line.trim().is_empty()).collect();
-        assert_eq!(lines.len(), FUNCTIONS.len());
-        for (line, function) in lines.iter().zip(FUNCTIONS) {
-            let cells: Vec<_> = line.split_whitespace().collect();
-            assert_eq!(cells[0], function.name());
-            for (interface, states, marks) in [
-                (Interface::CoSimulation, &cosimulation[..], cells[1]),
-                (Interface::ModelExchange, &exchange[..], cells[2]),
-            ] {
-                assert_eq!(marks.len(), states.len());
-                for (state, mark) in states.iter().zip(marks.chars()) {
-                    let beside = *state == StepFailed && BESIDE.contains(function);
-                    assert_eq!(
-                        function.allowed(interface, *state),
-                        mark == 'x' || beside,
-                        "{line} {state:?}"
-                    );
-                }
-            }
-        }
+        assert_is_the_standards!(
+            STANDARD,
+            [(Interface::CoSimulation, &cosimulation[..]), (Interface::ModelExchange, &exchange[..])],
+            |function, state, mark| mark == 'x' || state == StepFailed && BESIDE.contains(&function)
+        );
     }
 }

@@ -4,9 +4,9 @@
 
 use super::problem::{CallProblem, Outcome};
 use super::states::{Function, Stage};
-use super::types::{DiscreteStates, StepEnd};
+use super::types::DiscreteStates;
 use crate::component::Component;
-use crate::events::Advance;
+use crate::events::StepOutcome;
 use crate::ffi::pointers::check_count;
 use crate::instance;
 use crate::instantiation::{Instantiation, Version};
@@ -286,11 +286,10 @@ impl<C: Component> Instance<C> {
     /// `fmi3DoStep` (FMI 3.0.2, 4.2.1).
     ///
     /// # Errors
-    /// As [`advance`](Component::advance).
+    /// As [`step_as_agreed`](Component::step_as_agreed).
     #[inline]
-    pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C, StepEnd> {
+    pub fn do_step(&mut self, point: f64, size: f64, sink: &mut dyn Sink) -> Outcome<C, StepOutcome> {
         let mut log = self.log(sink, Function::DoStep.name());
-        let Advance { time, event, early } = self.component.advance(point, size, &mut log)?;
-        Ok(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
+        Ok(self.component.step_as_agreed(point, size, &mut log)?)
     }
 }

@@ -12,9 +12,8 @@
 use super::instance::{FLOAT64, Instance, Update};
 use super::problem::{CallProblem, Outcome};
 use super::states::Function;
-use super::types::StepEnd;
 use crate::component::Component;
-use crate::events::{Advance, Piece};
+use crate::events::{Piece, StepOutcome};
 use crate::hybrid::Pieces;
 use crate::life::Phase;
 use crate::log::Category;
@@ -26,7 +25,7 @@ pub enum Turn {
     /// Call the callback, then [`Instance::answered`].
     Ask(Update),
     /// The step is over.
-    Done(StepEnd),
+    Done(StepOutcome),
 }
 
 /// A step in progress.
@@ -133,7 +132,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3DoStep` with a callback: begins the step.
     ///
     /// # Errors
-    /// As [`advance`](Component::advance); nothing has changed then.
+    /// As [`step_as_agreed`](Component::step_as_agreed); nothing has changed then.
     pub fn begin_step(
         &mut self,
         point: f64,
@@ -168,7 +167,7 @@ impl<C: Component> Instance<C> {
     /// requests one.
     ///
     /// # Errors
-    /// As [`advance`](Component::advance), and if a call inside the callback was refused; the step
+    /// As [`step_as_agreed`](Component::step_as_agreed), and if a call inside the callback was refused; the step
     /// has been undone then.
     pub fn answered(
         &mut self,
@@ -243,11 +242,11 @@ impl<C: Component> Instance<C> {
     }
 
     fn end_step(&mut self, progress: &Progress<C>) -> Turn {
-        let Advance { time, event, early } = progress.pieces.end(&mut self.component);
-        for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !early) {
+        let outcome = progress.pieces.end(&mut self.component);
+        for (input, values) in self.required.iter().zip(&progress.inputs).filter(|_| !outcome.early) {
             self.common.component.set_input(*input, [values[3], 0.0, 0.0, 0.0]);
         }
-        Turn::Done(StepEnd { event_handling_needed: event, early_return: early, last_successful_time: time })
+        Turn::Done(outcome)
     }
 
     /// Marks the instance after a panic in the callback.

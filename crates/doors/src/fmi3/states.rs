@@ -1,7 +1,8 @@
 //! Which function may be called in which state: the common states, those of Model Exchange and
 //! those of Co-Simulation as one table (FMI 3.0.2, 2.3, 3.2 and 4.2).
 
-use crate::life::{Interface, Phase};
+use crate::allowed::function_table;
+use crate::life::Phase;
 
 /// The states of both state machines, as the standard names them. Configuration Mode and
 /// Reconfiguration Mode never occur, since there are no structural parameters.
@@ -55,43 +56,28 @@ impl Stage {
 }
 
 // One letter a state.
-const I: u8 = 1 << Stage::Instantiated as u8;
-const N: u8 = 1 << Stage::InitializationMode as u8;
-const E: u8 = 1 << Stage::EventMode as u8;
-const S: u8 = 1 << Stage::StepMode as u8;
-const U: u8 = 1 << Stage::IntermediateUpdateMode as u8;
-const C: u8 = 1 << Stage::ContinuousTimeMode as u8;
-const T: u8 = 1 << Stage::Terminated as u8;
+const I: u16 = 1 << Stage::Instantiated as u16;
+const N: u16 = 1 << Stage::InitializationMode as u16;
+const E: u16 = 1 << Stage::EventMode as u16;
+const S: u16 = 1 << Stage::StepMode as u16;
+const U: u16 = 1 << Stage::IntermediateUpdateMode as u16;
+const C: u16 = 1 << Stage::ContinuousTimeMode as u16;
+const T: u16 = 1 << Stage::Terminated as u16;
 
-/// Declares the functions and, for Model Exchange and Co-Simulation, the states they may be called
-/// in.
-macro_rules! functions {
-    ($($name:ident: $exchange:expr, $cosimulation:expr;)*) => {
-        /// The functions that act on an instance (FMI 3.0.2, 2.2, 2.3, 3.2, 4.2 and 5.2).
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[allow(missing_docs)] // named as in the standard
-        pub enum Function { $($name,)* }
-
-        /// All functions.
-        pub const FUNCTIONS: &[Function] = &[$(Function::$name,)*];
-
-        const NAMES: &[&str] = &[$(concat!("fmi3", stringify!($name)),)*];
-        const MODEL_EXCHANGE: &[u8] = &[$($exchange,)*];
-        const CO_SIMULATION: &[u8] = &[$($cosimulation,)*];
-    };
-}
-
-const ANY_EXCHANGE: u8 = I | N | E | C | T;
-const ANY_COSIMULATION: u8 = I | N | E | S | T;
+const ANY_EXCHANGE: u16 = I | N | E | C | T;
+const ANY_COSIMULATION: u16 = I | N | E | S | T;
 /// Getters are also allowed before initialization: by the standard's table (2.3.2) they return the
 /// start values there. The list of allowed calls below that table omits them.
-const GET_EXCHANGE: u8 = ANY_EXCHANGE;
-const GET_COSIMULATION: u8 = ANY_COSIMULATION | U;
-const SET_EXCHANGE: u8 = I | N | E | C;
-const SET_COSIMULATION: u8 = I | N | E | S | U;
+const GET_EXCHANGE: u16 = ANY_EXCHANGE;
+const GET_COSIMULATION: u16 = ANY_COSIMULATION | U;
+const SET_EXCHANGE: u16 = I | N | E | C;
+const SET_COSIMULATION: u16 = I | N | E | S | U;
 
 #[rustfmt::skip]
-functions! {
+function_table! {
+    /// The functions that act on an instance (FMI 3.0.2, 2.2, 2.3, 3.2, 4.2 and 5.2).
+    "fmi3";
+
     SetDebugLogging:                 ANY_EXCHANGE,  ANY_COSIMULATION | U;
     FreeInstance:                    ANY_EXCHANGE,  ANY_COSIMULATION;
     EnterInitializationMode:         I,             I;
@@ -176,20 +162,6 @@ functions! {
 }
 
 impl Function {
-    /// Its C name.
-    pub fn name(self) -> &'static str {
-        NAMES[self as usize]
-    }
-
-    /// Whether it may be called in `stage` of an instance of type `interface`.
-    pub fn allowed(self, interface: Interface, stage: Stage) -> bool {
-        let masks = match interface {
-            Interface::ModelExchange => MODEL_EXCHANGE,
-            Interface::CoSimulation => CO_SIMULATION,
-        };
-        masks[self as usize] & (1 << stage as u8) != 0
-    }
-
     /// Whether it passes values to the model, or evaluates the model at values passed before. If
     /// the model cannot take these values, the call returns `fmi3Discard`.
     pub fn takes_values(self) -> bool {

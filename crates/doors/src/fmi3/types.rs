@@ -34,14 +34,3 @@ pub struct DiscreteStates {
     /// The time of the next event, s, where it is known.
     pub next_event_time: Option<f64>,
 }
-
-/// The returned arguments of `fmi3DoStep` (FMI 3.0.2, 4.2.1).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StepEnd {
-    /// The host must enter Event Mode.
-    pub event_handling_needed: bool,
-    /// The step ended before its end.
-    pub early_return: bool,
-    /// The time reached, s.
-    pub last_successful_time: f64,
-}

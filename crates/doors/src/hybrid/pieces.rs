@@ -3,7 +3,7 @@
 
 use super::steps::{is_early, shown};
 use super::{AtEvent, Ended, Hybrid, Met, StepEnd, Until};
-use crate::events::{Advance, Piece};
+use crate::events::{Piece, StepOutcome};
 use crate::life::Phase;
 use crate::log::Log;
 use crate::problem::Problem;
@@ -26,10 +26,10 @@ pub struct Pieces<H: Hybrid> {
 }
 
 impl<H: Hybrid> Pieces<H> {
-    /// Begins a step as [`advance`](crate::Component::advance) would make it.
+    /// Begins a step as [`step_as_agreed`](crate::Component::step_as_agreed) would make it.
     ///
     /// # Errors
-    /// As [`advance`](crate::Component::advance).
+    /// As [`step_as_agreed`](crate::Component::step_as_agreed).
     pub fn begin(h: &H, point: f64, size: f64) -> Result<Self, H::Problem> {
         h.check(point, size)?;
         Ok(Self {
@@ -77,7 +77,7 @@ impl<H: Hybrid> Pieces<H> {
     /// comes before.
     ///
     /// # Errors
-    /// As [`advance`](crate::Component::advance); the step has been undone then.
+    /// As [`step_as_agreed`](crate::Component::step_as_agreed); the step has been undone then.
     pub fn next(&mut self, h: &mut H, until: Option<f64>, log: &mut dyn Log) -> Result<Piece, H::Problem> {
         let end = until.map_or(self.end, |point| StepEnd { point, size: 0.0 });
         let met = match self.failed.take() {
@@ -110,13 +110,13 @@ impl<H: Hybrid> Pieces<H> {
     }
 
     /// Ends the step at the present time.
-    pub fn end(&self, h: &mut H) -> Advance {
+    pub fn end(&self, h: &mut H) -> StepOutcome {
         let Met { due, events, .. } = self.met;
         let (event, early) = (self.shown.is_some() && (due || events > 0), is_early(h, self.end));
         h.life_mut().phase = Phase::Step;
         h.latch(self.shown.clone().filter(|_| event));
         h.end_step(Ended { event, due, stopped: false, interpolated: true });
-        Advance { time: h.time(), event, early }
+        StepOutcome { time: h.time(), event, early }
     }
 
     /// Goes back to before the step.

@@ -1,7 +1,7 @@
 //! Whole steps.
 
 use super::Hybrid;
-use crate::events::Advance;
+use crate::events::StepOutcome;
 use crate::life::{EventHandling, Phase};
 use crate::log::Log;
 
@@ -106,14 +106,14 @@ pub(super) fn shown<H: Hybrid>(h: &H) -> Option<H::Shown> {
     h.life().handling.event_mode.then(|| h.shown())
 }
 
-/// A whole step.
+/// A whole step, with `at_event` at each event.
 #[inline]
-pub(crate) fn advance<H: Hybrid>(
+pub(crate) fn whole_step<H: Hybrid>(
     h: &mut H,
     (point, size): (f64, f64),
     at_event: AtEvent,
     log: &mut dyn Log,
-) -> Result<Advance, H::Problem> {
+) -> Result<StepOutcome, H::Problem> {
     h.check(point, size)?;
     let (end, shown) = (StepEnd { point, size }, shown(h));
     let (undo, moved) = h.take_over(end, log)?;
@@ -130,7 +130,7 @@ pub(crate) fn advance<H: Hybrid>(
     h.latch(shown.filter(|_| event));
     let early = met.stopped || at_event == AtEvent::EndBefore && is_early(h, end);
     h.end_step(Ended { event, due: met.due, stopped: met.stopped, interpolated: false });
-    Ok(Advance { time: h.time(), event, early })
+    Ok(StepOutcome { time: h.time(), event, early })
 }
 
 /// Runs a step in which taking over the set values may have been an event.

@@ -131,6 +131,73 @@ unsafe fn call_fmi2(
     }
 }
 
+/// Further functions, and null pointers, which a fuzzer's bytes do not choose: the inputs that are
+/// kept would get another meaning.
+unsafe fn further_fmi2(c: FmiComponent, random: &mut Random<'_>, references: u64) -> c_int {
+    let mut call = Call::new(random, references);
+    let absent = random.below(8);
+    let vr = if absent == 0 { null() } else { call.references.as_ptr() };
+    let x = if absent == 1 { null_mut() } else { call.reals.as_mut_ptr() };
+    let i = if absent == 2 { null_mut() } else { call.integers.as_mut_ptr() };
+    let (n, kind) = (call.count, random.below(5) as c_int);
+    let wild = random.below(u64::MAX) as usize;
+    unsafe {
+        match random.below(14) {
+            0 => fmi2SetDebugLogging(c, kind, n, null()),
+            1 => fmi2GetString(c, vr, n, null_mut()),
+            2 => fmi2SetBoolean(c, vr, n, i),
+            3 => fmi2SetFMUstate(c, std::ptr::without_provenance_mut(wild)),
+            4 => fmi2DeSerializeFMUstate(c, x.cast(), 8 * call.reals.len(), &mut null_mut()),
+            5 => fmi2GetNominalsOfContinuousStates(c, x, n),
+            6 => fmi2GetRealOutputDerivatives(c, vr, n, i, x),
+            7 => fmi2CancelStep(c),
+            8 => fmi2GetStatus(c, kind, i),
+            9 => fmi2GetRealStatus(c, kind, x),
+            10 => fmi2GetBooleanStatus(c, kind, i),
+            11 => fmi2GetStringStatus(c, kind, &mut null()),
+            12 => fmi2GetReal(c, vr, n, x),
+            _ => fmi2SetReal(c, vr, n, x),
+        }
+    }
+}
+
+/// As [`further_fmi2`].
+unsafe fn further_fmi3(c: FmiInstance, random: &mut Random<'_>, references: u64) -> c_int {
+    let mut call = Call::new(random, references);
+    let absent = random.below(8);
+    let vr = if absent == 0 { null() } else { call.references.as_ptr() };
+    let x = if absent == 1 { null_mut() } else { call.reals.as_mut_ptr() };
+    let b = if absent == 2 { null_mut() } else { call.flags.as_mut_ptr() };
+    let (n, m) = (call.count, if random.below(8) == 0 { call.count } else { random.below(9) as usize });
+    let (mut longs, mut y, mut sizes) = ([0_i64; 8], [0.0; 8], [0_usize; 8]);
+    let wild = random.below(u64::MAX) as usize;
+    unsafe {
+        match random.below(16) {
+            0 => fmi3SetDebugLogging(c, 1, n, null()),
+            1 => fmi3GetInt64(c, vr, n, longs.as_mut_ptr(), m),
+            2 => fmi3SetInt64(c, vr, n, longs.as_ptr(), m),
+            3 => fmi3GetBoolean(c, vr, n, b, m),
+            4 => fmi3SetBoolean(c, vr, n, b, m),
+            5 => fmi3GetBinary(c, vr, n, sizes.as_mut_ptr(), x.cast(), m),
+            6 => fmi3SetString(c, vr, n, x.cast(), m),
+            7 => fmi3GetClock(c, vr, n, b),
+            8 => fmi3SetClock(c, vr, n, b),
+            9 => fmi3SetFMUState(c, std::ptr::without_provenance_mut(wild)),
+            10 => fmi3DeserializeFMUState(c, x.cast(), 8 * call.reals.len(), &mut null_mut()),
+            11 => fmi3GetDirectionalDerivative(c, vr, n, vr, m, x, m, y.as_mut_ptr(), n),
+            12 => fmi3CompletedIntegratorStep(c, 1, b, b.wrapping_add(1)),
+            13 => fmi3GetFloat64(c, vr, n, x, m),
+            14 => {
+                let (mut knowns, mut others) = ([0_u32; 8], [0_usize; 8]);
+                let (kinds, reference) = (call.integers.as_mut_ptr(), call.references[0]);
+                let (sizes, others) = (sizes.as_mut_ptr(), others.as_mut_ptr());
+                fmi3GetVariableDependencies(c, reference, sizes, knowns.as_mut_ptr(), others, kinds, m)
+            }
+            _ => fmi3SetFloat64(c, vr, n, x, m),
+        }
+    }
+}
+
 unsafe fn call_fmi3(
     c: FmiInstance,
     random: &mut Random<'_>,
@@ -202,10 +269,20 @@ unsafe extern "C-unwind" fn update(
     }
 }
 
+/// Asserts that every Real that can be read is finite.
+fn assert_finite(target: &Target, mut get: impl FnMut(*const u32, *mut f64) -> c_int) {
+    for reference in 0..target.references as u32 {
+        let mut value = 0.0;
+        let status = get(&reference, &mut value);
+        assert!(status != OK || value.is_finite(), "{value} of {reference}");
+    }
+}
+
 /// Calls of FMI 2.0 on an instance of the interface type 0 or 1.
 ///
 /// # Panics
-/// At a status that says a panic was caught, and where the instance does not answer afterwards.
+/// At a status that says a panic was caught, at a value that is NaN or infinite, and if the instance
+/// does not answer afterwards.
 pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
     let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
@@ -214,11 +291,19 @@ pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: us
     unsafe {
         let c = fmi2Instantiate(c"any".as_ptr(), kind, target.token.as_ptr(), resources, null(), 0, 0);
         assert!(!c.is_null());
-        for _ in 0..calls {
+        let with_further = random.bytes.is_empty();
+        for call in 0..calls {
             let mut time = 0.0;
             fmi2GetReal(c, &1, 1, &mut time);
-            let status = call_fmi2(c, random, target.references, &mut states, time);
+            let status = if with_further && call % 4 == 0 {
+                further_fmi2(c, random, target.references)
+            } else {
+                call_fmi2(c, random, target.references, &mut states, time)
+            };
             assert!((0..4).contains(&status), "status {status}");
+            if call % 32 == 0 || call + 1 == calls {
+                assert_finite(target, |reference, x| fmi2GetReal(c, reference, 1, x));
+            }
         }
         assert_eq!(fmi2Reset(c), OK);
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
@@ -254,11 +339,20 @@ pub fn run_fmi3(target: &Target, random: &mut Random<'_>, exchange: bool, event_
         };
         assert!(!c.is_null());
         within.instance.set(c);
-        for _ in 0..calls {
+        let with_further = random.bytes.is_empty();
+        for call in 0..calls {
             let mut time = 0.0;
             fmi3GetFloat64(c, &1, 1, &mut time, 1);
-            let status = call_fmi3(c, random, target.references, &mut states, time);
+            let status = if with_further && call % 4 == 0 {
+                further_fmi3(c, random, target.references)
+            } else {
+                call_fmi3(c, random, target.references, &mut states, time)
+            };
             assert!((0..4).contains(&status), "status {status}");
+            // A reference without such a variable terminates, so this comes after an error.
+            if status == 3 && call % 32 < 4 {
+                assert_finite(target, |reference, x| fmi3GetFloat64(c, reference, 1, x, 1));
+            }
             if status == 3 && random.below(4) > 0 {
                 assert_eq!(fmi3Reset(c), OK);
                 states = [null_mut(); 2]; // they stay with the instance

@@ -41,7 +41,7 @@ fn invariant_what_steps_of_stiffness_put_in_is_accounted_for() {
     let [work, lost, switched, height] = named(&plan, names);
     let (first, _) = balance(&mut machine, &plan);
     for k in 0..30 {
-        machine.advance(0.1 * f64::from(k), 0.1, &mut Silent).unwrap();
+        machine.step_as_agreed(0.1 * f64::from(k), 0.1, &mut Silent).unwrap();
         let (energy, residual) = balance(&mut machine, &plan);
         assert!(residual.abs() < ROUNDING, "{k}: {residual} of {energy}");
         if k < 15 {
@@ -78,7 +78,7 @@ fn invariant_energy_is_accounted_for_whatever_a_host_sets_between_steps() {
         if k % 5 == 3 {
             assert!(set(&mut machine, mass, 2.0 + 0.5 * value.sin()));
         }
-        machine.advance(0.05 * value, 0.05, &mut Silent).unwrap();
+        machine.step_as_agreed(0.05 * value, 0.05, &mut Silent).unwrap();
         let (energy, residual) = balance(&mut machine, &plan);
         largest = energy.max(largest);
         assert!(residual.abs() < ROUNDING * largest, "{k}: {residual} of {energy}");

@@ -58,7 +58,7 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
             let now = machine.time();
             let before = states(&mut machine, &plan);
             let mut told = Told::default();
-            if now >= end || !machine.advance(now, end - now, &mut told).unwrap().event {
+            if now >= end || !machine.step_as_agreed(now, end - now, &mut told).unwrap().event {
                 break;
             }
             assert_eq!(states(&mut machine, &plan), before, "{} at {}", plan.name(), machine.time());
@@ -113,7 +113,7 @@ fn closed_form_the_first_sample_reads_the_inputs_of_initialization() {
         machine.exit_initialization(&mut told).unwrap();
         assert_eq!(get(&mut machine, place("c.y")), Some(6.0));
         if interface == Interface::CoSimulation {
-            machine.advance(0.0, 0.35, &mut told).unwrap();
+            machine.step_as_agreed(0.0, 0.35, &mut told).unwrap();
             assert!(told.0.is_empty(), "{:?}", told.0);
         }
     }

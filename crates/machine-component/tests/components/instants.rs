@@ -52,7 +52,7 @@ fn closed_form_steps_of_any_length_end_after_the_samples_of_their_end() {
         machine.exit_initialization(&mut Silent).unwrap();
         for k in 0..700u32 {
             let (now, end) = (f64::from(k) * step, f64::from(k + 1) * step);
-            machine.advance(now, end - now, &mut Silent).unwrap();
+            machine.step_as_agreed(now, end - now, &mut Silent).unwrap();
             assert_eq!(value(&mut machine, &plan, "count.y"), acted(end), "{end}");
             let slips = machine.time() > 0.5;
             assert!(!slips || value(&mut machine, &plan, "bristle.f") == 10.0, "{end}");

@@ -105,7 +105,7 @@ fn closed_form_what_follows_is_read_as_it_follows_and_is_not_set() {
     }
     follows(&mut machine, 0.4);
     // The motion has them: 0.2 m at 0.5 m/s with a spring of 18 N/m, sin(3 t) · 0.5 / 3.
-    machine.advance(0.0, 0.4, &mut Silent).unwrap();
+    machine.step_as_agreed(0.0, 0.4, &mut Silent).unwrap();
     let s = get(&mut machine, place("ball.s")).unwrap();
     assert!((s - (1.2f64).sin() * 0.5 / 3.0).abs() < 1e-12, "{s}");
 }

@@ -44,7 +44,7 @@ fn closed_form_an_input_holds_its_last_value_after_a_step_in_which_it_had_a_cour
     let v = (0.125 / 3.0 + 0.0625 / 4.0) / 4.0;
     let rate = plan.table.reference("sled.v").unwrap();
     assert!((get(&mut sled, rate).unwrap() - v).abs() < ROUNDING);
-    sled.advance(0.5, 0.5, &mut Silent).unwrap();
+    sled.step_as_agreed(0.5, 0.5, &mut Silent).unwrap();
     let later = v + 0.5 * push(0.5) / 4.0;
     assert!((get(&mut sled, rate).unwrap() - later).abs() < ROUNDING);
 }
@@ -90,7 +90,7 @@ fn closed_form_derivatives_of_an_input_that_are_not_set_are_zero() {
     for (order, v) in [(1, 0.125 / 4.0), (2, 0.125 / 6.0 / 4.0), (3, 0.0625 / 24.0 / 4.0)] {
         let mut sled = begun(&plan, EventHandling::default());
         sled.set_input_derivatives(&[plan.table.inputs[0]], &[order], &[1.0]).unwrap();
-        sled.advance(0.0, 0.5, &mut Silent).unwrap();
+        sled.step_as_agreed(0.0, 0.5, &mut Silent).unwrap();
         assert!((get(&mut sled, rate).unwrap() - v).abs() < ROUNDING, "{order}");
     }
 }

@@ -90,7 +90,7 @@ fn second_method_a_solver_without_their_states_follows_the_exact_motion() {
             assert!(!changed || is_event(from, solver.time), "changed from {from} to {}", solver.time);
             (steps, events) = (steps + 1, events + usize::from(changed));
         }
-        exact.advance(begin, solver.time - begin, &mut Silent).unwrap();
+        exact.step_as_agreed(begin, solver.time - begin, &mut Silent).unwrap();
         for (own, other) in read(&mut solver.machine).iter().zip(read(&mut exact)) {
             assert!((own - other).abs() < ORDER * other.abs().max(1.0), "{own} {other} at {}", solver.time);
         }
@@ -122,7 +122,7 @@ fn invariant_what_samples_change_is_shown_after_the_event_is_handled() {
         machine.leave_event(&mut Silent).unwrap();
         for _ in 0..40 {
             let (now, before) = (machine.time(), read(&mut machine));
-            machine.advance(now, 1.0, &mut Silent).unwrap();
+            machine.step_as_agreed(now, 1.0, &mut Silent).unwrap();
             assert_eq!(read(&mut machine), before, "{} at {}", plan.name(), machine.time());
             machine.enter_event().unwrap();
             machine.handle_events(&mut Silent).unwrap();
@@ -133,7 +133,7 @@ fn invariant_what_samples_change_is_shown_after_the_event_is_handled() {
         let mut machine = begun(&plan, EventHandling { event_mode: true, early_return: false });
         machine.leave_event(&mut Silent).unwrap();
         let before = read(&mut machine);
-        machine.advance(0.0, 0.0205, &mut Silent).unwrap();
+        machine.step_as_agreed(0.0, 0.0205, &mut Silent).unwrap();
         assert_eq!(read(&mut machine), before, "{}", plan.name());
         machine.enter_event().unwrap();
         machine.handle_events(&mut Silent).unwrap();

@@ -48,7 +48,7 @@ fn invariant_no_value_of_a_run_is_minus_zero() {
         read(&mut machine, &plan, &outputs);
         machine.exit_initialization(&mut Silent).unwrap();
         for k in 0..STEPS {
-            machine.advance(h * k as f64, h, &mut Silent).unwrap();
+            machine.step_as_agreed(h * k as f64, h, &mut Silent).unwrap();
             read(&mut machine, &plan, &outputs);
         }
         let mut solver = Solver::new(&plan);
@@ -79,7 +79,7 @@ fn invariant_a_zero_that_was_set_with_a_sign_is_read_without() {
         machine.set(Bases::REAL, &[gravity], |_| -0.0).unwrap();
         read(&mut machine, &plan, &outputs);
         machine.exit_initialization(&mut Silent).unwrap();
-        machine.advance(0.0, 0.01, &mut Silent).unwrap();
+        machine.step_as_agreed(0.0, 0.01, &mut Silent).unwrap();
         read(&mut machine, &plan, &outputs);
         for (reference, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| !row.dimensions.is_empty()) {
             let mut values = Vec::new();

@@ -3,8 +3,9 @@
 use super::rows::{ElongationTangent, RateTangent, StopTangent};
 use super::tangent::Tangent;
 use crate::description::{Block, BlockInput, Description};
+use crate::functional::StateRow;
 use crate::mode::{Mode, StopState};
-use crate::system::{CombinationTangent, SamplerTangent, StateRow, System};
+use crate::system::{CombinationTangent, SamplerTangent, System};
 use nalgebra::{DMatrix, DVector};
 
 fn matrix(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {

@@ -2,8 +2,9 @@
 
 use super::rows::BodyTangent;
 use crate::description::{BodyKind, Description};
+use crate::functional::StateRow;
 use crate::signals::SignalTangent;
-use crate::system::{BodyRows, StateRow, System};
+use crate::system::{BodyRows, System};
 use nalgebra::{DMatrix, DVector};
 
 /// The rows of all bodies. Those of prescribed bodies follow from their signals, coordinates do not

@@ -6,8 +6,9 @@ use super::rows::BranchTangent;
 use super::tangent::Tangent;
 use super::weights::Weights;
 use crate::description::{Description, SeriesLaw};
+use crate::functional::StateRow;
 use crate::mode::{Mode, SliderState};
-use crate::system::{StateRow, System, in_series};
+use crate::system::{System, in_series};
 use nalgebra::{DMatrix, DVector};
 
 impl Tangent {

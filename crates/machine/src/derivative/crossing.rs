@@ -4,12 +4,11 @@
 mod carried;
 
 use super::columns::Columns;
-use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, TOUCH, Varied};
+use crate::functional::Functional;
 use crate::mode::{Contact, SliderState, StopState, Watch};
-use crate::motion::{Event, EventKind};
-use crate::system::Functional;
+use crate::motion::{Event, EventKind, Impulse};
 use nalgebra::DVector;
 
 /// An event that a motion has passed.

@@ -5,93 +5,11 @@ use super::machine::{BESIDE, STILL};
 use super::tangent::Tangent;
 use super::weights::Weights;
 use crate::law::ZERO;
-use crate::motion::{Event, EventKind};
+use crate::motion::Impulse;
 use crate::system::System;
-use nalgebra::{DMatrix, DVector};
-
-/// Relative singular value under which the compliance matrix of stops hit together counts as
-/// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
-const SINGULAR: f64 = 1e-12;
-
-/// One impact: the stops with an impulse P, for which G P = (1 + ε) u.
-pub(crate) struct Impulse {
-    pub stops: Vec<usize>,
-    /// By stop: restitution; 0 where the stop closes.
-    restitution: Vec<f64>,
-    /// By stop: whether it has no further bounce.
-    closes: Vec<bool>,
-    /// By stop: P.
-    impulses: DVector<f64>,
-    /// The inverse of G.
-    inverse: DMatrix<f64>,
-    /// State before and after it.
-    pub states: [DVector<f64>; 2],
-}
+use nalgebra::DVector;
 
 impl Impulse {
-    /// The reported impacts in their order, from the state before the first of them.
-    pub fn all(system: &System, events: &[Event], z: &DVector<f64>) -> Vec<Self> {
-        let hit = events.iter().filter_map(|event| match event.kind {
-            EventKind::Impact { stop, impulse, stops, .. } => Some((stop, impulse, stops)),
-            _ => None,
-        });
-        let (mut hit, mut all) = (hit.peekable(), Vec::<Self>::new());
-        while let Some(&(_, _, count)) = hit.peek() {
-            let group: Vec<_> = hit.by_ref().take(count.max(1)).collect();
-            let before = all.last().map_or(z, |last| &last.states[1]);
-            let impact = Self::new(system, events, &group, before);
-            all.push(impact);
-        }
-        all
-    }
-
-    /// These impacts stop by stop, where their stops do not concern one another.
-    pub(super) fn one_by_one(system: &System, events: &[Event], all: &[Self]) -> Vec<Self> {
-        let mut singles: Vec<Self> = Vec::new();
-        for impulse in all {
-            for (&stop, &p) in impulse.stops.iter().zip(impulse.impulses.iter()) {
-                let z = singles.last().map_or(&impulse.states[0], |last| &last.states[1]);
-                singles.push(Self::new(system, events, &[(stop, p, 1)], z));
-            }
-        }
-        singles
-    }
-
-    fn new(system: &System, events: &[Event], group: &[(usize, f64, usize)], z: &DVector<f64>) -> Self {
-        let stops: Vec<usize> = group.iter().map(|hit| hit.0).collect();
-        let closes = |stop: usize| events.iter().any(|e| e.kind == EventKind::Close { stop });
-        // What a freewheel takes part in is plastic.
-        let catches = stops.iter().any(|&stop| system.stops[stop].is_freewheel);
-        let closes: Vec<bool> = stops.iter().map(|&stop| catches || closes(stop)).collect();
-        let own = |(&stop, closes): (&usize, &bool)| {
-            system.stops[stop].restitution().filter(|_| !closes).unwrap_or(0.0)
-        };
-        let restitution = stops.iter().zip(&closes).map(own).collect();
-        let rows = |i: usize| &system.stops[stops[i]].elongation;
-        let count = stops.len();
-        let mut g = DMatrix::from_fn(count, count, |i, j| rows(i).w.dot(&rows(j).mobility));
-        let inverse = if count == 1 && g[(0, 0)] > 0.0 {
-            g[(0, 0)] = 1.0 / g[(0, 0)];
-            Some(g)
-        } else {
-            let limit = (SINGULAR * g.amax()).max(f64::MIN_POSITIVE);
-            g.pseudo_inverse(limit).ok().filter(|inverse| inverse.shape() == (count, count))
-        };
-        let impulses = DVector::from_iterator(group.len(), group.iter().map(|hit| hit.1));
-        let mut after = z.clone();
-        for (k, p) in impulses.iter().enumerate() {
-            change_rates(system, &mut after, -p, &rows(k).mobility);
-        }
-        Self {
-            stops,
-            restitution,
-            closes,
-            impulses,
-            inverse: inverse.unwrap_or_else(|| DMatrix::zeros(count, count)),
-            states: [z.clone(), after],
-        }
-    }
-
     /// Carries columns of the derivative of the state over it, of which each has a tangent.
     pub(super) fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
         let (width, n) = (deltas.width, system.coordinates);
@@ -129,17 +47,6 @@ impl Impulse {
                 let rates = &mut deltas.numbers[(n + i) * width..][..width];
                 rates.iter_mut().zip(&impulse).for_each(|(v, p)| *v -= own.mobility[i] * p);
             }
-        }
-    }
-
-    /// Carries a variation of the state alone over it.
-    pub fn carry_state(&self, system: &System, variation: &mut [f64]) {
-        let rows = |k: usize| &system.stops[self.stops[k]].elongation;
-        let demand = |k: usize, _| (1.0 + self.restitution[k]) * rows(k).rate.at(variation);
-        let impulses = &self.inverse * DVector::from_fn(self.stops.len(), demand);
-        for (k, p) in impulses.iter().enumerate() {
-            let rates = variation[system.coordinates..].iter_mut();
-            rates.zip(rows(k).mobility.iter()).for_each(|(v, m)| *v -= p * m);
         }
     }
 
@@ -322,9 +229,4 @@ impl Impulse {
         let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
         self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)
     }
-}
-
-/// Adds `factor` × `change` to the rates of the coordinates.
-fn change_rates(system: &System, z: &mut DVector<f64>, factor: f64, change: &DVector<f64>) {
-    z.rows_mut(system.coordinates, system.coordinates).axpy(factor, change, 1.0);
 }

@@ -2,7 +2,8 @@
 //! (docs/assembly-law.md, section 3, Jumps, and (A35)).
 
 use super::tangent::Tangent;
-use crate::system::{StateRow, System};
+use crate::functional::StateRow;
+use crate::system::System;
 use nalgebra::DVector;
 
 /// The signals' part of a row's value.

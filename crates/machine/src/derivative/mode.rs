@@ -3,11 +3,15 @@
 
 use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;
-use crate::flow::{FlowTable, LEAST_RATE, Ladder, RADIUS, rate_bound};
+use crate::flow::{FlowTable, Ladder, RADIUS};
+use crate::functional::{Functional, StateRow};
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::{Contact, Linear, Mode, StopState, Triangle, Watch};
+use crate::law::groups::Triangle;
+use crate::linear::Linear;
+use crate::mode::{Contact, Mode, StopState, Watch};
+use crate::norm::{LEAST_RATE, rate_bound};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::{Functional, Part, StateRow, System};
+use crate::system::{Part, System};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::sync::Arc;

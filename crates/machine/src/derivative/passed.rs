@@ -1,13 +1,12 @@
 //! An event that a motion has passed, for carrying derivatives over it.
 
 use super::crossing::{Crossing, Met};
-use super::impulse::Impulse;
 use super::jump::jumped;
 use super::machine::{Instant, Machine};
 use super::mode::VariedMode;
 use crate::error::Error;
 use crate::mode::Mode;
-use crate::motion::{Event, Motion};
+use crate::motion::{Event, Impulse, Motion};
 use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -76,7 +75,7 @@ impl Passed {
         // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = motion.due().and_then(|watch| {
             let rows = mode.watched.iter().enumerate().filter(|(_, own)| own.0 == watch);
-            let off = |(_, row): &(usize, &(_, crate::system::Functional))| row.1.at(z.as_slice()).abs();
+            let off = |(_, row): &(usize, &(_, crate::functional::Functional))| row.1.at(z.as_slice()).abs();
             rows.min_by(|a, b| off(a).total_cmp(&off(b))).map(|row| row.0)
         });
         let mut events = Vec::new();

@@ -1,7 +1,9 @@
 //! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A32)), which is
 //! also the place of the weights of these rows in a gradient (A40).
 
-use crate::system::{CombinationTangent, SamplerTangent, StateRow};
+use crate::description::StopLaw;
+use crate::functional::StateRow;
+use crate::system::{CombinationTangent, SamplerTangent, StopRows, forces};
 use nalgebra::DVector;
 
 /// Derivatives of a body's rows, as those of [`BodyRows`](crate::system::BodyRows).
@@ -30,6 +32,18 @@ pub(super) struct StopTangent {
     pub force: StateRow,
     pub spring: StateRow,
     pub restitution: f64,
+}
+
+impl StopTangent {
+    /// The derivatives of the rows of a stop whose excess has the derivative `excess`, and the
+    /// numbers of its law the derivatives `law`.
+    pub fn new(rows: &StopRows, elongation: ElongationTangent, excess: StateRow, law: StopLaw) -> Self {
+        let by_law = forces::<StateRow>(law, &rows.excess, &rows.elongation.rate);
+        let by_rows = forces(rows.law, &excess, &elongation.rate);
+        let [spring, force] = std::array::from_fn(|k| &by_law[k] + &by_rows[k]);
+        let restitution = if let StopLaw::Rigid { restitution } = law { restitution } else { 0.0 };
+        Self { elongation, excess, force, spring, restitution }
+    }
 }
 
 /// Derivatives of a friction's rows.

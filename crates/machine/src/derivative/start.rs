@@ -1,15 +1,14 @@
 //! Derivatives at the start of a motion (docs/assembly-law.md (A37)).
 
 use super::by::By;
-use super::impulse::Impulse;
 use super::lost::{Cause, Lost};
 use super::machine::{BESIDE, Instant, Machine, STILL, TOUCH, Varied};
 use super::rest::equilibrium;
 use super::samples::actions;
+use crate::functional::Functional;
 use crate::law::ZERO;
 use crate::mode::{Contact, StopState, Watch};
-use crate::motion::{Event, EventKind};
-use crate::system::Functional;
+use crate::motion::{Event, EventKind, Impulse};
 use nalgebra::DVector;
 
 /// What determines the state at the start.

@@ -5,12 +5,13 @@ use super::rows::{
     BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
+use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, Functional, StateRow, System};
+use crate::system::{Elongation, System, excess, made_stops};
 use nalgebra::{DMatrix, DVector};
 
 /// The derivative of a [`System`] by one parameter.
@@ -215,71 +216,20 @@ impl Tangent {
         }
     }
 
+    /// The stops in the order of the system's: stops and springs make the first ones, then limits of
+    /// outputs and freewheels follow.
     fn put_stops(&mut self, system: &System, d: &Description, along: &Description) {
-        for (rows, (stop, by)) in system.stops.iter().zip(d.stops.iter().zip(&along.stops)) {
-            let own = self.elongation(system, &stop.arms, &by.arms);
-            let mut excess = own.e.clone();
-            excess[system.signals.one] -= by.gap;
-            let (k, c) = match stop.law {
-                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping),
-                StopLaw::Rigid { .. } => (0.0, 0.0),
-            };
-            let (dk, dc, restitution) = match by.law {
-                StopLaw::Compliant { stiffness, damping, .. } => (stiffness, damping, 0.0),
-                StopLaw::Rigid { restitution } => (0.0, 0.0, restitution),
-            };
-            let spring = dk * &*rows.excess + k * &excess;
-            let force = &spring + dc * &*rows.elongation.rate + c * &own.rate;
-            self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution });
-        }
-        self.put_levels(system, d, along);
-        let springs = d.springs.iter().zip(&along.springs).filter(|(spring, _)| !spring.points.is_empty());
-        for (spring, by) in springs {
-            for (gap, steeper) in Polyline::derivative(&spring.points, &by.points).corners {
-                let rows = &system.stops[self.stops.len()];
-                let own = self.elongation(system, &spring.arms, &by.arms);
-                let mut excess = own.e.clone();
-                excess[system.signals.one] -= gap;
-                let force = steeper * &*rows.excess + rows.stiffness() * &excess;
-                let spring = force.clone();
-                self.stops.push(StopTangent { elongation: own, excess, force, spring, restitution: 0.0 });
-            }
+        let one = system.constant(1.0).into_row();
+        for (rows, made) in system.stops.iter().zip(made_stops(d, Some(along))) {
+            let own = self.elongation(system, made.by.arms(d), made.by.arms(along));
+            let excess = excess(&own.e, made.gap, &one);
+            self.stops.push(StopTangent::new(rows, own, excess, made.law));
         }
         self.put_limits();
         for (wheel, by) in d.freewheels.iter().zip(&along.freewheels) {
-            let elongation = self.elongation(system, &wheel.arms, &by.arms);
-            let (excess, none) = (elongation.rate.clone(), StateRow::zeros(system.signals.size));
-            let (force, spring) = (none.clone(), none);
-            self.stops.push(StopTangent { elongation, excess, force, spring, restitution: 0.0 });
-        }
-    }
-
-    /// The levels of stiffnesses that step: (k x)' = k' x + k x'.
-    fn put_levels(&mut self, system: &System, d: &Description, along: &Description) {
-        for (i, (stop, by)) in d.stops.iter().zip(&along.stops).enumerate() {
-            let (Some(signal), Some(by)) = (&stop.stepped, &by.stepped) else { continue };
-            let all: Vec<usize> = system.levels_of(i).collect();
-            for (part, dk) in all.into_iter().zip(stepped::along(signal, by)) {
-                if part != i {
-                    self.stops.push(self.stops[i].clone());
-                }
-                let (rows, own) = (&system.stops[part], &mut self.stops[part]);
-                // What the force has so far is another level's share, or none, and the dashpot's.
-                let spring = dk * &*rows.excess + rows.stiffness() * &own.excess;
-                own.force += &spring - &own.spring;
-                own.spring = spring;
-            }
-        }
-        for (spring, by) in d.springs.iter().zip(&along.springs) {
-            let (Some(signal), Some(moved)) = (&spring.stepped, &by.stepped) else { continue };
-            for dk in stepped::along(signal, moved) {
-                let rows = &system.stops[self.stops.len()];
-                let elongation = self.elongation(system, &spring.arms, &by.arms);
-                let excess = elongation.e.clone();
-                let force = dk * &*rows.excess + rows.stiffness() * &excess;
-                let spring = force.clone();
-                self.stops.push(StopTangent { elongation, excess, force, spring, restitution: 0.0 });
-            }
+            let own = self.elongation(system, &wheel.arms, &by.arms);
+            let (rows, excess) = (&system.stops[self.stops.len()], own.rate.clone());
+            self.stops.push(StopTangent::new(rows, own, excess, StopLaw::Rigid { restitution: 0.0 }));
         }
     }
 

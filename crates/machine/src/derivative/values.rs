@@ -3,9 +3,10 @@
 use super::mode::VariedMode;
 use super::rows::ElongationTangent;
 use super::tangent::Tangent;
+use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, SliderState, StopState};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::{Functional, Part, StateRow, System};
+use crate::system::{Part, System};
 use nalgebra::DVector;
 
 /// A state in a mode with its derivative by parameter `p`.

@@ -7,8 +7,9 @@ use super::rows::{
     BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
 use super::tangent::Tangent;
+use crate::functional::StateRow;
 use crate::mode::{Contact, FrictionState, StopState, Watch};
-use crate::system::{FrictionRows, StateRow, System};
+use crate::system::{FrictionRows, System};
 use nalgebra::{DMatrix, DVector};
 
 /// By each number of a machine's rows and matrices, in the places of a [`Tangent`].

@@ -4,9 +4,10 @@
 use super::long::WorkIntegral;
 use super::nodes::NodeStates;
 use crate::flow::{FlowTable, Ladder, RADIUS, taylor};
+use crate::functional::Functional;
 use crate::kernel::{AtNodes, EIGHT, NODES, SHORT, Sparse, SparseColumns};
 use crate::mode::Mode;
-use crate::system::{Account, Functional, Losses, Power, System};
+use crate::system::{Account, Losses, Power, System};
 use std::sync::Arc;
 
 /// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3

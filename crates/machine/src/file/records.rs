@@ -1,9 +1,9 @@
 //! Reading of records: two columns of numbers, time and value.
 
-use super::signals::Values;
 use super::{Records, any_unit, read_text};
 use crate::check::MOST_KNOTS;
-use crate::kinds;
+use crate::description::Dimension;
+use crate::kinds::{self, NumberKind};
 use crate::table::{Heading, Table, in_unit};
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -31,11 +31,19 @@ fn read_regular(path: &Path) -> io::Result<String> {
     read_text(path)
 }
 
-/// Kind of a record's values, and whether its `scale` has their unit.
-type Scaled = (Values, bool);
+/// Kind of a record's values.
+#[derive(Clone, Copy)]
+pub(super) struct RecordValues {
+    /// Kind of a value.
+    pub kind: NumberKind,
+    /// Dimension of a value.
+    pub dimension: Dimension,
+    /// Whether the record's `scale` has the unit of the values.
+    pub has_scale: bool,
+}
 
 /// The knots of a record. The error is the problem's text.
-pub(super) fn read(path: &str, records: Records, values: Scaled) -> Result<Vec<(f64, f64)>, String> {
+pub(super) fn read(path: &str, records: Records, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     stays_inside(path)?;
     let text = records(path).map_err(|e| format!("cannot be read: {e}"))?;
     knots(&text, values).map_err(|e| format!("{path}: {e}"))
@@ -55,7 +63,7 @@ pub(super) fn stays_inside(path: &str) -> Result<(), String> {
 
 /// The knots of a [table](Table) with two columns, time and value, in SI or in the units of its
 /// heading.
-fn knots(text: &str, values: Scaled) -> Result<Vec<(f64, f64)>, String> {
+fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     let table = Table::read(text);
     let heading = table.heading();
     let (mut units, mut rows) = ([None, None], &table.rows[..]);
@@ -86,14 +94,14 @@ fn knots(text: &str, values: Scaled) -> Result<Vec<(f64, f64)>, String> {
 }
 
 /// The unit of a record's values, by its heading.
-fn unit_of_values(heading: &Heading, (values, has_scale): Scaled) -> Result<Option<&'static Unit>, String> {
+fn unit_of_values(heading: &Heading, values: RecordValues) -> Result<Option<&'static Unit>, String> {
     match heading.unit {
         Some(symbol) if values.kind.any_unit => {
             let allowed = format!("`{symbol}` is not a unit; expected a unit such as mm, N or rad/s");
             let (_, si) = any_unit::quantity(&format!("1 {symbol}"), &allowed)?;
             heading.unit(si)
         }
-        Some(symbol) if has_scale => heading.unit("1").map_err(|_| {
+        Some(symbol) if values.has_scale => heading.unit("1").map_err(|_| {
             format!("`{}` has the unit `{symbol}`; expected no unit, since `scale` has it", heading.name)
         }),
         _ => heading.unit(values.kind.unit(values.dimension)),

@@ -2,7 +2,7 @@
 //! sum is the signal.
 
 use super::reading::{Entry, FileTable, Reading};
-use super::records;
+use super::records::{self, RecordValues};
 use crate::description::{Dimension, Harmonic, Interpolation, Record, Signal, Step, Sweep, SweepLaw};
 use crate::kinds::{self, NumberKind};
 
@@ -209,7 +209,8 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
     let values = if has_scale { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {
         Some(path) => {
-            let knots = records::read(path, reading.records, (values, has_scale));
+            let Values { kind, dimension, .. } = values;
+            let knots = records::read(path, reading.records, RecordValues { kind, dimension, has_scale });
             knots.map_err(|problem| reading.refuse(&found, problem)).ok()
         }
         None => {

@@ -5,9 +5,10 @@
 //! spurious force, equal in thousands of sub-steps. A force that is computed first and then applied
 //! to both bodies has opposite signs to the last bit.
 
+use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::Elastic;
-use crate::system::{Functional, Term};
+use crate::linear::Elastic;
+use crate::system::Term;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;

@@ -8,6 +8,7 @@ use super::exponential::{exponentials, integral_and_change};
 use super::watched::BOUND_MARGIN;
 use super::{FlowTable, INTERVALS, RADIUS};
 use crate::kernel::{Blocks, Sparse};
+use crate::mode::WatchTable;
 use nalgebra::{DMatrix, DVector};
 use std::sync::{Arc, OnceLock};
 
@@ -100,7 +101,7 @@ impl Rung {
         let Self { length, integral, change, exact, spread, reaches, .. } = self;
         let end = DMatrix::identity(change.nrows(), change.ncols()) + change;
         let later = end.abs() * spread * BOUND_MARGIN;
-        let reach = |(before, w): (&Vec<f64>, &Arc<super::WatchTable>)| {
+        let reach = |(before, w): (&Vec<f64>, &Arc<WatchTable>)| {
             let later = spread.tr_mul(&end.tr_mul(&dense(&w.row, change.nrows())).abs()) * BOUND_MARGIN;
             before.iter().zip(&later).map(|(before, later)| before.max(*later)).collect()
         };

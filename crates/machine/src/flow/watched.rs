@@ -3,35 +3,12 @@
 
 use super::exponential::add;
 use super::{INTERVALS, LOCAL};
-use crate::kernel::{ABREAST, Sparse, SparseMatrix, combine};
-use crate::mode::Watch;
+use crate::kernel::{ABREAST, SparseMatrix, combine};
+use crate::mode::WatchTable;
 use std::sync::Arc;
 
 /// Factor that covers the rounding of a bound.
 pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
-
-/// A watched functional of a mode.
-#[derive(Clone, Debug)]
-pub struct WatchTable {
-    /// The event at which it passes zero.
-    pub watch: Watch,
-    /// The functional.
-    pub row: Arc<Sparse>,
-    /// Its time derivative.
-    pub slope: Sparse,
-}
-
-impl WatchTable {
-    /// Of a functional of a mode, from A.
-    pub(crate) fn new(watch: Watch, row: Arc<Sparse>, a: &SparseMatrix) -> Self {
-        Self { watch, slope: a.after_terms(row.terms()), row }
-    }
-
-    /// In a mode with another A.
-    pub(crate) fn in_mode(&self, a: &SparseMatrix) -> Self {
-        Self { watch: self.watch, slope: a.after_terms(self.row.terms()), row: self.row.clone() }
-    }
-}
 
 /// Stored columns of a watched functional over a sub-step.
 #[derive(Clone, Debug)]

@@ -1,12 +1,14 @@
 //! The law at events: contact forces, impacts and the mode that follows (docs/assembly-law.md).
 
 pub mod box_qp;
+pub mod groups;
 pub mod impact;
 pub mod selection;
 
+use crate::functional::{Functional, StateRow};
 use crate::kernel::Sparse;
 use crate::mode::Contact;
-use crate::system::{Elongation, Functional, StateRow, System};
+use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +19,7 @@ pub const ZERO: f64 = 1e-13;
 /// Largest absolute value so far of each component of the augmented state, by which rounding is
 /// measured (docs/assembly-law.md (A18)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sizes(#[serde(with = "crate::motion::saved::vector")] pub DVector<f64>);
+pub struct Sizes(#[serde(with = "crate::serialized")] pub DVector<f64>);
 
 impl Sizes {
     /// The sum of the largest sizes of a row's terms.

@@ -26,8 +26,9 @@ mod order;
 
 use super::Sizes;
 use super::box_qp::Jam;
+use crate::functional::StateRow;
 use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
-use crate::system::{StateRow, System};
+use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// A stop's state as far as it is decided.

@@ -1,4 +1,4 @@
-//! The states of stops and frictions in a mode.
+//! The states of stops, frictions and sliders in a mode.
 
 use serde::{Deserialize, Serialize};
 use std::ops::{Mul, Neg};
@@ -96,5 +96,32 @@ impl FrictionState {
     /// Whether e' is kept at zero.
     pub fn sticks(self) -> bool {
         matches!(self, Self::Stuck | Self::HeldUp | Self::HeldDown)
+    }
+}
+
+/// The state of a branch: a spring in series with its partner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum SliderState {
+    /// The slider stands; so does that of every branch with a dashpot, which has none.
+    Held,
+    /// The force is at its level, and the slider follows e' > 0.
+    Up,
+    /// The same downwards.
+    Down,
+}
+
+impl SliderState {
+    /// The sign of e' while slipping, else 0.
+    pub fn direction(self) -> f64 {
+        match self {
+            Self::Up => 1.0,
+            Self::Down => -1.0,
+            Self::Held => 0.0,
+        }
+    }
+
+    /// The slipping state in a direction.
+    pub fn slipping(direction: f64) -> Self {
+        if direction > 0.0 { Self::Up } else { Self::Down }
     }
 }

@@ -9,16 +9,17 @@
 
 use super::event::Event;
 use super::jump::Parted;
-use super::{Hybrid, Motion, Observer, saved};
+use super::{Hybrid, Motion, Observer};
 use crate::assembly::Assembly;
 use crate::description::SeriesLaw;
 use crate::energy::{Accounts, Samples};
 use crate::error::Error;
+use crate::functional::StateRow;
 use crate::kernel::NODES;
 use crate::law::ZERO;
 use crate::mode::Watch;
 use crate::signals::Input;
-use crate::system::{BlockRows, BranchRows, StateRow, StopRows, System};
+use crate::system::{BlockRows, BranchRows, StopRows, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -39,7 +40,7 @@ pub struct Course {
     /// Time of the last accepted point, s.
     time: f64,
     /// State at that point.
-    #[serde(with = "saved::vector")]
+    #[serde(with = "crate::serialized")]
     z: DVector<f64>,
 }
 

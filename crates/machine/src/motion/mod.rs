@@ -5,6 +5,7 @@ mod contact;
 mod course;
 mod event;
 mod given;
+mod impulse;
 mod instant;
 mod jump;
 mod limits;
@@ -15,7 +16,7 @@ mod passage;
 mod projection;
 mod report;
 mod samples;
-pub(crate) mod saved;
+mod saved;
 mod start;
 mod step;
 mod tables;
@@ -26,6 +27,7 @@ mod varied;
 
 pub use course::Course;
 pub use event::{Event, EventKind};
+pub(crate) use impulse::Impulse;
 pub(crate) use start::start_of;
 pub use varied::{Crossing, keep};
 
@@ -89,7 +91,7 @@ pub struct Hybrid {
     time: DoubleDouble,
     /// Start of the present mode, s.
     since: f64,
-    #[serde(with = "saved::vector")]
+    #[serde(with = "crate::serialized")]
     z: DVector<f64>,
     mode: Mode,
     /// By watched functional: the order of its zero at the last event, 0 for none,

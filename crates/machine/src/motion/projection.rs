@@ -1,8 +1,10 @@
 //! Projection of the state onto the constraints of contacts (docs/assembly-law.md, section 6).
 
 use super::{Hybrid, Motion};
-use crate::mode::{Contact, SliderState, Triangle};
-use crate::system::{Elongation, Functional, System};
+use crate::functional::Functional;
+use crate::law::groups::Triangle;
+use crate::mode::{Contact, SliderState};
+use crate::system::{Elongation, System};
 
 /// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e. Beyond
 /// this limit e returns to where the contact began to hold. The value of e itself may have one such

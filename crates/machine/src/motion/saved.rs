@@ -1,24 +1,10 @@
-//! Checks of saved states that come from outside, and their serialization.
+//! Checks of saved states that come from outside.
 
 use super::{Due, Hybrid};
 use crate::assembly::Assembly;
 use crate::description::StopLaw;
 use crate::mode::{Contact, SliderState, StopState, Watch};
 use crate::system::BranchRows;
-
-/// Serialization of a vector as a sequence of numbers.
-pub(crate) mod vector {
-    use nalgebra::DVector;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(vector: &DVector<f64>, to: S) -> Result<S::Ok, S::Error> {
-        vector.as_slice().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<DVector<f64>, D::Error> {
-        Ok(DVector::from_vec(Vec::deserialize(from)?))
-    }
-}
 
 impl Hybrid {
     /// Whether it can be a state of a motion of this machine: lengths agree, numbers are finite,

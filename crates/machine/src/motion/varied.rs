@@ -8,8 +8,7 @@
 //! variation stays in the space that closed stops and sticking friction leave free.
 
 use super::projection::project;
-use super::{Event, Motion, Reached};
-use crate::derivative::Impulse;
+use super::{Event, Impulse, Motion, Reached};
 use crate::error::Error;
 use crate::flow::FlowTable;
 use crate::kernel::Sparse;

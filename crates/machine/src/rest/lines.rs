@@ -3,8 +3,9 @@
 
 use super::{Holding, RestContact, RestSpring, direction};
 use crate::description::{Description, ForcePoint};
+use crate::functional::StateRow;
 use crate::polyline::slopes;
-use crate::system::{StateRow, System};
+use crate::system::System;
 
 /// A spring whose force has several lines.
 pub(super) struct Lined<'a> {

@@ -5,7 +5,8 @@ use super::lines::Lined;
 use super::{Holding, RestSpring, direction};
 use crate::description::{Description, StopLaw};
 use crate::error::Error;
-use crate::system::{StateRow, System};
+use crate::functional::StateRow;
+use crate::system::System;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Stiffness relative to the largest, and length or force relative to its terms, that counts as

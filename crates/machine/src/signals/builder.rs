@@ -5,8 +5,8 @@ use super::pieces::{Knots, Pieces};
 use super::sweep::SweepPiece;
 use super::{Course, Parts, SignalIntegral, SignalPiece, Signals, harmonic};
 use crate::description::{Interpolation, Signal};
+use crate::functional::Functional;
 use crate::kernel::Sparse;
-use crate::system::Functional;
 
 /// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by
 /// the rate of a prescribed body need coordinates of their own.

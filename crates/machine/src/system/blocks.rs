@@ -8,8 +8,9 @@ mod sided;
 pub use samples::{CombinationTangent, SampleAction, SampleKind, SampledVariation, SamplerTangent};
 pub use sided::LimitedValue;
 
-use super::{Elongation, FirstOrder, Functional, Part, StateRow, StopRows, System};
+use super::{Elongation, FirstOrder, OutputLimit, Part, StopRows, System};
 use crate::description::{Block, BlockInput, DampingLimit, Description, OutputPlace, StopLaw};
+use crate::functional::{Functional, StateRow};
 use crate::mode::StopState;
 use crate::quantity::What;
 use nalgebra::{DMatrix, DVector};
@@ -21,18 +22,6 @@ pub struct Combination {
     pub row: StateRow,
     /// Places of limits among the stops, with factors.
     pub beyond: Vec<(usize, f64)>,
-}
-
-/// A side of the limits of a continuous block's output, which stands among the stops: how far the
-/// output would be beyond it is the excess and the force of one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OutputLimit {
-    /// Index of the block.
-    pub block: usize,
-    /// Index among its outputs.
-    pub output: usize,
-    /// Whether it is the upper one.
-    pub is_upper: bool,
 }
 
 /// Rows of a block.
@@ -250,18 +239,11 @@ impl System {
             let elongation = self.acting(&Functional::zeros(self.coordinates));
             let law = StopLaw::Compliant { stiffness: 0.0, damping: 0.0, limit: DampingLimit::Pull };
             limited.beyond.push((self.stops.len(), -sign));
-            self.stops.push(StopRows {
-                elongation: Elongation { e: excess.clone(), ..elongation },
-                law,
-                force: excess.clone(),
-                spring: excess.clone(),
-                excess,
-                is_followed: false,
-                level: None,
-                is_freewheel: false,
-                limit: Some(OutputLimit { block, output, is_upper: sign > 0.0 }),
-                further: Vec::new(),
-            });
+            // How far the output would be beyond the limit is the force of the stop.
+            let (force, spring) = (excess.clone(), excess.clone());
+            let limit = Some(OutputLimit { block, output, is_upper: sign > 0.0 });
+            let elongation = Elongation { e: excess.clone(), ..elongation };
+            self.stops.push(StopRows { force, spring, limit, ..StopRows::new(elongation, excess, law) });
             let element = d.elements().count() - d.blocks.len() + block;
             self.parts[element].push(Part::Stop(self.stops.len() - 1));
         }

@@ -1,8 +1,9 @@
 //! Rows of the bodies' coordinates.
 
+use super::BodyRows;
 use super::reduction::Reduction;
-use super::{BodyRows, Functional};
 use crate::description::Description;
+use crate::functional::Functional;
 use crate::signals::Signals;
 
 /// The rows of all bodies.

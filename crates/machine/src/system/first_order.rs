@@ -6,20 +6,12 @@
 //! of e, and the difference is far larger than a small force of a stiff spring. States that are
 //! given or told outside have x ([`System::take_given`], [`System::given`]).
 
-use super::{Elongation, Functional, Part, StopRows, System};
+use super::{Elongation, FirstOrder, Part, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
+use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
 use crate::mode::{SliderState, StopState};
 use std::ops::Range;
-
-/// A state of first order.
-#[derive(Clone, Debug)]
-pub struct FirstOrder {
-    /// Its rate while it moves.
-    pub rate: Functional,
-    /// The branch with a slider whose stretch it is: it moves only while the slider is held.
-    pub slider: Option<usize>,
-}
 
 /// Rows of a spring in series with a partner.
 #[derive(Clone, Debug)]
@@ -160,6 +152,19 @@ impl System {
                 state.direction() * slip * z[self.signals.one]
             }
             _ => branch.force.at(z),
+        }
+    }
+
+    /// All branches with their sliders held.
+    pub fn held_sliders(&self) -> Vec<SliderState> {
+        vec![SliderState::Held; self.branches.len()]
+    }
+
+    /// The level of a branch with a slider, as a row.
+    pub(crate) fn slip_level(&self, i: usize) -> Option<Functional> {
+        match self.branches[i].law {
+            SeriesLaw::Slider { slip } => Some(self.constant(slip)),
+            SeriesLaw::Dashpot { .. } => None,
         }
     }
 

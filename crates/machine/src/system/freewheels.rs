@@ -18,19 +18,8 @@ impl System {
         for (i, element) in d.elements().enumerate() {
             let Element::Freewheel(wheel) = element else { continue };
             let elongation = self.elongation(&wheel.arms);
-            let none = self.constant(0.0);
-            self.stops.push(StopRows {
-                excess: elongation.rate.clone(),
-                elongation,
-                law: StopLaw::Rigid { restitution: 0.0 },
-                force: none.clone(),
-                spring: none,
-                is_followed: false,
-                is_freewheel: true,
-                level: None,
-                limit: None,
-                further: Vec::new(),
-            });
+            let (excess, law) = (elongation.rate.clone(), StopLaw::Rigid { restitution: 0.0 });
+            self.stops.push(StopRows { is_freewheel: true, ..StopRows::new(elongation, excess, law) });
             self.parts[i].push(Part::Stop(self.stops.len() - 1));
         }
     }

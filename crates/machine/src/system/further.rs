@@ -2,23 +2,9 @@
 //! a stop.
 
 use super::{FrictionRows, LevelRows, Part, System};
-use crate::description::{Arms, DampingLimit, Description, Follows, StopLaw};
-use crate::polyline::Polyline;
+use crate::description::{Arms, Follows};
 
 impl System {
-    /// Adds the corners of springs by points, behind all stops.
-    pub(super) fn add_corners(&mut self, d: &Description) {
-        for (i, spring) in d.springs.iter().enumerate().filter(|(_, spring)| !spring.points.is_empty()) {
-            let line = Polyline::new(&spring.points);
-            self.stored_at_zero += line.energy_at_zero();
-            for &(e, stiffness) in &line.corners {
-                let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
-                let corner = self.add_stop(&spring.arms, e, law);
-                self.parts[i].extend(corner);
-            }
-        }
-    }
-
     /// Whether a stop is a corner of a spring's force, or one of its levels.
     pub fn is_corner(&self, stop: usize) -> bool {
         let is_own = (self.first_corner..self.first_freewheel).contains(&stop);

@@ -1,7 +1,8 @@
 //! Gyroscopic forces among the coordinates of a body with matrices (docs/assembly-law.md (A51)).
 
-use super::{StateRow, System};
+use super::System;
 use crate::description::Description;
+use crate::functional::StateRow;
 use nalgebra::DMatrix;
 
 /// A skew matrix on the normal coordinates from a first body on.

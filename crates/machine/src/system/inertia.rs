@@ -1,7 +1,8 @@
 //! The factored inertia matrix, by the blocks of coordinates that links and nodes couple.
 
-use super::{Functional, RowMatrix};
+use super::RowMatrix;
 use crate::components::components;
+use crate::functional::Functional;
 use nalgebra::{Cholesky, DMatrix, DVector, Dim, Dyn, Matrix, OMatrix, StorageMut};
 use std::sync::OnceLock;
 

@@ -1,30 +1,9 @@
 //! Parts of elements whose stiffness steps in time: one for each level (docs/assembly-law.md
 //! (A16)).
 
-use super::{Functional, Part, StopRows, System};
-use crate::description::{DampingLimit, Description, StopLaw};
+use super::{Part, StopLevel, StopRows, System};
 use crate::mode::StopState;
-use crate::stepped;
 use nalgebra::DVector;
-
-/// A part that acts while a stiffness that steps has one of its levels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StopLevel {
-    /// The coordinate of the signal that counts the levels.
-    pub counter: usize,
-    /// The level, which the counter has while the part acts.
-    pub level: f64,
-    /// The stop to whose section it belongs; `None` for that of a spring, which has no gap.
-    pub stop: Option<usize>,
-}
-
-impl StopLevel {
-    /// Whether another level holds.
-    #[inline]
-    pub fn is_off(&self, z: &DVector<f64>) -> bool {
-        (z[self.counter] - self.level).abs() > 0.5
-    }
-}
 
 impl StopRows {
     /// Whether its stiffness has another level in an augmented state.
@@ -56,50 +35,6 @@ impl StopRows {
 }
 
 impl System {
-    /// Adds a part for each further level of stops, and for each level of springs, behind the stops
-    /// of the sections.
-    pub(super) fn add_levels(&mut self, d: &Description, counters: &[Functional]) {
-        let mut counters = counters.iter().map(|row| row.imax());
-        for (i, stop) in d.stops.iter().enumerate() {
-            let Some(signal) = &stop.stepped else { continue };
-            let counter = counters.next().unwrap_or_default();
-            let StopLaw::Compliant { damping, limit, .. } = stop.law else { continue };
-            let element = self.element_of(Part::Stop(i));
-            for (level, stiffness) in stepped::levels(signal).into_iter().enumerate() {
-                let law = StopLaw::Compliant { stiffness, damping, limit };
-                let own = StopLevel { counter, level: level as f64, stop: Some(i) };
-                if level == 0 {
-                    self.put_level(i, own, law);
-                } else {
-                    let parts = self.add_stop(&stop.arms, stop.gap, law);
-                    self.put_level(self.stops.len() - 1, own, law);
-                    self.parts[element].extend(parts);
-                }
-            }
-        }
-        for (i, spring) in d.springs.iter().enumerate() {
-            let Some(signal) = &spring.stepped else { continue };
-            let counter = counters.next().unwrap_or_default();
-            for (level, stiffness) in stepped::levels(signal).into_iter().enumerate() {
-                let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
-                let parts = self.add_stop(&spring.arms, 0.0, law);
-                let own = StopLevel { counter, level: level as f64, stop: None };
-                self.put_level(self.stops.len() - 1, own, law);
-                self.parts[i].extend(parts);
-            }
-        }
-    }
-
-    /// Gives a stop the stiffness of a level.
-    fn put_level(&mut self, i: usize, level: StopLevel, law: StopLaw) {
-        let StopLaw::Compliant { stiffness, damping, .. } = law else { return };
-        let stop = &mut self.stops[i];
-        let spring = stiffness * &stop.excess;
-        let force = &spring + &(damping * &stop.elongation.rate);
-        (stop.law, stop.level) = (law, Some(level));
-        [stop.force, stop.spring] = [force, spring];
-    }
-
     /// Whether any stiffness steps.
     pub(crate) fn has_levels(&self) -> bool {
         self.stops.iter().any(|stop| stop.level.is_some())

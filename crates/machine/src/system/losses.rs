@@ -1,8 +1,9 @@
 //! The powers that a machine's loads put in and its losses take out, as products of two functionals
 //! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A20)).
 
-use super::{Functional, System};
+use super::System;
 use crate::description::{SeriesLaw, StopLaw};
+use crate::functional::Functional;
 use crate::kernel::Sparse;
 use crate::mode::{FrictionState, Mode, SliderState, StopState};
 use std::sync::Arc;

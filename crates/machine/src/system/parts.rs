@@ -2,7 +2,8 @@
 //!
 //! The user sees an element, with one name, one force and one energy; the law sees its parts.
 
-use super::{Elongation, Functional, System};
+use super::{Elongation, System};
+use crate::functional::Functional;
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
 

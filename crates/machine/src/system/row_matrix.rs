@@ -1,6 +1,6 @@
 //! Matrices of a machine by the nonzero entries of their rows.
 
-use super::Functional;
+use crate::functional::Functional;
 use crate::kernel::Sparse;
 use nalgebra::{DMatrix, DVector};
 use std::ops::{Deref, Index};

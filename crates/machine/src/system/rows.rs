@@ -1,12 +1,9 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
-use super::{Functional, OutputLimit, StopLevel};
 use crate::description::{DampingLimit, StopLaw};
-use crate::mode::states::StopState;
+use crate::functional::Functional;
+use crate::mode::StopState;
 use nalgebra::DVector;
-
-/// A row that acts on the augmented state.
-pub type StateRow = DVector<f64>;
 
 /// The elongation e = Σ arm · s of an element, with its rate.
 #[derive(Clone, Debug)]
@@ -53,6 +50,37 @@ pub struct SpringRows {
     pub preload: f64,
     /// Its force.
     pub force: Functional,
+}
+
+/// A side of the limits of a continuous block's output, which stands among the stops: how far the
+/// output would be beyond it is the excess and the force of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputLimit {
+    /// Index of the block.
+    pub block: usize,
+    /// Index among its outputs.
+    pub output: usize,
+    /// Whether it is the upper one.
+    pub is_upper: bool,
+}
+
+/// A part that acts while a stiffness that steps has one of its levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopLevel {
+    /// The coordinate of the signal that counts the levels.
+    pub counter: usize,
+    /// The level, which the counter has while the part acts.
+    pub level: f64,
+    /// The stop to whose section it belongs; `None` for that of a spring, which has no gap.
+    pub stop: Option<usize>,
+}
+
+impl StopLevel {
+    /// Whether another level holds.
+    #[inline]
+    pub fn is_off(&self, z: &DVector<f64>) -> bool {
+        (z[self.counter] - self.level).abs() > 0.5
+    }
 }
 
 /// Rows of a stop.
@@ -192,4 +220,13 @@ impl FrictionRows {
     pub fn at(&self, stops: &[StopState]) -> Option<&LevelRows> {
         self.place(stops).map(|place| &self.levels[place])
     }
+}
+
+/// A state of first order.
+#[derive(Clone, Debug)]
+pub struct FirstOrder {
+    /// Its rate while it moves.
+    pub rate: Functional,
+    /// The branch with a slider whose stretch it is: it moves only while the slider is held.
+    pub slider: Option<usize>,
 }

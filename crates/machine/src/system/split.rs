@@ -1,10 +1,11 @@
 //! The system of a mode without held contacts as what always acts and a term for each force that
 //! acts in the mode: A = base - Σ by ⊗ force. Nothing dense is made when such a mode is met.
 
-use super::{Functional, System};
-use crate::flow::WatchTable;
+use super::System;
+use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch};
+use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch, WatchTable};
+use crate::norm::{LEAST_RATE, swept};
 use std::sync::Arc;
 
 /// The part of the rate that signals may add to it in the norm of (A6).
@@ -248,7 +249,7 @@ impl Split {
         let (n, first, one) = (scales.len(), 2 * scales.len(), 2 * scales.len() + inner.len());
         // Ω = κ/Ω + γ + SHARE Ω of each row, and the largest Ω of all.
         let of_row = |k: f64, c: f64| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
-        let (mut rate, mut excess) = (rate.max(crate::flow::LEAST_RATE), 1.0f64);
+        let (mut rate, mut excess) = (rate.max(LEAST_RATE), 1.0f64);
         for (k, scale) in scales.iter().enumerate() {
             let (mut stiffness, mut damping) = (0.0, 0.0);
             for &(j, x) in a.row(n + k) {
@@ -286,7 +287,7 @@ impl Norm {
             let on_rates = term.by.terms().iter().filter(|(place, _)| *place < 2 * n);
             on_rates.for_each(|&(place, x)| by_row[place - n].push((term, x)));
         }
-        let mut lowest = crate::flow::LEAST_RATE.max(crate::flow::swept(base, one));
+        let mut lowest = LEAST_RATE.max(swept(base, one));
         for k in 0..n {
             added.fill(0.0);
             let mut stiffness = 0.0;

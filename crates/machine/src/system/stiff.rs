@@ -8,7 +8,9 @@
 
 use super::{Elongation, System};
 use crate::description::StopLaw;
-use crate::flow::STIFF;
+
+/// A tie is stiff where the mode's rate is more than this many times the rate without it.
+pub(crate) const STIFF: f64 = 30.0;
 
 /// A spring, a pressed compliant stop, or a corner of a spring that is passed, whose stiffness may
 /// be negative.

@@ -142,7 +142,7 @@ fn second_method_fmus_show_the_engine_s_motion_and_the_states_of_its_contacts() 
         let mut impacts: BTreeMap<String, f64> = BTreeMap::new();
         for k in 1..=STEPS {
             let h = END / f64::from(STEPS);
-            fmu.advance(h * f64::from(k - 1), h, &mut Silent).unwrap();
+            fmu.step_as_agreed(h * f64::from(k - 1), h, &mut Silent).unwrap();
             let assembly = motion.assembly().clone();
             let met = motion.advance_observed(fmu.time(), &mut |event| {
                 if let EventKind::Impact { stop, .. } = event.kind {

@@ -128,12 +128,6 @@ impl Instance {
         self.life.phase
     }
 
-    /// Puts the component into any phase, to visit every cell of a door's state machine.
-    #[cfg(test)]
-    pub(crate) fn force(&mut self, phase: Phase) {
-        self.life.phase = phase;
-    }
-
     /// All data from which the component can continue.
     pub fn save(&self) -> SavedState {
         SavedState {

@@ -30,9 +30,7 @@ pub mod variables;
 mod variation;
 
 pub use fmi_doors::log;
-pub use fmi_doors::{
-    Advance, Dependency, EventHandling, Handled, Interface, Phase, Piece, StepOutcome, StepReason,
-};
+pub use fmi_doors::{Dependency, EventHandling, Handled, Interface, Phase, Piece, StepOutcome};
 pub use instance::Instance;
 pub use problem::{ComponentProblem, Outcome};
 pub use protocol::Protocol;

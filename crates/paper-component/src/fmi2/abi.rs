@@ -1,8 +1,5 @@
 //! The C interface of FMI 2.0 to this component.
 
-#[cfg(test)]
-mod tests;
-
 use crate::component::Instance;
 pub use fmi_doors::fmi2::abi::{FmiCallbackFunctions, FmiComponent, FmiLogger};
 

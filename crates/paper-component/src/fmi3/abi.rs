@@ -1,8 +1,5 @@
 //! The C interface of FMI 3.0 to this component.
 
-#[cfg(test)]
-mod tests;
-
 use crate::component::Instance;
 pub use fmi_doors::fmi3::abi::{FmiInstance, FmiIntermediateUpdate, FmiLogMessage};
 

@@ -12,5 +12,4 @@ mod exchange;
 mod fmi2;
 mod host;
 mod intermediate;
-mod logging;
 mod output_derivatives;

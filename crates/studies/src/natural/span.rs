@@ -7,7 +7,7 @@
 //! λ² M + λ C + K from its undamped one.
 
 use nalgebra::Complex;
-use vibro_machine::mode::Linear;
+use vibro_machine::linear::Linear;
 use vibro_machine::sparse_factor::{Number, Pattern, SymmetricSparse};
 use vibro_machine::system::System;
 

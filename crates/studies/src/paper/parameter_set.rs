@@ -4,8 +4,7 @@ mod caption;
 mod name;
 mod units;
 
-pub use caption::short;
-pub use name::{Name, find_field, find_group, physical_parameters, significant};
+pub use name::{Name, find_field, find_group, physical_parameters, short, significant};
 pub use units::{Quantity, Unit, number, numbers, quantity_in, typed_unit};
 
 use crate::error::{Error, Result};

@@ -3,7 +3,8 @@
 use super::{short, units};
 use vibro_machine::Assembly;
 use vibro_machine::description::{Body, BodyKind, Description, Integrated, Level};
-use vibro_machine::system::{BodyRows, StateRow};
+use vibro_machine::functional::StateRow;
+use vibro_machine::system::BodyRows;
 use vibro_numerics::double_double::DoubleDouble;
 use vibro_studies::common_period;
 

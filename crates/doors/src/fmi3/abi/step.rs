@@ -2,8 +2,8 @@
 
 use super::super::instance::Update;
 use super::super::intermediate::{Progress, Turn};
-use super::super::types::StepEnd;
 use super::*;
+use crate::events::StepOutcome;
 use crate::ffi::Fault;
 use crate::ffi::pointers::variable;
 use std::cell::Cell;
@@ -37,11 +37,11 @@ impl Returned<'_> {
     }
 
     #[inline]
-    fn put(&self, end: StepEnd) {
-        put(self.event_handling_needed, end.event_handling_needed.into());
+    fn put(&self, outcome: StepOutcome) {
+        put(self.event_handling_needed, outcome.event.into());
         put(self.terminate_simulation, false.into());
-        put(self.early_return, end.early_return.into());
-        put(self.last_successful_time, end.last_successful_time);
+        put(self.early_return, outcome.early.into());
+        put(self.last_successful_time, outcome.time);
     }
 }
 
@@ -77,26 +77,26 @@ pub unsafe fn do_step<C: Component>(
             shared::<C>(instance).and_then(|shared| Some((shared.intermediate_update?, shared.environment)));
         (returned, callback)
     };
-    let mut end = StepEnd::default();
+    let mut outcome = StepOutcome::default();
     // SAFETY: as above.
     let status = unsafe {
         match callback {
             None => call::<C>(instance, Function::DoStep, |instance, host| {
                 returned.check()?;
-                end = instance.do_step(point, size, host)?;
+                outcome = instance.do_step(point, size, host)?;
                 Ok(())
             }),
             Some(callback) => {
-                step_with_callback::<C>(instance, (point, size), callback, || returned.check(), &mut end)
+                step_with_callback::<C>(instance, (point, size), callback, || returned.check(), &mut outcome)
             }
         }
     };
     if status == Status::Error as FmiStatus {
         // SAFETY: as above.
         let Some(time) = (unsafe { present_time::<C>(instance) }) else { return status };
-        end = StepEnd { last_successful_time: time, ..StepEnd::default() };
+        outcome = StepOutcome { time, ..StepOutcome::default() };
     }
-    returned.put(end);
+    returned.put(outcome);
     status
 }
 
@@ -121,7 +121,7 @@ unsafe fn step_with_callback<C: Component>(
     (point, size): (f64, f64),
     (callback, environment): (FmiIntermediateUpdate, *mut c_void),
     check: impl FnOnce() -> Result<(), Fault>,
-    end: &mut StepEnd,
+    outcome: &mut StepOutcome,
 ) -> FmiStatus {
     let mut step: Option<(Progress<C>, Turn)> = None;
     // SAFETY: as above.
@@ -136,7 +136,7 @@ unsafe fn step_with_callback<C: Component>(
         let Some((progress, turn)) = &mut step else { break };
         let update = match *turn {
             Turn::Done(reached) => {
-                *end = reached;
+                *outcome = reached;
                 break;
             }
             Turn::Ask(update) => update,

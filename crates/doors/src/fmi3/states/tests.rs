@@ -2,6 +2,8 @@
 //! text.
 
 use super::*;
+use crate::allowed::assert_is_the_standards;
+use crate::life::Interface;
 
 /// "Allowed Function Calls" of FMI 3.0.2, states in this order. Model Exchange: Instantiated,
 /// Initialization Mode, Event Mode, Continuous-Time Mode, Terminated, fatal; Co-Simulation:
@@ -89,21 +91,11 @@ fn table_is_the_standards() {
     let exchange = [Instantiated, InitializationMode, EventMode, ContinuousTimeMode, Terminated, Fatal];
     let cosimulation =
         [Instantiated, InitializationMode, EventMode, StepMode, IntermediateUpdateMode, Terminated, Fatal];
-    let lines: Vec<_> = STANDARD.lines().filter(|line| !line.trim().is_empty()).collect();
-    assert_eq!(lines.len(), FUNCTIONS.len());
-    for (line, function) in lines.iter().zip(FUNCTIONS) {
-        let cells: Vec<_> = line.split_whitespace().collect();
-        assert_eq!(cells[0], function.name());
-        for (interface, states, marks) in [
-            (Interface::ModelExchange, &exchange[..], cells[1]),
-            (Interface::CoSimulation, &cosimulation[..], cells[2]),
-        ] {
-            assert_eq!(marks.len(), states.len());
-            for (state, mark) in states.iter().zip(marks.chars()) {
-                assert_eq!(function.allowed(interface, *state), "xl".contains(mark), "{line} {state:?}");
-            }
-        }
-    }
+    assert_is_the_standards!(
+        STANDARD,
+        [(Interface::ModelExchange, &exchange[..]), (Interface::CoSimulation, &cosimulation[..])],
+        |_, _, mark| "xl".contains(mark)
+    );
 }
 
 /// 75 functions with those that act on no instance: version and the three instantiations.

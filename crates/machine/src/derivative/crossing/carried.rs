@@ -1,12 +1,12 @@
 //! Derivatives carried over an event, once it is known by how much it comes later.
 
 use super::super::columns::Columns;
-use super::super::impulse::Impulse;
 use super::super::jump::share;
 use super::super::lost::{Cause, Lost};
 use super::super::samples::actions;
 use super::Crossing;
 use crate::mode::Contact;
+use crate::motion::Impulse;
 use crate::signals::StepTime;
 use nalgebra::DVector;
 

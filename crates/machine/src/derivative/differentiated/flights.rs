@@ -6,9 +6,9 @@ use super::super::machine::{Instant, Varied};
 use super::super::mode::VariedMode;
 use super::Differentiated;
 use crate::error::Error;
+use crate::functional::Functional;
 use crate::mode::Watch;
 use crate::motion::{Motion, Reached};
-use crate::system::Functional;
 use nalgebra::DVector;
 
 /// The watched functionals of the present mode that are zero throughout it.

@@ -2,8 +2,8 @@
 
 use super::{EventVerdict, Friction, Selection, Slider, SliderFlag, Stop, slid, slipping};
 use crate::description::StopLaw;
+use crate::functional::StateRow;
 use crate::mode::{FrictionState, SliderState, StopState};
-use crate::system::StateRow;
 
 impl Selection<'_> {
     /// The sign -1, 0 or 1 of a row's derivative of an order, 0 where it is rounding.

@@ -1,10 +1,10 @@
 //! The contacts' quadratic program at one order, and the decisions by its solution.
 
 use super::{Friction, Selection, Stop, slipping};
+use crate::functional::StateRow;
 use crate::law::ZERO;
 use crate::law::box_qp::{BoxProblem, Jam, Solution};
 use crate::mode::{Contact, FrictionState, StopState};
-use crate::system::StateRow;
 use nalgebra::{DMatrix, DVector};
 
 impl Selection<'_> {

@@ -1,7 +1,8 @@
 //! What samples make of the augmented state, and of its variations.
 
-use super::super::{StateRow, System};
+use super::super::System;
 use super::{Combination, Sampler};
+use crate::functional::StateRow;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

@@ -83,7 +83,7 @@ fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
 fn golden_newton_ends_where_its_estimate_says() {
     /// Relative error: the estimate allows ε, and rounding of p, of the step and of u add ε each.
     const ERROR: f64 = 4.0 * f64::EPSILON;
-    let rows: Vec<&str> = include_str!("../../../tests/data/newton.csv").lines().skip(1).collect();
+    let rows: Vec<&str> = include_str!("../../../tests/newton.csv").lines().skip(1).collect();
     assert!(rows.len() > 90);
     for row in rows {
         let numbers: Vec<f64> = row.split(',').map(|text| text.parse().unwrap()).collect();

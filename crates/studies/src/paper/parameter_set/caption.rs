@@ -125,14 +125,3 @@ impl ParameterSet {
         near.into_iter().find_map(|value| self.with(name, value).ok())
     }
 }
-
-/// A number for captions: four decimals at most, a true minus sign.
-pub fn short(value: f64) -> String {
-    let rounded = (value * 1e4).round() / 1e4;
-    if rounded == 0.0 && value != 0.0 || value.abs() >= 1e6 {
-        format!("{value:.3e}").replace('-', "−")
-    } else {
-        // Adding zero turns -0 into 0.
-        format!("{}", rounded + 0.0).replace('-', "−")
-    }
-}

@@ -142,7 +142,7 @@ impl Name {
     /// A value with the unit, for captions and messages.
     pub fn with_unit(self, value: f64) -> String {
         match self.unit() {
-            "1" => super::short(value),
+            "1" => short(value),
             unit => format!("{} {}", significant(value), unit.replace('.', "·")),
         }
     }
@@ -267,4 +267,15 @@ pub fn significant(value: f64) -> String {
     let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
     if plain { format!("{rounded}") } else { format!("{rounded:e}") }.replace('-', "−")
+}
+
+/// A number for captions: four decimals at most, a true minus sign.
+pub fn short(value: f64) -> String {
+    let rounded = (value * 1e4).round() / 1e4;
+    if rounded == 0.0 && value != 0.0 || value.abs() >= 1e6 {
+        format!("{value:.3e}").replace('-', "−")
+    } else {
+        // Adding zero turns -0 into 0.
+        format!("{}", rounded + 0.0).replace('-', "−")
+    }
 }

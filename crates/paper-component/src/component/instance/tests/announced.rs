@@ -29,9 +29,9 @@ fn follow(mut fmu: Instance, by_step: bool, until: f64) -> (usize, usize) {
         let (next, known) = (get(&mut fmu, "impacts.nextTime"), get(&mut fmu, "impacts.nextKnown"));
         assert!(next > now, "the next event is announced for the present, {now}");
         if by_step {
-            fmu.step(now, next - now, &mut messages).unwrap();
+            fmu.step_without_event_mode(now, next - now, &mut messages).unwrap();
         } else {
-            let event = fmu.advance(now, next - now, &mut messages).unwrap().event;
+            let event = fmu.step_as_agreed(now, next - now, &mut messages).unwrap().event;
             handle(&mut fmu, event, &mut messages);
         }
         if known == 1.0 {
@@ -103,10 +103,10 @@ fn an_announced_impact_is_behind_the_last_of_several_steps_to_it() {
             }
             let part = (next - now) / 7.3;
             for _ in 0..7 {
-                fmu.advance(now, part, &mut Messages::default()).unwrap();
+                fmu.step_as_agreed(now, part, &mut Messages::default()).unwrap();
                 now += part;
             }
-            let end = fmu.advance(now, next - now, &mut Messages::default()).unwrap();
+            let end = fmu.step_as_agreed(now, next - now, &mut Messages::default()).unwrap();
             assert!(end.event, "{place}: announced for {next}");
             handle(&mut fmu, end.event, &mut Messages::default());
             met += 1;
@@ -124,14 +124,14 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
         for pieces in [false, true] {
             let mut fmu = with_handling(event_mode, early, &held);
             let mut messages = Messages::default();
-            fmu.advance(0.0, 0.1, &mut messages).unwrap();
+            fmu.step_as_agreed(0.0, 0.1, &mut messages).unwrap();
             assert_eq!(get(&mut fmu, "stop.state"), 2.0);
             set(&mut fmu, "block.f", -0.5).unwrap();
             if pieces {
                 let mut course = Pieces::begin(&fmu, 0.1, 0.05).unwrap();
                 course.start(&mut fmu, &mut messages).unwrap();
             } else {
-                fmu.advance(0.1, 0.05, &mut messages).unwrap();
+                fmu.step_as_agreed(0.1, 0.05, &mut messages).unwrap();
             }
             assert_eq!(leaves(&messages), 1, "{event_mode} {early} {pieces}: {:?}", messages.0);
         }
@@ -139,7 +139,7 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
     let mut fmu = with_handling(false, false, &held);
     let mut messages = Messages::default();
     set(&mut fmu, "block.f", -0.5).unwrap();
-    fmu.step(0.0, 0.05, &mut messages).unwrap();
+    fmu.step_without_event_mode(0.0, 0.05, &mut messages).unwrap();
     assert_eq!(leaves(&messages), 1, "{:?}", messages.0);
 }
 
@@ -167,9 +167,9 @@ fn announced_impacts_of_a_closed_form_are_behind_the_step_by_each_protocol() {
                     let (now, next) = (fmu.time(), get(&mut fmu, "impacts.nextTime"));
                     assert!(next > now, "{frequency}: the impact after {now} is announced for {next}");
                     if by_step {
-                        fmu.step(now, next - now, &mut messages).unwrap();
+                        fmu.step_without_event_mode(now, next - now, &mut messages).unwrap();
                     } else {
-                        fmu.advance(now, next - now, &mut messages).unwrap();
+                        fmu.step_as_agreed(now, next - now, &mut messages).unwrap();
                     }
                     let met = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
                     assert_eq!(met, f64::from(n), "{frequency}: announced for {next}");

@@ -248,7 +248,7 @@ fn played_impacts_stop_a_step_and_are_logged() {
     }
     let mut fmu = closed(3.0);
     let mut messages = Messages::default();
-    fmu.step(0.0, times[19] + 1e-9, &mut messages).unwrap();
+    fmu.step_without_event_mode(0.0, times[19] + 1e-9, &mut messages).unwrap();
     assert_eq!(messages.0.len(), 20);
 }
 
@@ -284,9 +284,9 @@ fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_othe
         let mut fmu = closed(3.0);
         let mut messages = Messages::default();
         if ends_at_events {
-            fmu.advance(0.0, 1e9, &mut messages).unwrap();
+            fmu.step_as_agreed(0.0, 1e9, &mut messages).unwrap();
         } else {
-            fmu.step(0.0, 1e9, &mut messages).unwrap();
+            fmu.step_without_event_mode(0.0, 1e9, &mut messages).unwrap();
         }
         let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
         assert!(impacts > 3e8, "{impacts}");
@@ -310,7 +310,7 @@ fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
         let mut fmu = with_handling(true, true, &plastic);
         for _ in 0..40 {
             let now = fmu.time();
-            assert!(fmu.advance(now, 100.0, &mut Silence).unwrap().event);
+            assert!(fmu.step_as_agreed(now, 100.0, &mut Silence).unwrap().event);
             let before = get(&mut fmu, "stop.v").abs();
             fmu.enter_event().unwrap();
             let after = get(&mut fmu, "stop.v");
@@ -328,7 +328,7 @@ fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
 #[test]
 fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     let mut fmu = with_handling(true, true, &[("mode", 3.0), ("stopAtImpact", 1.0)]);
-    fmu.advance(0.0, 100.0, &mut Silence).unwrap();
+    fmu.step_as_agreed(0.0, 100.0, &mut Silence).unwrap();
     fmu.enter_event().unwrap();
     let (mut messages, amplitude) = (Messages::default(), get(&mut fmu, "drive.amplitude"));
     set(&mut fmu, "drive.amplitude", 1e-6).unwrap();
@@ -347,7 +347,7 @@ fn a_steady_state_is_saved_again_as_it_was_restored() {
         let mut fmu = closed(mode);
         for step in 0..40 {
             let time = fmu.time();
-            fmu.advance(time, 0.37, &mut Silence).unwrap();
+            fmu.step_as_agreed(time, 0.37, &mut Silence).unwrap();
             let saved = fmu.save();
             let mut other = instance();
             other.restore(&saved).unwrap();

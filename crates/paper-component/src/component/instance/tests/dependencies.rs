@@ -312,7 +312,7 @@ fn dependencies_at_an_event_are_those_after_it() {
     let mut rests = 0;
     while rests < 3 {
         let now = fmu.time();
-        fmu.advance(now, 100.0, &mut Silence).unwrap();
+        fmu.step_as_agreed(now, 100.0, &mut Silence).unwrap();
         fmu.enter_event().unwrap();
         let shown = (get(&mut fmu, "stop.state"), fmu.dependencies(reference("block.a")).unwrap());
         fmu.handle_events(&mut Silence).unwrap();

@@ -224,7 +224,7 @@ fn second_method_derivatives_of_a_closed_form_by_a_parameter_that_is_0() {
             }
             start.extend([("drive.frequency", 1.0244), ("mode", 3.0)]);
             let mut fmu = stepping(with_events(), &start);
-            fmu.advance(0.0, 0.5, &mut Silence).unwrap();
+            fmu.step_as_agreed(0.0, 0.5, &mut Silence).unwrap();
             fmu.enter_event().unwrap();
             fmu.handle_events(&mut Silence).unwrap();
             let got = derivative(&mut fmu, &names, &[known], &[scale]);
@@ -366,7 +366,7 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
         let mut fmu = stepping(protocol, &[("mode", mode), ("stopAtImpact", 1.0)]);
         for known in [known, known, known].concat() {
             let now = fmu.time();
-            fmu.advance(now, 100.0, &mut Silence).unwrap();
+            fmu.step_as_agreed(now, 100.0, &mut Silence).unwrap();
             fmu.enter_event().unwrap();
             fmu.handle_events(&mut Silence).unwrap();
             let at_impact = derivative(&mut fmu, &["block.v", "box.v", "block.s"], &[known], &[1.0]);
@@ -375,7 +375,7 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
             later.leave_event(&mut Silence).unwrap();
             let now = later.time();
             for step in 0..10 {
-                later.advance(now + 1e-3 * f64::from(step), 1e-3, &mut Silence).unwrap();
+                later.step_as_agreed(now + 1e-3 * f64::from(step), 1e-3, &mut Silence).unwrap();
                 let then = derivative(&mut later, &["block.v", "box.v", "block.s"], &[known], &[1.0]);
                 for (a, b) in at_impact.iter().zip(&then) {
                     assert!((a - b).abs() < SAME * (1.0 + a.abs()), "{known} {mode}: {at_impact:?} {then:?}");
@@ -398,10 +398,10 @@ fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
             let mut fmu = stepping(with_events(), &[("mode", mode), ("stopAtImpact", 1.0)]);
             for _ in 0..3 {
                 let (now, next) = (fmu.time(), get(&mut fmu, "impacts.nextTime"));
-                fmu.advance(now, next - 1e-3 - now, &mut Silence).unwrap();
+                fmu.step_as_agreed(now, next - 1e-3 - now, &mut Silence).unwrap();
                 let earlier = derivative(&mut fmu, &names, &[known], &[1.0]);
                 let now = fmu.time();
-                assert!(fmu.advance(now, 1.0, &mut Silence).unwrap().event);
+                assert!(fmu.step_as_agreed(now, 1.0, &mut Silence).unwrap().event);
                 let at_impact = derivative(&mut fmu, &names, &[known], &[1.0]);
                 for (a, b) in at_impact.iter().zip(&earlier) {
                     let close = (a - b).abs() < SAME * (1.0 + a.abs());
@@ -428,12 +428,12 @@ fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
         let mut start = Instance::of_protocol(Interface::CoSimulation, protocol);
         values.iter().for_each(|(name, value)| set(&mut start, name, *value).unwrap());
         let mut fmu = stepping(protocol, &values);
-        let impact = fmu.advance(0.0, 100.0, &mut Silence).unwrap().time;
+        let impact = fmu.step_as_agreed(0.0, 100.0, &mut Silence).unwrap().time;
         fmu.enter_event().unwrap();
         fmu.handle_events(&mut Silence).unwrap();
         let at_impact = derivative(&mut fmu, &unknowns, &[name], &[1.0]);
         fmu.leave_event(&mut Silence).unwrap();
-        fmu.advance(impact, 0.01, &mut Silence).unwrap();
+        fmu.step_as_agreed(impact, 0.01, &mut Silence).unwrap();
         let later = derivative(&mut fmu, &unknowns, &[name], &[1.0]);
         let close = |a: &f64, b: &f64| (a - b).abs() < SAME * (1.0 + a.abs());
         assert!(at_impact.iter().zip(&later).all(|(a, b)| close(a, b)), "{name}: {at_impact:?} {later:?}");

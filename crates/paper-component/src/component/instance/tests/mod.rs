@@ -6,7 +6,7 @@ use crate::component::structure;
 use crate::component::variables::{
     Base, Bases, Causality, Edition, VARIABLES, Variability, place, reference,
 };
-use fmi_doors::{Advance, Component as _, EventHandling, Model as _, StepOutcome, StepReason};
+use fmi_doors::{Component as _, EventHandling, Model as _, StepOutcome};
 
 mod announced;
 mod closed;
@@ -97,7 +97,7 @@ fn set(instance: &mut Instance, name: &str, value: f64) -> Outcome {
 }
 
 fn step(instance: &mut Instance, point: f64, size: f64) -> Outcome<StepOutcome> {
-    instance.step(point, size, &mut Messages::default())
+    instance.step_without_event_mode(point, size, &mut Messages::default())
 }
 
 /// Outputs that show where a run is.

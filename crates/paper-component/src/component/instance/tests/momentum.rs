@@ -83,7 +83,7 @@ fn closed_form_momenta_of_a_free_box_and_block() {
             let mut kept = None;
             while fmu.time() < 40.0 {
                 let time = fmu.time();
-                let reached = fmu.advance(time, size, &mut Messages::default()).unwrap();
+                let reached = fmu.step_as_agreed(time, size, &mut Messages::default()).unwrap();
                 assert_balanced(&mut fmu, "step");
                 if reached.event {
                     let before = impulses(&mut fmu);
@@ -104,7 +104,7 @@ fn closed_form_momenta_of_a_free_box_and_block() {
             assert_eq!(impulses(&mut fmu), told);
             assert_balanced(&mut fmu, "restored");
             let time = fmu.time();
-            fmu.advance(time, 0.01, &mut Messages::default()).unwrap();
+            fmu.step_as_agreed(time, 0.01, &mut Messages::default()).unwrap();
             assert_balanced(&mut fmu, "after the restored state");
         }
     }
@@ -121,10 +121,10 @@ fn invariant_impulses_do_not_depend_on_the_steps() {
             let time = f64::from(i) * size;
             let saved = fmu.save();
             if again {
-                fmu.advance(time, 0.4 * size, &mut Messages::default()).unwrap();
+                fmu.step_as_agreed(time, 0.4 * size, &mut Messages::default()).unwrap();
                 fmu.restore(&saved).unwrap();
             }
-            fmu.advance(time, size, &mut Messages::default()).unwrap();
+            fmu.step_as_agreed(time, size, &mut Messages::default()).unwrap();
             let [now, _] = impulses(&mut fmu);
             (sum, before) = (sum + (now - before), now);
         }
@@ -160,7 +160,7 @@ fn invariant_impulses_are_the_jumps_of_momentum() {
         let (mut events, mut rests) = (0, 0);
         while fmu.time() < 40.0 && events < 5000 {
             let time = fmu.time();
-            let reached = fmu.advance(time, 1.0, &mut Messages::default()).unwrap();
+            let reached = fmu.step_as_agreed(time, 1.0, &mut Messages::default()).unwrap();
             if !reached.event {
                 continue;
             }
@@ -187,7 +187,7 @@ fn invariant_impulses_are_the_jumps_of_momentum() {
 fn impulses_are_shown_at_the_event_when_steps_go_on() {
     let handling = EventHandling { event_mode: true, early_return: false };
     let mut fmu = made(Interface::CoSimulation, handling, true, &FREE);
-    let reached = fmu.advance(0.0, 10.0, &mut Messages::default()).unwrap();
+    let reached = fmu.step_as_agreed(0.0, 10.0, &mut Messages::default()).unwrap();
     assert!(reached.event && impulses(&mut fmu) == [0.0, 0.0]);
     fmu.enter_event().unwrap();
     assert_balanced(&mut fmu, "Event Mode at the step's end");

@@ -28,9 +28,9 @@ fn started(handling: EventHandling, start: &[(&str, f64)]) -> Instance {
     fmu
 }
 
-fn advance(fmu: &mut Instance, size: f64) -> Advance {
+fn advance(fmu: &mut Instance, size: f64) -> StepOutcome {
     let time = fmu.time();
-    fmu.advance(time, size, &mut Messages::default()).unwrap()
+    fmu.step_as_agreed(time, size, &mut Messages::default()).unwrap()
 }
 
 fn states(fmu: &mut Instance) -> [f64; 6] {

@@ -84,13 +84,13 @@ fn tunable_parameters_act_from_the_next_step_on() {
 fn events_are_logged_when_asked_for() {
     let mut fmu = initialized();
     let mut messages = Messages::default();
-    fmu.step(0.0, 40.0, &mut messages).unwrap();
+    fmu.step_without_event_mode(0.0, 40.0, &mut messages).unwrap();
     let impacts = get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower");
     assert!(impacts > 0.0);
     assert_eq!(messages.0.len() as f64, impacts);
     assert!(messages.0.iter().all(|(c, _)| *c == Category::Events));
     assert!(messages.0[0].1.starts_with("impact on the"), "{}", messages.0[0].1);
-    fmu.step(40.0, 40.0, &mut Silence).unwrap();
+    fmu.step_without_event_mode(40.0, 40.0, &mut Silence).unwrap();
 }
 
 #[test]
@@ -99,8 +99,8 @@ fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
     set(&mut fmu, "stopAtImpact", 1.0).unwrap();
     let mut fmu = initialize(fmu);
     let before = fmu.save();
-    let StepOutcome { time, reason } = step(&mut fmu, 0.0, 40.0).unwrap();
-    assert_eq!((reason, fmu.phase(), fmu.time()), (StepReason::Stopped, Phase::StoppedEarly, time));
+    let StepOutcome { time, event, early } = step(&mut fmu, 0.0, 40.0).unwrap();
+    assert_eq!((event, early, fmu.phase(), fmu.time()), (false, true, Phase::StoppedEarly, time));
     assert!(time > 0.0 && time < 40.0);
     assert_eq!(get(&mut fmu, "impacts.lastTime"), time);
     // As masters do it: back to the step's start, then a step that ends at the impact.
@@ -123,9 +123,9 @@ fn a_master_gets_from_impact_to_impact() {
         let before = fmu.save();
         let size = f64::min(2.0, END - time);
         let outcome = step(&mut fmu, time, size).unwrap();
-        match outcome.reason {
-            StepReason::EndReached => time += size,
-            StepReason::Stopped => {
+        match outcome.early {
+            false => time += size,
+            true => {
                 let impact = outcome.time;
                 assert!(impact > time, "the step from t = {time} s does not progress");
                 fmu.restore(&before).unwrap();
@@ -204,8 +204,8 @@ fn a_refused_step_of_a_closed_form_is_taken_back() {
             set(&mut fmu, "drive.amplitude", 1.1 * amplitude).unwrap();
             let far = 1e17; // beyond it a double does not tell two moments of the motion
             let refused = match by_advance {
-                true => fmu.advance(1.0, far, &mut Silence).err(),
-                false => fmu.step(1.0, far, &mut Silence).err(),
+                true => fmu.step_as_agreed(1.0, far, &mut Silence).err(),
+                false => fmu.step_without_event_mode(1.0, far, &mut Silence).err(),
             };
             assert!(refused.is_some());
             assert_eq!(fmu.save().engine, before);
@@ -253,7 +253,7 @@ fn an_input_with_derivatives_goes_on_after_an_impact_in_its_step() {
     let mut stops = 0;
     while stopping.time() < 12.0 {
         let now = stopping.time();
-        stops += usize::from(step(&mut stopping, now, 12.0 - now).unwrap().reason == StepReason::Stopped);
+        stops += usize::from(step(&mut stopping, now, 12.0 - now).unwrap().early);
     }
     assert!(stops > 1, "{stops}");
     for name in ["box.f", "box.s", "block.s"] {

@@ -1,10 +1,12 @@
 //! Rows on the augmented state and directions of the coordinates, by their nonzero terms.
 
-use super::StateRow;
 use crate::kernel::Sparse;
-use nalgebra::{Dyn, Storage, U1, Vector};
+use nalgebra::{DVector, Dyn, Storage, U1, Vector};
 use std::ops::{Add, Deref, Index, Mul, Neg, Sub};
 use std::sync::OnceLock;
+
+/// A row that acts on the augmented state.
+pub type StateRow = DVector<f64>;
 
 /// A row on the augmented state, or a direction of the coordinates, by its nonzero terms. The list
 /// of all entries, to which it dereferences, is made at the first such use: a machine of thousands
@@ -162,7 +164,6 @@ impl Deref for Functional {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
     #[test]
     fn golden_a_product_has_the_bits_of_the_list_of_all_entries() {

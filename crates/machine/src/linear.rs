@@ -1,12 +1,14 @@
 //! The linear system z' = A z of a mode and the functionals that end it (docs/assembly-law.md
 //! (A5)).
 
-use super::groups::Triangle;
-use super::held::{Held, Reaction};
-use super::{Contact, FrictionState, Mode, SliderState, StopState, Watch};
+mod held;
+
+use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix};
-use crate::system::{Elongation, Functional, Split, System, Term};
-use nalgebra::DMatrix;
+use crate::law::groups::Triangle;
+use crate::mode::{Contact, Mode, StopState, Watch};
+use crate::system::{Elongation, Split, System, Term};
+use held::{Held, Reaction};
 use std::sync::Arc;
 
 /// The linear system of a mode.
@@ -99,27 +101,6 @@ impl System {
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
 
-    /// The matrix A with these rows of accelerations, in states of the branches and of the stops.
-    fn matrix(&self, acceleration: &DMatrix<f64>, states: (&[SliderState], &[StopState])) -> SparseMatrix {
-        let size = self.signals.size;
-        self.rows_of(|k, a| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))), states)
-    }
-
-    /// The matrix A where `push` adds the row of each coordinate's acceleration.
-    fn rows_of(
-        &self,
-        push: impl Fn(usize, &mut SparseMatrix),
-        (sliders, stops): (&[SliderState], &[StopState]),
-    ) -> SparseMatrix {
-        let n = self.coordinates;
-        let mut a = SparseMatrix::default();
-        (0..n).for_each(|k| a.push_row(std::iter::once((n + k, 1.0))));
-        (0..n).for_each(|k| push(k, &mut a));
-        self.push_first_order(&mut a, sliders, stops);
-        self.signals.rates().iter().for_each(|row| a.push_row(row.terms().iter().copied()));
-        a
-    }
-
     /// The elastic forces of a mode that may be computed separately: those of stiff springs and of
     /// compliant stops that act.
     fn elastic(&self, mode: &Mode, held: &Held, terms: Option<SplitTerms>) -> Option<Elastic> {
@@ -199,71 +180,5 @@ impl System {
             }
         }
         watched
-    }
-
-    /// Functionals that are watched for a stop in a state, without the force of a closed stop.
-    pub(crate) fn watched_of_stop(&self, i: usize, state: StopState) -> Vec<(Watch, Functional)> {
-        let stop = &self.stops[i];
-        let damped = stop.is_damped();
-        let leaves = || (Watch::Leaves(i), -&stop.excess);
-        match state {
-            StopState::Open => vec![(Watch::Meets(i), stop.excess.clone())],
-            StopState::Closed => Vec::new(),
-            StopState::Below => vec![(Watch::Presses(i), stop.excess.clone())],
-            StopState::Off => Vec::new(),
-            StopState::Pressed if stop.is_gapless() => Vec::new(),
-            // Of stiffness 0 the force does not tell where it ends.
-            StopState::Pressed if stop.level.is_some() && !damped => vec![leaves()],
-            StopState::Pressed if stop.turns() => vec![(Watch::Turns(i), -&stop.elongation.rate)],
-            StopState::Pressed if !stop.is_limited() => vec![leaves()],
-            StopState::Pressed => {
-                let cap = (stop.is_elastogap() && damped)
-                    .then(|| (Watch::Changes(i), &stop.force - &(2.0 * &stop.spring)));
-                std::iter::once((Watch::Changes(i), -&stop.force)).chain(cap).collect()
-            }
-            StopState::Free => {
-                vec![(Watch::Changes(i), stop.force.clone()), leaves()]
-            }
-            StopState::Capped => vec![(Watch::Changes(i), &(2.0 * &stop.spring) - &stop.force), leaves()],
-            StopState::Rebounding => {
-                vec![(Watch::Turns(i), stop.elongation.rate.clone()), leaves()]
-            }
-        }
-    }
-
-    /// Functionals that are watched for a friction with these of its levels in a state, without the
-    /// force of one that sticks. Where a level passes zero with the force of a stop that never
-    /// pulls, the stop's own functional ends the mode.
-    pub(crate) fn watched_of_friction(
-        &self,
-        i: usize,
-        levels: Option<usize>,
-        state: FrictionState,
-    ) -> Vec<(Watch, Functional)> {
-        let friction = &self.frictions[i];
-        let Some(own) = levels.map(|place| &friction.levels[place]) else { return Vec::new() };
-        let sign = if state == FrictionState::Off { 1.0 } else { -1.0 };
-        let level = friction.passes.then(|| (Watch::Level(i), sign * &own.level));
-        let slips = matches!(state, FrictionState::Up | FrictionState::Down);
-        let stops = slips.then(|| (Watch::Stops(i), -state.direction() * &friction.elongation.rate));
-        stops.into_iter().chain(level).collect()
-    }
-
-    /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
-    /// the forces of stiff springs and of springs with sliders.
-    pub(crate) fn base(&self) -> SparseMatrix {
-        let forces = self.soft_forces();
-        if self.is_diagonal {
-            // Forces are summed before they are divided, so that cancelling ones leave exact zeros.
-            let row = |k: usize| forces.entries(k).iter().map(move |&(j, x)| (j, x / self.mass[(k, k)]));
-            return self.rows_of(|k, a| a.push_row(row(k)), (&[], &[]));
-        }
-        let rows = self.inertia.solve_rows(forces);
-        self.rows_of(|k, a| a.push_row(rows[k].iter().copied()), (&[], &[]))
-    }
-
-    /// Whether a row is a negative constant, such as that of a constant friction level.
-    pub(crate) fn is_constant_and_negative(&self, row: &Sparse) -> bool {
-        matches!(row.terms(), [(j, x)] if *j == self.signals.one && *x < 0.0)
     }
 }

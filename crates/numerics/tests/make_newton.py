@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes newton.csv: Newton's method on polynomials, ended early by the estimate 4 K m^2 <= eps |u|, in 60 digits.
 
-Regenerate with `python3 tests/data/make_newton.py` (needs mpmath; seconds; reproducible).
+Regenerate with `python3 crates/numerics/tests/make_newton.py` (needs mpmath; seconds; reproducible).
 
 Each row is a polynomial p of degree 2 or 4 that rises on [-1, 1] and a start from which the estimate is tight: at the step of
 number `step` it is `part` times the resolution eps |u|, u being the place before the step and m the step's length. With `part` a

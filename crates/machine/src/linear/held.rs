@@ -2,11 +2,11 @@
 //! zero. Their forces λ and the accelerations that they leave follow group by group
 //! (docs/assembly-law.md (A5)).
 
-use super::Contact;
-use super::groups::{Group, Triangle};
 use crate::kernel::{Sparse, SparseMatrix};
 use crate::law::ZERO;
 use crate::law::box_qp::{groups_by_columns, triangle};
+use crate::law::groups::{Group, Triangle};
+use crate::mode::Contact;
 use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 

@@ -2,8 +2,8 @@
 //! other: their compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md
 //! (A5)), so that work grows with the sizes of the groups and not with the number of all contacts.
 
-use super::Contact;
-use crate::law::box_qp::{independent, triangle};
+use super::box_qp::{independent, triangle};
+use crate::mode::{Contact, ElementState, Mode};
 use crate::system::{Elongation, System};
 use nalgebra::DMatrix;
 
@@ -41,7 +41,7 @@ pub struct Triangle(Vec<(Vec<usize>, DMatrix<f64>)>);
 
 impl Triangle {
     /// Of the triangle of each group, with the places of its contacts.
-    pub(super) fn of(groups: Vec<(Vec<usize>, DMatrix<f64>)>) -> Self {
+    pub(crate) fn of(groups: Vec<(Vec<usize>, DMatrix<f64>)>) -> Self {
         Self(groups)
     }
 
@@ -114,6 +114,15 @@ impl System {
         basis
     }
 
+    /// L⁻¹ w of contacts, as columns.
+    pub fn columns(&self, contacts: &[Contact]) -> DMatrix<f64> {
+        let mut columns = DMatrix::zeros(self.coordinates, contacts.len());
+        for (k, &contact) in contacts.iter().enumerate() {
+            columns.set_column(k, &self.elongation_of(contact).column);
+        }
+        columns
+    }
+
     /// The triangle of independent contacts.
     pub fn triangle(&self, contacts: &[Contact]) -> Triangle {
         let of = |group: Group| {
@@ -121,5 +130,17 @@ impl System {
             (group.places, r)
         };
         Triangle(self.groups(contacts).into_iter().map(of).collect())
+    }
+
+    /// The mode that differs from `mode` by the state of an element.
+    pub fn with_element(&self, mode: &Mode, element: ElementState) -> Mode {
+        let mut mode = mode.clone();
+        match element {
+            ElementState::Stop(i, state) => mode.stops[i] = state,
+            ElementState::Friction(i, state) => mode.frictions[i] = state,
+            ElementState::Slider(i, state) => mode.sliders[i] = state,
+        }
+        mode.basis = self.independent(&mode.contacts().collect::<Vec<_>>());
+        mode
     }
 }
