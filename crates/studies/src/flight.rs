@@ -8,7 +8,6 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_numerics::events::turns;
 use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix};
 use vibro_machine::functional::StateRow;
 use vibro_machine::linear::Linear;
@@ -17,6 +16,7 @@ use vibro_machine::motion::{Event, Reached};
 use vibro_machine::norm::rate_bound;
 use vibro_machine::system::System;
 use vibro_machine::{Error, Motion, Quantity};
+use vibro_numerics::events::turns;
 use vibro_numerics::events::turns;
 
 /// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
