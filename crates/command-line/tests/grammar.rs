@@ -295,6 +295,14 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
     let (discard, keep) = (default_of("bifurcation", "discard"), default_of("bifurcation", "keep"));
     is_default("_paper_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
     is_default("_paper_machine.py", "basins", format!("settle: int = {}", default_of("basin", "discard")));
-    is_default("_paper_machine.py", "spectrum", format!("periods: int = {}", default_of("lyapunov", "periods")));
-    is_default("_paper_machine.py", "spectrum", format!("settle: int = {}", default_of("lyapunov", "discard")));
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("periods: int = {}", default_of("lyapunov", "periods")),
+    );
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("settle: int = {}", default_of("lyapunov", "discard")),
+    );
 }
