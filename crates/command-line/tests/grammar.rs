@@ -288,13 +288,21 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         let found = signature(file, function);
         assert!(found.contains(&words), "{function}: {words} in {found}");
     };
-    for (file, function) in [("_machine.py", "measure"), ("_many.py", "measure_many")] {
+    for (file, function) in [("_paper_machine.py", "measure"), ("_many.py", "measure_many")] {
         is_default(file, function, format!("periods: int = {}", default_of("sweep", "periods")));
         is_default(file, function, format!("settle: int = {}", default_of("sweep", "discard")));
     }
     let (discard, keep) = (default_of("bifurcation", "discard"), default_of("bifurcation", "keep"));
-    is_default("_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
-    is_default("_machine.py", "basins", format!("settle: int = {}", default_of("basin", "discard")));
-    is_default("_machine.py", "spectrum", format!("periods: int = {}", default_of("lyapunov", "periods")));
-    is_default("_machine.py", "spectrum", format!("settle: int = {}", default_of("lyapunov", "discard")));
+    is_default("_paper_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
+    is_default("_paper_machine.py", "basins", format!("settle: int = {}", default_of("basin", "discard")));
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("periods: int = {}", default_of("lyapunov", "periods")),
+    );
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("settle: int = {}", default_of("lyapunov", "discard")),
+    );
 }

@@ -14,7 +14,7 @@ ROUNDING = 1e-12
 
 
 def example(name):
-    return vi.Assembly(ROOT / "examples/assembly" / name)
+    return vi.Machine(ROOT / "examples/assembly" / name)
 
 
 def test_the_block_of_the_page_prints_what_it_shows(tmp_path):
@@ -61,7 +61,7 @@ OSCILLATOR = {
 
 
 def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator():
-    curves = vi.Assembly(OSCILLATOR).response("load.shaker.frequency", "1.5 Hz", "6 Hz", of="amplitude.box.s", seeds=8)
+    curves = vi.Machine(OSCILLATOR).response("load.shaker.frequency", "1.5 Hz", "6 Hz", of="amplitude.box.s", seeds=8)
     free = [curve for curve in curves if curve.word == ""]
     assert len(free) == 2 and len(curves) > 4
     for curve in free:
@@ -71,7 +71,7 @@ def test_closed_form_a_response_without_impacts_is_that_of_the_linear_oscillator
 
 
 def test_starts_of_a_branch_lead_back_to_its_orbits():
-    oscillator = vi.Assembly(OSCILLATOR)
+    oscillator = vi.Machine(OSCILLATOR)
     curves = oscillator.response("load.shaker.frequency", "1.5 Hz", "6 Hz", of="amplitude.box.s", seeds=8)
     curve = next(curve for curve in curves if curve.word == "impact wall" and len(curve.value) > 20)
     assert len(curve.starts) == len(curve.value)
@@ -83,7 +83,7 @@ def test_starts_of_a_branch_lead_back_to_its_orbits():
 
 
 def test_second_method_basins_are_where_single_motions_settle():
-    bistable = vi.Assembly(OSCILLATOR).replace({"load.shaker.frequency": "4.2 Hz"})
+    bistable = vi.Machine(OSCILLATOR).replace({"load.shaker.frequency": "4.2 Hz"})
     found = bistable.basins(**{"box.s": ("-10 mm", "9.9 mm", 5), "box.v": (-0.5, 0.5, 4)})
     assert found.cells.shape == (4, 5) and found.ended is None
     assert sorted(attractor.word for attractor in found.attractors) == ["", "impact wall"]
@@ -97,15 +97,15 @@ def test_second_method_basins_are_where_single_motions_settle():
 
 
 def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
-    quiet = vi.Assembly(OSCILLATOR).replace({"load.shaker.frequency": "1.5 Hz"})
+    quiet = vi.Machine(OSCILLATOR).replace({"load.shaker.frequency": "1.5 Hz"})
     section, omega = quiet.poincare(phase=np.pi / 2, periods=5), 3 * np.pi
     re, im = 400 - omega**2, 2 * omega
     np.testing.assert_allclose(section["box.s"], 2 * re / (re**2 + im**2), rtol=1e-8)
     assert section.speed is None and section.values.shape == (5, len(quiet.columns))
-    hits = vi.Assembly(OSCILLATOR).poincare("wall", periods=7)
+    hits = vi.Machine(OSCILLATOR).poincare("wall", periods=7)
     assert (hits.speed > 0).all() and np.allclose(hits["box.v"], -0.8 * hits.speed)
     # c/m, and 2 ln 0.8 an impact: one in two periods of 1/3 s.
-    exponents = vi.Assembly(OSCILLATOR).spectrum(periods=30).exponents
+    exponents = vi.Machine(OSCILLATOR).spectrum(periods=30).exponents
     assert abs(exponents.sum() - (-2 + 2 * np.log(0.8) * 1.5)) < 1e-9
     with pytest.raises(KeyError, match="allowed are box.s"):
         section["boz.s"]
@@ -125,7 +125,7 @@ def test_second_method_a_gradient_is_the_slope_of_followed_branches():
 
 
 def test_an_unstable_orbit_is_found_by_its_word_and_period():
-    machine = vi.Assembly(OSCILLATOR)
+    machine = vi.Machine(OSCILLATOR)
     assert machine.orbit().periods == 2
     for wanted in ({"word": "impact wall", "period": "1T"}, {"period": 1 / 3}):
         orbit = machine.orbit(**wanted)
@@ -145,14 +145,14 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
         (lambda: example("impact_pair.toml").orbit().follow("stop.left.gap", 2, 3), "must lie in the range 2 to 3"),
         (lambda: example("impact_pair.toml").orbit().measure("power.lost"), "no measure of an orbit"),
         (lambda: example("impact_pair.toml").orbit().gradient("class"), "no measure of an orbit"),
-        (lambda: vi.Assembly(OSCILLATOR).poincare("wall", phase=1.0), "allowed is 0 at a section of an element's events"),
-        (lambda: vi.Assembly(OSCILLATOR).spectrum(periods=7), "periods = 7"),
-        (lambda: vi.Assembly(OSCILLATOR).orbit("open wall"), "it cannot close"),
-        (lambda: vi.Assembly(OSCILLATOR).orbit(period="0T"), "allowed are '1T' to '32T'"),
-        (lambda: vi.Assembly(OSCILLATOR).orbit(period=0.1), "a multiple of the drive's period"),
-        (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (1, 0, 3), "box.v": (0, 1, 3)}), "allowed is from < to"),
-        (lambda: vi.Assembly(OSCILLATOR).basins(**{"box.s": (0, 1, 3), "boz.v": (0, 1, 3)}), "box.v"),
-        (lambda: vi.Assembly(OSCILLATOR).response("load.shaker.frequency", 3, 1), "allowed is a range with length"),
+        (lambda: vi.Machine(OSCILLATOR).poincare("wall", phase=1.0), "allowed is 0 at a section of an element's events"),
+        (lambda: vi.Machine(OSCILLATOR).spectrum(periods=7), "periods = 7"),
+        (lambda: vi.Machine(OSCILLATOR).orbit("open wall"), "it cannot close"),
+        (lambda: vi.Machine(OSCILLATOR).orbit(period="0T"), "allowed are '1T' to '32T'"),
+        (lambda: vi.Machine(OSCILLATOR).orbit(period=0.1), "a multiple of the drive's period"),
+        (lambda: vi.Machine(OSCILLATOR).basins(**{"box.s": (1, 0, 3), "box.v": (0, 1, 3)}), "allowed is from < to"),
+        (lambda: vi.Machine(OSCILLATOR).basins(**{"box.s": (0, 1, 3), "boz.v": (0, 1, 3)}), "box.v"),
+        (lambda: vi.Machine(OSCILLATOR).response("load.shaker.frequency", 3, 1), "allowed is a range with length"),
         (lambda: example("impact_pair.toml").branches("stop.left.gap", 3, 1), "allowed is a range with length"),
         (lambda: example("impact_pair.toml").branches("stop.left.gap", 1, 2, of="amplitude.bal.s"), "the nearest is"),
     ],
@@ -172,4 +172,4 @@ def test_an_end_of_a_range_of_another_type_is_named():
 def test_a_name_that_is_no_measure_of_an_orbit_is_told_the_measures():
     for of in ("power.lost", "exponent", "nothing"):
         with pytest.raises(ValueError, match=f"{of}: no measure of an orbit; allowed are amplitude.Q, .*impact.impulse.STOP"):
-            vi.Assembly(OSCILLATOR).response("load.shaker.frequency", 1, 3, of=of)
+            vi.Machine(OSCILLATOR).response("load.shaker.frequency", 1, 3, of=of)

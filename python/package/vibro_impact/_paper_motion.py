@@ -14,7 +14,7 @@ from ._show import Line, lines
 from ._result import EVENT, Result, column_of, fields_of, records
 from ._tables import dataset, frame
 from ._start import Start
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     import pandas
@@ -111,7 +111,7 @@ def load_list(loads: Iterable[Load]) -> list[_native.Load]:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Run(Result):
+class PaperRun(Result):
     """A motion."""
 
     machine: ParameterValues
@@ -155,7 +155,7 @@ class Run(Result):
 
     @property
     def events(self) -> NDArray[np.void]:
-        """All events in order of time, as those of an assembly: fields t (s), kind (impact, rest, release), element (stop.upper, stop.lower),
+        """All events in order of time, as those of a described machine: fields t (s), kind (impact, rest, release), element (stop.upper, stop.lower),
         value (the speed of an impact, m/s), stops."""
         found = np.empty(len(self.impacts) + len(self.rests) + len(self.releases), EVENT)
         at = 0
@@ -187,16 +187,16 @@ class Run(Result):
         return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
 
 
-def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> Run:
+def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> PaperRun:
     """A run from what the computation returns."""
     impacts, rests, releases = (
         records(kind, found[name]) for name, kind in (("impacts", IMPACT), ("rests", CONTACT), ("releases", CONTACT))
     )
-    return Run(machine, t, found["s"], found["v"], fields_of(ENERGY, found["energy"]), impacts, rests, releases)
+    return PaperRun(machine, t, found["s"], found["v"], fields_of(ENERGY, found["energy"]), impacts, rests, releases)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Section(Result):
+class PaperSection(Result):
     """A Poincaré section."""
 
     machine: ParameterValues

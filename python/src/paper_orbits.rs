@@ -3,7 +3,7 @@
 use crate::arrays::{Array1, Array2, column, numbers, state, states, table};
 use crate::background::compute;
 use crate::failure::Failure;
-use crate::system::{System, find};
+use crate::paper_system::{System, find};
 use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -13,14 +13,14 @@ use vibro_studies::paper::ParameterSet;
 /// A certified periodic orbit.
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
-pub struct Orbit {
+pub struct PaperOrbit {
     set: ParameterSet,
     orbit: vibro_orbits::paper::Orbit,
     /// How often the word that was asked for passes it.
     passages: u32,
 }
 
-impl Orbit {
+impl PaperOrbit {
     /// An orbit that was found, in its shortest word.
     fn shortest(set: &ParameterSet, found: &vibro_orbits::paper::Orbit) -> Self {
         let (orbit, passages) = found.shortest();
@@ -29,7 +29,7 @@ impl Orbit {
 }
 
 #[pymethods]
-impl Orbit {
+impl PaperOrbit {
     /// The orbit whose phases (rad) are known.
     #[new]
     fn new(
@@ -131,7 +131,7 @@ impl Orbit {
 /// no shorter one come first.
 #[pyfunction]
 #[pyo3(signature = (system, word, closing, half_periods, tries, progress = None))]
-pub fn orbit(
+pub fn paper_orbit(
     py: Python<'_>,
     system: &System,
     word: &str,
@@ -139,32 +139,32 @@ pub fn orbit(
     half_periods: u32,
     tries: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<Orbit>> {
+) -> PyResult<Vec<PaperOrbit>> {
     let word = OrbitWord::new(word, closing, half_periods).map_err(Failure::from)?;
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |_| {
         let found =
             vibro_orbits::paper::search(&vibro_orbits::paper::System::new(set.parameters())?, &word, tries)?;
-        Ok(found.iter().map(|orbit| Orbit::shortest(&set, orbit)).collect())
+        Ok(found.iter().map(|orbit| PaperOrbit::shortest(&set, orbit)).collect())
     })
 }
 
 /// The orbit on which the motion from a state has settled after `discard` drive periods.
 #[pyfunction]
 #[pyo3(signature = (system, start, discard, progress = None))]
-pub fn settled_orbit(
+pub fn paper_settled_orbit(
     py: Python<'_>,
     system: &System,
     start: [f64; 6],
     discard: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Orbit> {
+) -> PyResult<PaperOrbit> {
     let set = system.set().map_err(Failure::from)?.clone();
     compute(py, progress, move |control| {
         let machine = vibro_orbits::paper::System::new(set.parameters())?;
         let settled = vibro_orbits::paper::settle(&machine, &state(&start), discard)?;
         control.check()?;
-        Ok(Orbit { orbit: vibro_orbits::paper::orbit_of(&machine, &settled)?, set, passages: 1 })
+        Ok(PaperOrbit { orbit: vibro_orbits::paper::orbit_of(&machine, &settled)?, set, passages: 1 })
     })
 }
 
@@ -187,9 +187,9 @@ pub struct BranchArrays<'py> {
 /// displacement in m.
 #[pyfunction]
 #[pyo3(signature = (orbit, name, ends, weights, progress = None))]
-pub fn follow<'py>(
+pub fn paper_follow<'py>(
     py: Python<'py>,
-    orbit: &Orbit,
+    orbit: &PaperOrbit,
     name: &str,
     ends: (f64, f64),
     weights: [f64; 3],
@@ -241,7 +241,7 @@ fn branch_arrays<'py>(py: Python<'py>, branch: &Branch, maxima: &[Vec<f64>]) -> 
 #[pyfunction]
 #[pyo3(signature = (system, name, ends, weights, seeds, depth, settle, starts, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn branches<'py>(
+pub fn paper_branches<'py>(
     py: Python<'py>,
     system: &System,
     name: &str,

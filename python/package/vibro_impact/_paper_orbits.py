@@ -12,11 +12,11 @@ from ._arguments import Floats, array, displacement, number, whole
 from ._base import Value
 from ._start import Start
 from ._arguments import SI_COORDINATES
-from ._parameters import find
+from ._paper_parameters import find
 from ._progress import Bar
 from ._show import lines, pieces
 from ._result import Result
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _WEIGHTS = {"x1": (1.0, 0.0, 0.0), "x2": (0.0, 1.0, 0.0), "x3": (0.0, 0.0, 1.0), "w": (-1.0, 1.0, 0.0)}
 
 #: What is special at a point of a branch.
-LABELS = {
+PAPER_LABELS = {
     "LP": "fold: the branch turns round in the parameter",
     "BP": "branch point: on a symmetric orbit the symmetry breaks",
     "PD": "period doubling",
@@ -37,7 +37,7 @@ LABELS = {
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Orbit(Result):
+class PaperOrbit(Result):
     """A certified periodic orbit: it has the impacts of its word and no others."""
 
     machine: ParameterValues
@@ -67,9 +67,9 @@ class Orbit(Result):
         """The period, s."""
         return self.periods * self.machine.period
 
-    def _handle(self) -> _native.Orbit:
+    def _handle(self) -> _native.PaperOrbit:
         closing = -1 if self.symmetric else 1
-        return _native.Orbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
+        return _native.PaperOrbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
         """Displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
@@ -85,7 +85,7 @@ class Orbit(Result):
         """Local maxima of x1, x2, x3 or w over the period, shape (k,), m; of x2 unless given."""
         return self._handle().maxima(_WEIGHTS[displacement(of)])
 
-    def follow(self, name: str, low: Value, high: Value, *, of: Optional[str] = None, progress: bool = False) -> Branch:
+    def follow(self, name: str, low: Value, high: Value, *, of: Optional[str] = None, progress: bool = False) -> PaperBranch:
         """The branch of the orbit along a parameter, stable or not, with its bifurcations (docs/theory.md, section 14).
 
         Parameters
@@ -95,7 +95,7 @@ class Orbit(Result):
         low, high
             Its range, which holds the machine's own value; in SI, or texts with units.
         of
-            The displacement whose maxima are kept, as of :meth:`Machine.bifurcation`.
+            The displacement whose maxima are kept, as of :meth:`PaperMachine.bifurcation`.
 
         Raises
         ------
@@ -110,12 +110,12 @@ class Orbit(Result):
             raise ValueError(f"low = {low!r}, high = {high!r}: allowed is a range that holds {name} = {value!r} of the machine")
         of = displacement(of)
         with Bar(progress, 1, "branches") as bar:
-            found = _native.follow(self._handle(), name, ends, _WEIGHTS[of], bar.report)
+            found = _native.paper_follow(self._handle(), name, ends, _WEIGHTS[of], bar.report)
         return _branch(self.machine, name, of, found)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Branch(Result):
+class PaperBranch(Result):
     """A branch of periodic orbits along a parameter."""
 
     machine: ParameterValues
@@ -139,7 +139,7 @@ class Branch(Result):
     stable: NDArray[np.bool_]
     "Whether the piece from a point to the next is stable, shape (n,)."
     labels: NDArray[np.str_]
-    "What is special at a point, shape (n,): a key of :data:`LABELS`, or empty."
+    "What is special at a point, shape (n,): a key of :data:`PAPER_LABELS`, or empty."
     of: str
     "The displacement whose maxima are kept."
     maxima: list[Floats]
@@ -174,14 +174,14 @@ def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple
     return find(name), (number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high)))
 
 
-def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any]) -> Branch:
+def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any]) -> PaperBranch:
     labels = np.array(found.pop("labels"), dtype="U2")
-    return Branch(machine=machine, name=name, labels=labels, of=of, periods=found.pop("period"), **found)
+    return PaperBranch(machine=machine, name=name, labels=labels, of=of, periods=found.pop("period"), **found)
 
 
 def find_branches(
     machine: ParameterValues, name: str, ends: tuple[Value, Value], of: Optional[str], options: tuple[int, int, int], progress: bool
-) -> list[Branch]:
+) -> list[PaperBranch]:
     """All branches over a range of a parameter."""
     name, low_high = _span(machine, name, *ends)
     of = displacement(of)
@@ -191,7 +191,7 @@ def find_branches(
     # Islands, which motions along the range do not reach, are sought where branches lead to others.
     starts = 0 if depth == 0 else 512
     with Bar(progress, 0, "branches") as bar:
-        found = _native.branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)
+        found = _native.paper_branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)
     return [_branch(machine, name, of, one) for one in found]
 
 
@@ -203,21 +203,21 @@ def find_orbit(
     symmetric: bool,
     tries: int,
     progress: bool,
-) -> Orbit:
+) -> PaperOrbit:
     """The orbit of a word, or that of a settled motion."""
     with Bar(progress, 1, "orbits") as bar:
         if settled is not None:
-            found = _native.settled_orbit(*settled, bar.report)
+            found = _native.paper_settled_orbit(*settled, bar.report)
         else:
             if not isinstance(word, str):
                 raise TypeError(f"word = {word!r}: allowed is a word of the letters U and L, e.g. 'UL'")
             closing, half_periods = (-1, period) if symmetric else (1, 2 * period)
-            all_found = _native.orbit(machine._system, word, closing, half_periods, tries, bar.report)
+            all_found = _native.paper_orbit(machine._system, word, closing, half_periods, tries, bar.report)
             # Those of the word itself, if there are some, before those of a shorter one.
             rank = (all_found[0].word, all_found[0].closing, all_found[0].passages)
             alike = [orbit for orbit in all_found if (orbit.word, orbit.closing, orbit.passages) == rank]
             found = next((orbit for orbit in alike if orbit.stable), alike[0])
-    return Orbit(
+    return PaperOrbit(
         machine,
         found.word,
         found.closing < 0,

@@ -5,7 +5,7 @@ use crate::arrays::{Array1, Array2, column, plane, state, table};
 use crate::background::{Control, compute, each_of, pool};
 use crate::designs::{GivenStarts, GivenSystems};
 use crate::failure::{Failure, in_python};
-use crate::system::{System, find};
+use crate::paper_system::{System, find};
 use pyo3::prelude::*;
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_studies::paper::attractor::{Attractor, MotionClass};
@@ -88,7 +88,7 @@ pub struct BothDirections<'py> {
 #[pyfunction]
 #[pyo3(signature = (system, start, name, ends, count, discard, keep, of, exponents, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn bifurcation<'py>(
+pub fn paper_bifurcation<'py>(
     py: Python<'py>,
     system: &System,
     start: Option<[f64; 6]>,
@@ -172,7 +172,7 @@ pub struct Spectrum<'py> {
 /// The seven Lyapunov exponents of the motion after `discard` drive periods from a state.
 #[pyfunction]
 #[pyo3(signature = (system, start, discard, periods, progress = None))]
-pub fn lyapunov<'py>(
+pub fn paper_lyapunov<'py>(
     py: Python<'py>,
     system: &System,
     start: [f64; 6],
@@ -251,7 +251,7 @@ pub struct Basins<'py> {
 /// mirror image; rows of constant y.
 #[pyfunction]
 #[pyo3(signature = (system, x, y, start, discard, progress = None))]
-pub fn basins<'py>(
+pub fn paper_basins<'py>(
     py: Python<'py>,
     system: &System,
     x: (usize, f64, f64, usize),
@@ -282,7 +282,7 @@ pub fn basins<'py>(
 
 /// Every measure as (name, unit, what it is).
 #[pyfunction]
-pub fn measures() -> Vec<(String, &'static str, String)> {
+pub fn paper_measures() -> Vec<(String, &'static str, String)> {
     Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
 }
 
@@ -290,7 +290,7 @@ pub fn measures() -> Vec<(String, &'static str, String)> {
 /// of [`measure_many`].
 #[pyfunction]
 #[pyo3(signature = (system, start, names, discard, periods, progress = None))]
-pub fn measure(
+pub fn paper_measure(
     py: Python<'_>,
     system: &System,
     start: [f64; 6],
@@ -344,7 +344,7 @@ pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow
 #[pyfunction]
 #[pyo3(signature = (systems, starts, names, discard, periods, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn measure_many(
+pub fn paper_measure_many(
     py: Python<'_>,
     systems: GivenSystems<'_>,
     starts: GivenStarts<'_>,

@@ -29,7 +29,7 @@ def flip(e):
 
 @pytest.fixture(scope="module")
 def branch():
-    ball = vi.Assembly({
+    ball = vi.Machine({
         "name": "Ball", "gravity": G,
         "body": {"ball": {"mass": 1.0, "gravity": -1.0, "start": {"s": 0.024, "v": np.pi * G / OMEGA}},
                  "table": {"motion": {"amplitude": 0.025, "frequency": f"{OMEGA} rad/s"}}},
@@ -70,7 +70,7 @@ def test_curves_are_drawn_with_their_numbers(branch):
     assert (axes.get_xlabel(), axes.get_ylabel()) == (f"{AMPLITUDE} (m)", RESTITUTION)
     assert {text.get_text() for text in axes.get_legend().get_texts()} == {"LP", "PD"}
     assert "<svg" in curves[0]._repr_svg_() and "nan" not in curves[0]._repr_svg_() and AMPLITUDE in curves[0]._repr_html_()
-    for wrong, words in [([], "curves is empty"), (3, "is of type int"), ([branch], r"curves\[0\] is of type AssemblyBranch")]:
+    for wrong, words in [([], "curves is empty"), (3, "is of type int"), ([branch], r"curves\[0\] is of type Branch")]:
         with pytest.raises((TypeError, ValueError), match=words):
             plot.locus(wrong)
 

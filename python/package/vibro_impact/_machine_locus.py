@@ -16,7 +16,7 @@ from ._show import Line, lines
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._assembly_description import AssemblyDescription
+    from ._machine_description import MachineDescription
 
 #: What is special at a point of a curve over two parameters: why the curve ends, or which two conditions hold.
 LOCUS_LABELS = {
@@ -36,15 +36,15 @@ Ranges = tuple[tuple[str, tuple[float, float]], tuple[str, tuple[float, float]]]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyLocus(Result):
+class Locus(Result):
     """A curve of special points of periodic orbits over two parameters."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "The machine with all other parameters."
     names: tuple[str, str]
     "The two parameters; the first is that of the branch."
     label: str
-    "What is special on the whole curve: a key of :data:`ASSEMBLY_LABELS`."
+    "What is special on the whole curve: a key of :data:`LABELS`."
     element: str
     "The element that is meant, or empty."
     word: str
@@ -73,7 +73,7 @@ class AssemblyLocus(Result):
         return lines(drawn, f"{self.names[0]}, SI", f"{self.names[1]}, SI")
 
 
-def ranges_of(machine: AssemblyDescription, name: str, given: dict[str, Any]) -> Ranges:
+def ranges_of(machine: MachineDescription, name: str, given: dict[str, Any]) -> Ranges:
     """The ranges of a branch's parameter and of a second one, SI."""
     others = [other for other in given if other != name]
     if len(given) != 2 or len(others) != 1:
@@ -84,7 +84,7 @@ def ranges_of(machine: AssemblyDescription, name: str, given: dict[str, Any]) ->
     return (name, _range(machine, name, given[name])), (others[0], _range(machine, others[0], given[others[0]]))
 
 
-def _range(machine: AssemblyDescription, name: str, given: Any) -> tuple[float, float]:
+def _range(machine: MachineDescription, name: str, given: Any) -> tuple[float, float]:
     try:
         low, high = given
     except (TypeError, ValueError):
@@ -93,15 +93,15 @@ def _range(machine: AssemblyDescription, name: str, given: Any) -> tuple[float, 
 
 
 def locus_of(
-    machine: AssemblyDescription,
+    machine: MachineDescription,
     ranges: Ranges,
     point: tuple[str, str, float],
     beside: list[tuple[float, float, list[tuple[str, float]]]],
     progress: bool,
-) -> AssemblyLocus:
-    """What :meth:`AssemblyBranch.locus` returns, from a special point (label, element, value) and orbits beside it."""
+) -> Locus:
+    """What :meth:`Branch.locus` returns, from a special point (label, element, value) and orbits beside it."""
     first, second = ranges
     with Bar(progress, 1, "curves") as bar:
-        found = _native.assembly_locus(machine._described, first, second, point, beside, bar.report)
+        found = _native.locus(machine._described, first, second, point, beside, bar.report)
     labels = np.array(found.pop("labels"), dtype=np.str_)
-    return AssemblyLocus(machine, (first[0], second[0]), point[0], point[1], labels=labels, **found)
+    return Locus(machine, (first[0], second[0]), point[0], point[1], labels=labels, **found)

@@ -4,7 +4,7 @@ use crate::arrays::{Array1, Array2, column, numbers, state, states, table};
 use crate::background::{Control, compute, pool, with_partial};
 use crate::designs::{GivenStarts, GivenSystems, Starts, Systems};
 use crate::failure::Failure;
-use crate::system::{Load, System};
+use crate::paper_system::{Load, System};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::f64::consts::TAU;
@@ -80,7 +80,7 @@ fn contacts<'py>(py: Python<'py>, found: &[(f64, i8)]) -> ContactTimes<'py> {
 /// The motion from a state (m, m/s) at `begin` (s) under loads, reported at ascending times (s).
 #[pyfunction]
 #[pyo3(signature = (system, start, begin, t, loads, progress = None))]
-pub fn simulate<'py>(
+pub fn paper_simulate<'py>(
     py: Python<'py>,
     system: &System,
     start: [f64; 6],
@@ -150,7 +150,7 @@ type Ends<'py> = (Array2<'py, f64>, Array2<'py, f64>, Vec<Option<String>>);
 /// 0 or all from one. If `in_rows` is set, a motion without an end has zeros and its reason.
 #[pyfunction]
 #[pyo3(signature = (systems, starts, periods, in_rows, progress = None))]
-pub fn simulate_many<'py>(
+pub fn paper_simulate_many<'py>(
     py: Python<'py>,
     systems: GivenSystems<'_>,
     starts: GivenStarts<'_>,
@@ -230,7 +230,7 @@ type SectionPoint = (f64, State, f64, f64);
 #[pyfunction]
 #[pyo3(signature = (system, start, stop, phase, discard, periods, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn poincare<'py>(
+pub fn paper_poincare<'py>(
     py: Python<'py>,
     system: &System,
     start: [f64; 6],

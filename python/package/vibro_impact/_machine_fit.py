@@ -11,15 +11,15 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, array, number, quantity, seconds, whole
-from ._assembly_description import AssemblyDescription
-from ._assembly_start import StartLike, numbers_of
+from ._machine_description import MachineDescription
+from ._machine_start import StartLike, numbers_of
 from ._base import AnyMachine
-from ._parameters import SI_NAMES
+from ._paper_parameters import SI_NAMES
 from ._progress import Bar
 from ._start import Start
 from ._show import Line, lines
 from ._result import Result
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -42,7 +42,7 @@ class Segment:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyFit(Result):
+class Fit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
     verdict: str
@@ -86,8 +86,8 @@ class AssemblyFit(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class MachineFit(AssemblyFit):
-    """A :class:`Machine` fitted to a record."""
+class PaperFit(Fit):
+    """A :class:`PaperMachine` fitted to a record."""
 
     machine: AnyMachine
     "The machine with the fitted numbers."
@@ -95,7 +95,7 @@ class MachineFit(AssemblyFit):
     "The same as a machine of your own, whose names columns and starts have."
 
 
-def _table(path: Union[str, os.PathLike[str]], machine: AssemblyDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
+def _table(path: Union[str, os.PathLike[str]], machine: MachineDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
     """The columns of a table in SI, with its times; `names` has other names of the machine's columns."""
     with open(path, newline="", encoding="utf-8") as file:
         text = file.read()
@@ -111,7 +111,7 @@ def _table(path: Union[str, os.PathLike[str]], machine: AssemblyDescription, nam
     return {name: (t, values) for name, values in columns.items()}
 
 
-def _record(record: RecordLike, machine: AssemblyDescription) -> tuple[Floats, list[tuple[str, Floats]]]:
+def _record(record: RecordLike, machine: MachineDescription) -> tuple[Floats, list[tuple[str, Floats]]]:
     """The times and the columns of a record of a machine."""
     if isinstance(record, (str, os.PathLike)):
         record = _table(record, machine, {})
@@ -133,7 +133,7 @@ def _record(record: RecordLike, machine: AssemblyDescription) -> tuple[Floats, l
     return np.empty(0) if t is None else t, columns
 
 
-# Where each parameter of `Machine` stands in the file of the same machine.
+# Where each parameter of `PaperMachine` stands in the file of the same machine.
 _TWIN = """
 name = "Machine"
 body.box = {{ mass = "= box_m" }}
@@ -153,14 +153,14 @@ load.secondary = {{ on = "secondary", constant = "= load_secondary" }}
 """
 
 
-def _twin(machine: ParameterValues) -> AssemblyDescription:
+def _twin(machine: ParameterValues) -> MachineDescription:
     """The machine of the 3-DOF core as a machine of bodies and elements, by whose names it is set."""
     text = _TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES))
-    found: AssemblyDescription = machine._described_by(text)
+    found: MachineDescription = machine._described_by(text)
     return found
 
 
-def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[str], start: Any, arguments: dict[str, Any]) -> MachineFit:
+def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[str], start: Any, arguments: dict[str, Any]) -> PaperFit:
     """The fit of the twin, by the machine's own names."""
     from ._arguments import state
 
@@ -168,7 +168,7 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
     unknown = [name for name in names if name not in SI_NAMES and not name.startswith(("start.", "record."))]
     if unknown:
         allowed = "allowed are its physical parameters (SI_NAMES), start.BODY.s, start.BODY.v, record.shift and record.offset.COLUMN"
-        raise ValueError(f"free: {unknown[0]!r} of a Machine cannot be fitted: {allowed}")
+        raise ValueError(f"free: {unknown[0]!r} of a PaperMachine cannot be fitted: {allowed}")
     if start is None or isinstance(start, Mapping) and not any(str(name).endswith((".s", ".v")) for name in start):
         values = np.asarray(state("start", start, machine._system), dtype=np.float64)
         bodies = ("box", "block", "secondary")
@@ -180,7 +180,7 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
     found = fit(twin, columns, free=names, start=start, **arguments)
     fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
     parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
-    return MachineFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
+    return PaperFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
 
 
 def fit(
@@ -196,14 +196,14 @@ def fit(
     starts: int = 0,
     start: StartLike = None,
     progress: bool = False,
-) -> AssemblyFit:
+) -> Fit:
     """Numbers of a machine fitted to a record, with their errors: ``vibro fit FILE``.
 
-    A :class:`Machine` is fitted as the same machine of bodies and elements: `free` are its physical parameters, columns ``box.s`` or
-    ``box_s`` and so on, stops ``upper`` and ``lower``, `start` as of :meth:`Machine.simulate`; the result is a :class:`MachineFit`.
+    A :class:`PaperMachine` is fitted as the same machine of bodies and elements: `free` are its physical parameters, columns ``box.s`` or
+    ``box_s`` and so on, stops ``upper`` and ``lower``, `start` as of :meth:`PaperMachine.simulate`; the result is a :class:`PaperFit`.
 
     >>> import vibro_impact as vi
-    >>> slide = vi.Assembly({
+    >>> slide = vi.Machine({
     ...     "name": "Slide", "body": {"a": {"mass": 1.0, "start": {"s": 0.001}}},
     ...     "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
     ... })
@@ -236,7 +236,7 @@ def fit(
     starts
         Number of further starts of the fit, spread over ``within``.
     start
-        Where the motion begins, as of :meth:`Assembly.simulate`. Without it the machine's own start: of a :class:`Machine` that in units of the
+        Where the motion begins, as of :meth:`Machine.simulate`. Without it the machine's own start: of a :class:`PaperMachine` that in units of the
         gap that it is given with.
 
     Raises
@@ -249,8 +249,8 @@ def fit(
     if isinstance(machine, ParameterValues):
         arguments = {"within": within, "events": events, "sigma": sigma, "loss": loss, "segments": segments, "starts": starts}
         return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
-    if not isinstance(machine, AssemblyDescription):
-        raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Assembly and Machine")
+    if not isinstance(machine, MachineDescription):
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Machine and PaperMachine")
     names = [free] if isinstance(free, str) else list(free)
     t, columns = _record(record, machine)
     if events is not None and not isinstance(events, Mapping):
@@ -263,7 +263,7 @@ def fit(
     if loss not in _LOSSES:
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
     with Bar(progress, 1, "fit") as bar:
-        found = _native.fit_assembly(
+        found = _native.fit(
             machine._described,
             numbers_of(machine, start),
             t,
@@ -279,14 +279,14 @@ def fit(
     return _fitted(type(machine), names, t, [name for name, _ in columns], found)
 
 
-def _range(machine: AssemblyDescription, name: str, ends: Any) -> tuple[float, float]:
+def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:
     """The range of a free number, SI."""
     if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
         raise TypeError(f"within: {name} = {ends!r}: allowed is a pair of its least and largest value, in SI or as texts with units")
     return _bound(machine, name, ends[0]), _bound(machine, name, ends[1])
 
 
-def _bound(machine: AssemblyDescription, name: str, value: Union[float, str]) -> float:
+def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> float:
     """An end of the range of a free number, SI."""
     if not isinstance(value, str):
         return number("within", value)
@@ -312,7 +312,7 @@ def _length(segments: Union[str, float]) -> Optional[float]:
     return length
 
 
-def _sigma(machine: AssemblyDescription, sigma: Optional[Mapping[str, Union[float, str]]], names: list[str]) -> Optional[list[float]]:
+def _sigma(machine: MachineDescription, sigma: Optional[Mapping[str, Union[float, str]]], names: list[str]) -> Optional[list[float]]:
     if sigma is None:
         return None
     missing: Union[set[str], Any] = set(names) ^ set(sigma)
@@ -328,8 +328,8 @@ def _sigma(machine: AssemblyDescription, sigma: Optional[Mapping[str, Union[floa
     return found
 
 
-def _fitted(kind: type[AssemblyDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> AssemblyFit:
-    return AssemblyFit(
+def _fitted(kind: type[MachineDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> Fit:
+    return Fit(
         verdict=found["verdict"],
         machine=kind(found["machine"]),
         start=Start(dict(found["start"])),

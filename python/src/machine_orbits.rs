@@ -2,28 +2,27 @@
 
 use crate::arrays::{Array1, column};
 use crate::background::{Control, compute};
-use crate::described::{Described, Numbers, SectionChoice};
 use crate::failure::Failure;
+use crate::machine::{Described, Numbers, SectionChoice};
 use nalgebra::Complex;
 use pyo3::prelude::*;
 use vibro_machine::Start;
 use vibro_orbits::paper::PathOptions;
 use vibro_orbits::{
-    Branch, Family, Orbit, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    read_measure, tree,
+    Branch, Family, Stability, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch, read_measure, tree,
 };
 use vibro_studies::{Machine, Measure, named};
 
 /// A periodic orbit of a described machine.
 #[pyclass(frozen, module = "vibro_impact._native")]
 #[derive(Clone, Debug)]
-pub struct AssemblyOrbit {
+pub struct Orbit {
     machine: Machine,
-    orbit: Orbit,
+    orbit: vibro_orbits::Orbit,
 }
 
 #[pymethods]
-impl AssemblyOrbit {
+impl Orbit {
     /// Its events in words.
     #[getter]
     fn word(&self) -> String {
@@ -105,7 +104,7 @@ impl AssemblyOrbit {
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, section, word, periods, time, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
-pub fn assembly_orbit(
+pub fn orbit(
     py: Python<'_>,
     machine: &Described,
     start: Numbers,
@@ -116,28 +115,28 @@ pub fn assembly_orbit(
     time: Option<f64>,
     starts: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyOrbit> {
+) -> PyResult<Orbit> {
     let assembly = machine.assembly()?;
     let (start, machine) = (machine.start_of(&start)?, machine.machine(section));
     let word = word.map(|word| WantedWord::parse(&word, &assembly)).transpose().map_err(Failure::from)?;
     let period = periods.map(WantedPeriod::Drive).or_else(|| time.map(WantedPeriod::Time));
     compute(py, progress, move |control| {
         let orbit = if word.is_none() && period.is_none() {
-            Orbit::settled(&machine, &start, settle)?
+            vibro_orbits::Orbit::settled(&machine, &start, settle)?
         } else {
             let wanted = WordSearch { start, word, period, starts, discard: settle };
             control.expect(wanted.most_returns());
-            let found = Orbit::search(&machine, &wanted, &|| control.goes_on());
+            let found = vibro_orbits::Orbit::search(&machine, &wanted, &|| control.goes_on());
             control.check()?;
             found?
         };
-        Ok(AssemblyOrbit { orbit, machine })
+        Ok(Orbit { orbit, machine })
     })
 }
 
 /// A branch of orbits along a parameter.
 #[derive(IntoPyObject)]
-pub struct AssemblyBranchArrays<'py> {
+pub struct BranchArrays<'py> {
     parent: Option<(usize, usize)>,
     word: String,
     periods: Option<u32>,
@@ -170,7 +169,7 @@ fn measured(branch: Branch, measure: &Measure, control: &Control) -> Result<Meas
     Ok(Measured { branch, values })
 }
 
-fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<AssemblyBranchArrays<'py>> {
+fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<BranchArrays<'py>> {
     let Measured { branch, values } = found;
     let points = &branch.points;
     let (values, starts): (Vec<_>, Vec<_>) = values.into_iter().unzip();
@@ -180,7 +179,7 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<As
     };
     let numbers = |of: fn(&vibro_orbits::OrbitPoint) -> f64| -> Vec<f64> { points.iter().map(of).collect() };
     let stable: Vec<bool> = points.iter().map(|p| p.stability == Stability::Stable).collect();
-    Ok(AssemblyBranchArrays {
+    Ok(BranchArrays {
         parent: branch.parent,
         word: branch.word().in_words(&place.assembly),
         periods: branch.word().periods,
@@ -200,14 +199,14 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<As
 /// The branch of an orbit over a range of a parameter, in both directions.
 #[pyfunction]
 #[pyo3(signature = (orbit, name, ends, of, progress = None))]
-pub fn follow_assembly_orbit<'py>(
+pub fn follow<'py>(
     py: Python<'py>,
-    orbit: &AssemblyOrbit,
+    orbit: &Orbit,
     name: &str,
     ends: (f64, f64),
     of: &str,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyBranchArrays<'py>> {
+) -> PyResult<BranchArrays<'py>> {
     let measure = read_measure(of, &orbit.machine.description).map_err(Failure::from)?;
     let own = orbit.orbit.clone();
     let family = Family::new(&orbit.machine, name, ends).map_err(Failure::from)?;
@@ -222,7 +221,7 @@ pub fn follow_assembly_orbit<'py>(
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, of, start, seeds, depth, settle, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
-pub fn assembly_branches<'py>(
+pub fn branches<'py>(
     py: Python<'py>,
     machine: &Described,
     name: &str,
@@ -234,7 +233,7 @@ pub fn assembly_branches<'py>(
     settle: u32,
     section: Option<SectionChoice>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<AssemblyBranchArrays<'py>>> {
+) -> PyResult<Vec<BranchArrays<'py>>> {
     let start: Start = machine.start_of(&start)?;
     let machine = machine.machine(section);
     let measure = read_measure(of, &machine.description).map_err(Failure::from)?;

@@ -3,7 +3,7 @@
 
 use crate::arrays::{Array1, Array2, column, numbers, states};
 use crate::failure::{Failure, in_python};
-use crate::system::System;
+use crate::paper_system::System;
 use nalgebra::Complex;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
@@ -121,7 +121,7 @@ impl Theory {
 
 /// The steady state of a theory, or the reason why there is none.
 #[pyfunction]
-pub fn steady<'py>(
+pub fn paper_steady<'py>(
     py: Python<'py>,
     system: &System,
     theory: &str,
@@ -138,7 +138,7 @@ pub fn steady<'py>(
 /// rad.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-pub fn steady_motion<'py>(
+pub fn paper_steady_motion<'py>(
     py: Python<'py>,
     system: &System,
     theory: &str,

@@ -9,8 +9,8 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, Floats, number, whole
-from ._assembly_many import Section, section_of
-from ._assembly_start import StartLike, numbers_of
+from ._machine_many import SectionLike, section_of
+from ._machine_start import StartLike, numbers_of
 from ._progress import Bar
 from ._start import Start
 from ._show import Line, cells, lines
@@ -19,7 +19,7 @@ from ._result import Result
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._assembly_description import AssemblyDescription
+    from ._machine_description import MachineDescription
 
 #: Most cells of a plane in one direction, and most points of a section.
 _MOST_CELLS = 5_000
@@ -27,7 +27,7 @@ _MOST_POINTS = 10_000_000
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyAttractor(Result):
+class Attractor(Result):
     """An attractor of a machine of your own."""
 
     kind: str
@@ -49,10 +49,10 @@ class AssemblyAttractor(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyBasins(Result):
+class Basins(Result):
     """Basins of attraction over two numbers of the starts."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "The machine."
     names: tuple[str, str]
     "The numbers across and up: ``block.s``, ``block.v``, ``time``."
@@ -60,7 +60,7 @@ class AssemblyBasins(Result):
     "Centres of the cells across, shape (nx,), SI."
     y: Floats
     "Centres of the cells up, shape (ny,), SI."
-    attractors: tuple[AssemblyAttractor, ...]
+    attractors: tuple[Attractor, ...]
     "The attractors in the order in which the cells meet them; motions without a period count as one of their class."
     cells: NDArray[np.int32]
     """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start that violates a
@@ -75,10 +75,10 @@ class AssemblyBasins(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblySection(Result):
+class Section(Result):
     """A Poincaré section of a machine of your own: ``section["box.s"]`` is a column."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "Whose motion it is."
     at: Union[float, str, None]
     "The section: a period, s, an element's name, or none for the common period of the harmonics."
@@ -108,10 +108,10 @@ class AssemblySection(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblySpectrum(Result):
+class Spectrum(Result):
     """All Lyapunov exponents of a motion of a machine of your own."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "Whose motion it is."
     exponents: Floats
     "The exponents, 1/s, largest first; -inf for directions that contacts take. That of the drive's phase, 0, is not among them."
@@ -131,23 +131,23 @@ class AssemblySpectrum(Result):
 
 
 def basins_of(
-    machine: AssemblyDescription, ranges: dict[str, Any], start: StartLike, settle: int, section: Section, progress: bool
-) -> AssemblyBasins:
-    """What :meth:`Assembly.basins` returns."""
+    machine: MachineDescription, ranges: dict[str, Any], start: StartLike, settle: int, section: SectionLike, progress: bool
+) -> Basins:
+    """What :meth:`Machine.basins` returns."""
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
     x, y = (_range(machine, name, given) for name, given in ranges.items())
     settle = whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, 0, "parts") as bar:
-        found = _native.assembly_basins(
+        found = _native.basins(
             machine._described, x, y, numbers_of(machine, start), settle, section_of(section), bar.report
         )
-    attractors = tuple(AssemblyAttractor(**{**a, "start": Start(dict(a["start"]))}) for a in found["attractors"])
+    attractors = tuple(Attractor(**{**a, "start": Start(dict(a["start"]))}) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])
-    return AssemblyBasins(machine, (x[0], y[0]), _centres(x), _centres(y), attractors, found["cells"], found["ended"], edges)
+    return Basins(machine, (x[0], y[0]), _centres(x), _centres(y), attractors, found["cells"], found["ended"], edges)
 
 
-def _range(machine: AssemblyDescription, name: str, given: Any) -> tuple[str, float, float, int]:
+def _range(machine: MachineDescription, name: str, given: Any) -> tuple[str, float, float, int]:
     try:
         first, last, cells = given
     except (TypeError, ValueError):
@@ -166,25 +166,25 @@ def _centres(axis: tuple[str, float, float, int]) -> Floats:
 
 
 def poincare_of(
-    machine: AssemblyDescription, section: Section, phase: float, options: tuple[StartLike, int, int], progress: bool
-) -> AssemblySection:
-    """What :meth:`Assembly.poincare` returns."""
+    machine: MachineDescription, section: SectionLike, phase: float, options: tuple[StartLike, int, int], progress: bool
+) -> Section:
+    """What :meth:`Machine.poincare` returns."""
     start, periods, settle = options
     periods, settle = whole("periods", periods, 1, _MOST_POINTS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, periods, "points") as bar:
-        found = _native.assembly_section(
+        found = _native.section(
             machine._described, numbers_of(machine, start), number("phase", phase), settle, periods, section_of(section), bar.report
         )
-    return AssemblySection(machine, section, **found)
+    return Section(machine, section, **found)
 
 
 def spectrum_of(
-    machine: AssemblyDescription, periods: int, settle: int, section: Section, start: StartLike, progress: bool
-) -> AssemblySpectrum:
-    """What :meth:`Assembly.spectrum` returns."""
+    machine: MachineDescription, periods: int, settle: int, section: SectionLike, start: StartLike, progress: bool
+) -> Spectrum:
+    """What :meth:`Machine.spectrum` returns."""
     periods, settle = whole("periods", periods, 8, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, periods, "periods") as bar:
-        found = _native.assembly_spectrum(
+        found = _native.spectrum(
             machine._described, numbers_of(machine, start), settle, periods, section_of(section), bar.report
         )
-    return AssemblySpectrum(machine, **found)
+    return Spectrum(machine, **found)

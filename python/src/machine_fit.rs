@@ -2,15 +2,15 @@
 
 use crate::arrays::{Array1, column};
 use crate::background::compute;
-use crate::described::{Described, Numbers};
 use crate::failure::Failure;
+use crate::machine::{Described, Numbers};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::HashMap;
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
-use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, fit};
+use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments};
 
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]
@@ -77,7 +77,7 @@ pub fn columns_of_table(
 #[pyfunction]
 #[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, loss, segments, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
-pub fn fit_assembly<'py>(
+pub fn fit<'py>(
     py: Python<'py>,
     machine: &Described,
     start: Numbers,
@@ -120,7 +120,7 @@ pub fn fit_assembly<'py>(
         starts,
     };
     let fitted = compute(py, progress, move |control| {
-        let fitted = fit(&request, &|| !control.is_cancelled());
+        let fitted = vibro_studies::fit::fit(&request, &|| !control.is_cancelled());
         control.check()?;
         Ok(fitted?)
     })?;

@@ -10,9 +10,9 @@ import numpy as np
 
 from . import _native
 from ._arguments import Floats, number, seconds, whole
-from ._assembly_locus import AssemblyLocus, locus_of, ranges_of
-from ._assembly_many import Section, positive, section_of
-from ._assembly_start import StartLike, numbers_of
+from ._machine_locus import Locus, locus_of, ranges_of
+from ._machine_many import SectionLike, positive, section_of
+from ._machine_start import StartLike, numbers_of
 from ._base import merged
 from ._progress import Bar
 from ._start import Start
@@ -22,10 +22,10 @@ from ._result import Result
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ._assembly_description import AssemblyDescription
+    from ._machine_description import MachineDescription
 
 #: What is special at a point of a branch of a machine of your own.
-ASSEMBLY_LABELS = {
+LABELS = {
     "LP": "fold: the branch turns round in the parameter",
     "BP": "branch point: two branches cross",
     "PD": "period doubling",
@@ -40,7 +40,7 @@ ASSEMBLY_LABELS = {
 }
 
 #: Labels of points at which curves over two parameters begin.
-_BEGINS = tuple(label for label in ASSEMBLY_LABELS if label not in ("EP", "MX"))
+_BEGINS = tuple(label for label in LABELS if label not in ("EP", "MX"))
 #: Number of points on either side of a special point among which the next orbit is searched.
 _BESIDE = 6
 
@@ -48,10 +48,10 @@ _MOST_RETURNS = 10_000_000
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyOrbit(Result):
+class Orbit(Result):
     """A periodic orbit of a machine of your own."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "Whose orbit it is."
     word: str
     "Its events in their order: ``impact steel, press buffer, free buffer``."
@@ -69,7 +69,7 @@ class AssemblyOrbit(Result):
     "A start on it, in the middle of its longest flight."
     events: list[tuple[float, str, str]]
     "Time (s), kind and element of each event."
-    _handle: Optional[_native.AssemblyOrbit] = dataclasses.field(repr=False)
+    _handle: Optional[_native.Orbit] = dataclasses.field(repr=False)
 
     @property
     def stable(self) -> bool:
@@ -100,7 +100,7 @@ class AssemblyOrbit(Result):
 
     def follow(
         self, name: str, low: Union[float, str], high: Union[float, str], *, of: Optional[str] = None, progress: bool = False
-    ) -> AssemblyBranch:
+    ) -> Branch:
         """The branch of the orbit along a parameter, stable or not, with its bifurcations.
 
         Parameters
@@ -121,16 +121,16 @@ class AssemblyOrbit(Result):
         """
         ends, of = _ends(self.machine, name, low, high), _of(self.machine, of)
         with Bar(progress, 1, "branches") as bar:
-            found = _native.follow_assembly_orbit(self._solved(), name, ends, of, bar.report)
+            found = _native.follow(self._solved(), name, ends, of, bar.report)
         return _branch(self.machine, name, of, found)
 
-    def _solved(self) -> _native.AssemblyOrbit:
+    def _solved(self) -> _native.Orbit:
         """The library's orbit; of one from another process it is solved for again, from its start."""
         handle = self._handle
         if handle is None:
             time = self.period if self.periods is None else None
             own = (self.machine._described, list(self.start.items()), 0, None, self.word or None, self.periods, time, 0)
-            handle = _native.assembly_orbit(*own)
+            handle = _native.orbit(*own)
             object.__setattr__(self, "_handle", handle)
         return handle
 
@@ -139,10 +139,10 @@ class AssemblyOrbit(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyBranch(Result):
+class Branch(Result):
     """A branch of periodic orbits along a parameter."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "The machine with all other parameters."
     name: str
     "The parameter."
@@ -165,7 +165,7 @@ class AssemblyBranch(Result):
     stable: NDArray[np.bool_]
     "Whether that piece is stable, shape (n,)."
     labels: NDArray[np.str_]
-    "What is special at a point, shape (n,): a key of :data:`ASSEMBLY_LABELS`, or empty."
+    "What is special at a point, shape (n,): a key of :data:`LABELS`, or empty."
     elements: NDArray[np.str_]
     "The element that is meant there, shape (n,), or empty."
     of: str
@@ -174,7 +174,7 @@ class AssemblyBranch(Result):
     "That output of each orbit, shape (n,), SI."
     starts: list[Optional[Start]]
     """A start on each orbit, none where it cannot be told: with the machine of a point,
-    ``machine.replace({branch.name: branch.value[i]})``, it leads :meth:`Assembly.orbit` back to the orbit."""
+    ``machine.replace({branch.name: branch.value[i]})``, it leads :meth:`Machine.orbit` back to the orbit."""
 
     @property
     def special(self) -> list[tuple[str, float, str]]:
@@ -183,7 +183,7 @@ class AssemblyBranch(Result):
 
     def locus(
         self, point: int, ranges: Optional[Mapping[str, tuple[Any, Any]]] = None, *, progress: bool = False, **more: tuple[Any, Any]
-    ) -> AssemblyLocus:
+    ) -> Locus:
         """The curve over two parameters on which the orbit keeps a special point of this branch: ``vibro locus FILE``.
 
         ``branch.locus(k, {branch.name: (0.01, 0.05), "stop.floor.restitution": (0.4, 0.8)})`` for each k of ``np.flatnonzero(branch.labels == "LP")``
@@ -219,13 +219,13 @@ class AssemblyBranch(Result):
         return lines(pieces(self.value, self.measure, self.stable), self.name, f"{self.of}, SI")
 
 
-def _ends(machine: AssemblyDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
+def _ends(machine: MachineDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
     return number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high))
 
 
-def _of(machine: AssemblyDescription, of: Optional[str]) -> str:
+def _of(machine: MachineDescription, of: Optional[str]) -> str:
     if of is None:
         return next((name for name in machine.measures if name.startswith("amplitude.")), "impacts")
     if not isinstance(of, str):
@@ -233,21 +233,21 @@ def _of(machine: AssemblyDescription, of: Optional[str]) -> str:
     return of
 
 
-def _branch(machine: AssemblyDescription, name: str, of: str, found: dict[str, Any]) -> AssemblyBranch:
+def _branch(machine: MachineDescription, name: str, of: str, found: dict[str, Any]) -> Branch:
     for key in ("stability", "labels", "elements"):
         found[key] = np.array(found[key], dtype=np.str_)
     found["starts"] = [None if numbers is None else Start(dict(numbers)) for numbers in found["starts"]]
-    return AssemblyBranch(machine=machine, name=name, of=of, **found)
+    return Branch(machine=machine, name=name, of=of, **found)
 
 
 def find_orbit(
-    machine: AssemblyDescription,
+    machine: MachineDescription,
     wanted: tuple[Optional[str], Union[None, float, str], int],
     start: StartLike,
     settle: int,
-    section: Section,
+    section: SectionLike,
     progress: bool,
-) -> AssemblyOrbit:
+) -> Orbit:
     """The orbit on which a motion settles, or one with a word or period."""
     word, period, tries = wanted
     numbers = numbers_of(machine, start)
@@ -256,16 +256,16 @@ def find_orbit(
         raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
     periods, time = _period(machine, period)
     with Bar(progress, 1, "orbits" if word is None and period is None else "returns at most") as bar:
-        found = _native.assembly_orbit(
+        found = _native.orbit(
             machine._described, numbers, settle, section_of(section), word, periods, time, tries, bar.report
         )
     own = Start(dict(found.start))
-    return AssemblyOrbit(
+    return Orbit(
         machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
     )
 
 
-def _period(machine: AssemblyDescription, period: Union[None, float, str]) -> tuple[Optional[int], Optional[float]]:
+def _period(machine: MachineDescription, period: Union[None, float, str]) -> tuple[Optional[int], Optional[float]]:
     """A period as a number of common periods of the drive, or as a time, s."""
     if period is None:
         return None, None
@@ -280,20 +280,20 @@ def _period(machine: AssemblyDescription, period: Union[None, float, str]) -> tu
 
 
 def find_branches(
-    machine: AssemblyDescription,
+    machine: MachineDescription,
     name: str,
     ends: tuple[Union[float, str], Union[float, str]],
     of: Optional[str],
-    options: tuple[StartLike, int, int, int, Section],
+    options: tuple[StartLike, int, int, int, SectionLike],
     progress: bool,
-) -> list[AssemblyBranch]:
+) -> list[Branch]:
     """All branches over a range of a parameter."""
     start, seeds, depth, settle, section = options
     of, low_high = _of(machine, of), _ends(machine, name, *ends)
     seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
     settle = whole("settle", settle, 0, _MOST_RETURNS)
     with Bar(progress, 0, "branches") as bar:
-        found = _native.assembly_branches(
+        found = _native.branches(
             machine._described, name, low_high, of, numbers_of(machine, start), seeds, depth, settle, section_of(section), bar.report
         )
     return [_branch(machine, name, of, one) for one in found]

@@ -2,12 +2,12 @@
 
 use crate::arrays::{Array1, Array2, column, table};
 use crate::background::compute;
-use crate::described::{Described, Numbers};
 use crate::failure::Failure;
+use crate::machine::{Described, Numbers};
 use pyo3::prelude::*;
 use vibro_machine::Start;
 use vibro_orbits::paper::LocusEnd;
-use vibro_orbits::{Family, Kind, LocusPoint, LocusStart, Special, check_second, locus};
+use vibro_orbits::{Family, Kind, LocusPoint, LocusStart, Special, check_second};
 use vibro_studies::Error;
 
 /// A parameter with the least and the largest value of its range, SI.
@@ -15,7 +15,7 @@ type Range = (String, (f64, f64));
 
 /// A curve of special points over two parameters.
 #[derive(IntoPyObject)]
-pub struct AssemblyLocusArrays<'py> {
+pub struct LocusArrays<'py> {
     word: String,
     periods: Option<u32>,
     values: Array2<'py, f64>,
@@ -48,7 +48,7 @@ fn start(over: &Family, point: (&Special, f64), beside: &[(f64, f64, Start)]) ->
 /// given by label, element and value, and by orbits beside it: value, period (s) and start.
 #[pyfunction]
 #[pyo3(signature = (machine, first, second, point, beside, progress = None))]
-pub fn assembly_locus<'py>(
+pub fn locus<'py>(
     py: Python<'py>,
     machine: &Described,
     first: Range,
@@ -56,7 +56,7 @@ pub fn assembly_locus<'py>(
     point: (String, String, f64),
     beside: Vec<(f64, f64, Numbers)>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyLocusArrays<'py>> {
+) -> PyResult<LocusArrays<'py>> {
     let (label, element, value) = point;
     let kind = Kind::starts().find(|kind| kind.name() == label);
     let kind = kind.ok_or_else(|| Failure::Ours(format!("no curve begins at {label}")))?;
@@ -71,12 +71,12 @@ pub fn assembly_locus<'py>(
             [Family::new(&machine, &first.0, first.1)?, Family::new(&machine, &second.0, second.1)?];
         check_second(&first, &second)?;
         let start = start(&first, (&special, value), &beside)?;
-        let found = locus(&start, &second)?;
+        let found = vibro_orbits::locus(&start, &second)?;
         control.add(1);
         Ok((start.shortest(), found))
     })?;
     let of = |value: fn(&LocusPoint) -> f64| column(py, &found.iter().map(value).collect::<Vec<_>>());
-    Ok(AssemblyLocusArrays {
+    Ok(LocusArrays {
         word: start.word(),
         periods: start.periods(),
         values: table(py, &found.iter().map(|point| point.values).collect::<Vec<_>>())?,

@@ -2,17 +2,17 @@
 
 use crate::arrays::{Array1, Array2, column, plane};
 use crate::background::compute;
-use crate::described::{Described, Numbers, SectionChoice};
-use crate::studies::in_parts;
+use crate::machine::{Described, Numbers, SectionChoice};
+use crate::paper_studies::in_parts;
 use pyo3::prelude::*;
 use vibro_orbits::Orbit;
-use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis, basins};
+use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis};
 use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::{Machine, PoincareRequest, columns, poincare, spectrum};
+use vibro_studies::{Machine, PoincareRequest, columns, poincare};
 
 /// An attractor.
 #[derive(IntoPyObject)]
-struct AssemblyAttractor {
+struct AttractorParts {
     kind: String,
     period: Option<u32>,
     contacts: f64,
@@ -23,7 +23,7 @@ struct AssemblyAttractor {
     start: Numbers,
 }
 
-impl AssemblyAttractor {
+impl AttractorParts {
     /// An attractor, with the events and the stability of its orbit where it is one.
     fn new(machine: &Machine, found: &BasinAttractor) -> Self {
         let settled = &found.settled;
@@ -49,8 +49,8 @@ impl AssemblyAttractor {
 
 /// Basins over a plane of starts.
 #[derive(IntoPyObject)]
-pub struct AssemblyBasins<'py> {
-    attractors: Vec<AssemblyAttractor>,
+pub struct BasinsArrays<'py> {
+    attractors: Vec<AttractorParts>,
     cells: Array2<'py, i32>,
     ended: Option<String>,
 }
@@ -59,7 +59,7 @@ pub struct AssemblyBasins<'py> {
 #[pyfunction]
 #[pyo3(signature = (machine, x, y, start, discard, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
-pub fn assembly_basins<'py>(
+pub fn basins<'py>(
     py: Python<'py>,
     machine: &Described,
     x: (String, f64, f64, usize),
@@ -68,15 +68,16 @@ pub fn assembly_basins<'py>(
     discard: u32,
     section: Option<SectionChoice>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyBasins<'py>> {
+) -> PyResult<BasinsArrays<'py>> {
     let axis = |(name, from, to, count): (String, f64, f64, usize)| StartAxis { name, from, to, count };
     let (rows, columns) = (y.3, x.3);
     let start = machine.start_of(&start)?;
     let request = BasinRequest { x: axis(x), y: axis(y), start, discard };
     let own = machine.machine(section);
     let (attractors, cells, ended) = compute(py, progress, move |control| {
-        let found = in_parts(control, request.count(), |task| basins(&own, &request, task))?;
-        let attractors: Vec<_> = found.attractors.iter().map(|a| AssemblyAttractor::new(&own, a)).collect();
+        let found =
+            in_parts(control, request.count(), |task| vibro_studies::basin::basins(&own, &request, task))?;
+        let attractors: Vec<_> = found.attractors.iter().map(|a| AttractorParts::new(&own, a)).collect();
         Ok((attractors, found.cells, found.ended))
     })?;
     let code = |cell: &BasinCell| match cell {
@@ -87,12 +88,12 @@ pub fn assembly_basins<'py>(
         BasinCell::Rest => -4,
     };
     let codes: Vec<i32> = cells.iter().map(code).collect();
-    Ok(AssemblyBasins { attractors, cells: plane(py, &codes, rows, columns)?, ended })
+    Ok(BasinsArrays { attractors, cells: plane(py, &codes, rows, columns)?, ended })
 }
 
 /// Points of a section.
 #[derive(IntoPyObject)]
-pub struct AssemblySection<'py> {
+pub struct SectionArrays<'py> {
     t: Array1<'py, f64>,
     phase: Option<Array1<'py, f64>>,
     speed: Option<Array1<'py, f64>>,
@@ -103,7 +104,7 @@ pub struct AssemblySection<'py> {
 #[pyfunction]
 #[pyo3(signature = (machine, start, phase, settle, keep, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
-pub fn assembly_section<'py>(
+pub fn section<'py>(
     py: Python<'py>,
     machine: &Described,
     start: Numbers,
@@ -112,7 +113,7 @@ pub fn assembly_section<'py>(
     keep: u32,
     section: Option<SectionChoice>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblySection<'py>> {
+) -> PyResult<SectionArrays<'py>> {
     let request = PoincareRequest { start: machine.start_of(&start)?, phase, discard: settle, keep };
     let (own, count) = (machine.machine(section), columns(machine.description()).len());
     let found = compute(py, progress, move |control| {
@@ -125,7 +126,7 @@ pub fn assembly_section<'py>(
     };
     let times: Vec<f64> = found.iter().map(|point| point.time).collect();
     let values: Vec<f64> = found.iter().flat_map(|point| point.values.iter().copied()).collect();
-    Ok(AssemblySection {
+    Ok(SectionArrays {
         t: column(py, &times),
         phase: all(|point| point.phase).map(|phases| column(py, &phases)),
         speed: all(|point| point.speed).map(|speeds| column(py, &speeds)),
@@ -135,7 +136,7 @@ pub fn assembly_section<'py>(
 
 /// All exponents of a motion.
 #[derive(IntoPyObject)]
-pub struct AssemblySpectrum<'py> {
+pub struct SpectrumArrays<'py> {
     exponents: Array1<'py, f64>,
     errors: Array1<'py, f64>,
     period: Option<u32>,
@@ -146,7 +147,7 @@ pub struct AssemblySpectrum<'py> {
 /// All exponents of a machine's motion over so many returns.
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, periods, section, progress = None))]
-pub fn assembly_spectrum<'py>(
+pub fn spectrum<'py>(
     py: Python<'py>,
     machine: &Described,
     start: Numbers,
@@ -154,10 +155,10 @@ pub fn assembly_spectrum<'py>(
     periods: u32,
     section: Option<SectionChoice>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblySpectrum<'py>> {
+) -> PyResult<SpectrumArrays<'py>> {
     let (start, own) = (machine.start_of(&start)?, machine.machine(section));
     let found = compute(py, progress, move |control| {
-        let found = spectrum(&own, &start, (settle, periods), &mut || control.goes_on())?;
+        let found = vibro_studies::spectrum(&own, &start, (settle, periods), &mut || control.goes_on())?;
         control.check()?;
         Ok(found)
     })?;
@@ -166,7 +167,7 @@ pub fn assembly_spectrum<'py>(
     let times: Vec<f64> = found.running.iter().map(|(time, _)| *time).collect();
     let rows: Vec<f64> = found.running.iter().flat_map(|(_, all)| all.iter().copied()).collect();
     let count = found.exponents.len();
-    Ok(AssemblySpectrum {
+    Ok(SpectrumArrays {
         exponents: column(py, &exponents),
         errors: column(py, &errors),
         period: found.period,

@@ -2,12 +2,12 @@
 
 use crate::arrays::{Array1, column};
 use crate::background::{Control, compute, each_of};
-use crate::described::{Described, Numbers, SectionChoice, rule};
 use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
-use crate::studies::{MeasureRow, in_parts, row};
+use crate::machine::{Described, Numbers, SectionChoice, rule};
+use crate::paper_studies::{MeasureRow, in_parts, row};
 use pyo3::prelude::*;
-use vibro_studies::diagram::{self, AssemblyPoint};
+use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
 use vibro_studies::paper::bifurcation::Diagram;
 use vibro_studies::paper::measures::Measured;
 use vibro_studies::paper::plane::ParameterAxis;
@@ -17,7 +17,7 @@ use vibro_studies::{Machine, Measure, measure};
 #[pyfunction]
 #[pyo3(signature = (machines, starts, names, settle, periods, section, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn measure_assemblies(
+pub fn measure_many(
     py: Python<'_>,
     machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
@@ -49,7 +49,7 @@ pub fn measure_assemblies(
 
 /// One direction of a diagram.
 #[derive(IntoPyObject)]
-struct AssemblyDirection<'py> {
+struct DirectionArrays<'py> {
     value: Array1<'py, f64>,
     kind: Vec<String>,
     period: Array1<'py, i32>,
@@ -63,9 +63,9 @@ struct AssemblyDirection<'py> {
 
 /// A diagram in both directions.
 #[derive(IntoPyObject)]
-pub struct AssemblyDiagram<'py> {
-    up: AssemblyDirection<'py>,
-    down: AssemblyDirection<'py>,
+pub struct DiagramArrays<'py> {
+    up: DirectionArrays<'py>,
+    down: DirectionArrays<'py>,
     hysteresis: Array1<'py, bool>,
 }
 
@@ -73,7 +73,7 @@ fn direction<'py>(
     py: Python<'py>,
     axis: &ParameterAxis<String>,
     points: &[Option<AssemblyPoint>],
-) -> AssemblyDirection<'py> {
+) -> DirectionArrays<'py> {
     let of = |read: &dyn Fn(&AssemblyPoint) -> f64| -> Vec<f64> {
         points.iter().map(|p| p.as_ref().map_or(0.0, read)).collect()
     };
@@ -88,7 +88,7 @@ fn direction<'py>(
     let class = |p: &Option<AssemblyPoint>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
     let period = |p: &Option<AssemblyPoint>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
     let rests: Vec<bool> = points.iter().map(|p| p.as_ref().is_some_and(|p| p.settled.rests)).collect();
-    AssemblyDirection {
+    DirectionArrays {
         value: column(py, &(0..axis.count).map(|i| axis.value(i)).collect::<Vec<_>>()),
         kind: points.iter().map(class).collect(),
         period: column(py, &points.iter().map(period).collect::<Vec<_>>()),
@@ -106,7 +106,7 @@ fn direction<'py>(
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, start, progress = None))]
 #[allow(clippy::too_many_arguments)]
-pub fn assembly_diagram<'py>(
+pub fn diagram<'py>(
     py: Python<'py>,
     machine: &Described,
     name: String,
@@ -120,19 +120,18 @@ pub fn assembly_diagram<'py>(
     anew: bool,
     start: Numbers,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyDiagram<'py>> {
+) -> PyResult<DiagramArrays<'py>> {
     let axis = ParameterAxis::of(name, ends, count).map_err(Failure::from)?;
     let of = of.parse().map_err(Failure::from)?;
     let (discard, keep) = periods;
     let start = machine.start_of(&start)?;
     let axis_of = axis.clone();
-    let request =
-        diagram::DiagramRequest { axis: axis_of, of, at_section, discard, keep, exponents, anew, start };
+    let request = DiagramRequest { axis: axis_of, of, at_section, discard, keep, exponents, anew, start };
     let own = machine.machine(section);
     let found: Diagram<AssemblyPoint> = compute(py, progress, move |control| {
-        in_parts(control, request.count(), |task| diagram::diagram(&own, &request, task))
+        in_parts(control, request.count(), |task| vibro_studies::diagram::diagram(&own, &request, task))
     })?;
-    Ok(AssemblyDiagram {
+    Ok(DiagramArrays {
         up: direction(py, &axis, &found.up),
         down: direction(py, &axis, &found.down),
         hysteresis: column(py, &found.hysteresis()),

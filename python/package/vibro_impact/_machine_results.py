@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from ._arguments import Floats
-from ._assembly_description import AssemblyDescription
+from ._machine_description import MachineDescription
 from ._start import Start
 from ._show import Line, lines
 from ._result import EVENT, Result, column_of, fields_of, place_of, records
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: Energies, J: kinetic, stored, and what work and steps of stiffness put in less losses since the start;
 #: kinetic + stored - balance is constant.
-ASSEMBLY_ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
+ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 
 
 def _masked(
@@ -34,10 +34,10 @@ def _masked(
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyRun(Result):
+class Run(Result):
     """A motion of a machine of your own; ``run["box.s"]`` is an array."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "Whose motion it is."
     t: Floats
     "Instants, shape (n,), s."
@@ -59,7 +59,7 @@ class AssemblyRun(Result):
     _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
 
     def derivative(self, column: str, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
-        """The exact derivative of a column by a parameter that :meth:`Assembly.simulate` was asked for, shape (n,), SI.
+        """The exact derivative of a column by a parameter that :meth:`Machine.simulate` was asked for, shape (n,), SI.
 
         It is masked from the time on from which there is none; :attr:`lost` says why.
 
@@ -101,7 +101,7 @@ class AssemblyRun(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyEnds(Result):
+class Ends(Result):
     """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
 
     t: float
@@ -118,10 +118,10 @@ class AssemblyEnds(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyTransition(Result):
+class Transition(Result):
     """The derivatives of a motion's state at its end by its state at the start, through impacts, contacts and sticking."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "Whose motion it is."
     start: Start
     "The start, with all its numbers."
@@ -136,7 +136,7 @@ class AssemblyTransition(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyDirection(Result):
+class Direction(Result):
     """The settled motions of one direction of a diagram."""
 
     value: Floats
@@ -160,18 +160,18 @@ class AssemblyDirection(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class AssemblyDiagram(Result):
+class Diagram(Result):
     """A bifurcation diagram in both directions."""
 
-    machine: AssemblyDescription
+    machine: MachineDescription
     "The machine whose parameter varies."
     name: str
     "The parameter."
     of: str
     "The quantity."
-    up: AssemblyDirection
+    up: Direction
     "With the value rising."
-    down: AssemblyDirection
+    down: Direction
     "With the value falling, in the order of rising values."
     hysteresis: NDArray[np.bool_]
     "Where the two end on different motions for certain, shape (n,)."
@@ -183,17 +183,17 @@ class AssemblyDiagram(Result):
         return lines([down, up], self.name, f"{self.of}, SI")
 
 
-def run_of(machine: AssemblyDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> AssemblyRun:
-    energy = fields_of(ASSEMBLY_ENERGY, found["energy"])
+def run_of(machine: MachineDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> Run:
+    energy = fields_of(ENERGY, found["energy"])
     lost = {name: why for name, why in zip(parameters, found["lost"]) if why}
     varied = (found["derivatives"], found["event_derivatives"]) if parameters else (None, None)
     values, events = found["values"], records(EVENT, found)
     end = Start(dict(found["end"]))
-    return AssemblyRun(machine, t, machine.columns, values, events, energy, end, parameters, lost, *varied)
+    return Run(machine, t, machine.columns, values, events, energy, end, parameters, lost, *varied)
 
 
-def transition_of(machine: AssemblyDescription, found: dict[str, Any]) -> AssemblyTransition:
+def transition_of(machine: MachineDescription, found: dict[str, Any]) -> Transition:
     numbers, known = found["matrix"]
     lost = {name: why for name, why in zip(found["names"], found["lost"]) if why}
     start, end = (Start(dict(found[of])) for of in ("start", "end"))
-    return AssemblyTransition(machine, start, end, found["names"], np.ma.MaskedArray(numbers, ~known), lost)
+    return Transition(machine, start, end, found["names"], np.ma.MaskedArray(numbers, ~known), lost)

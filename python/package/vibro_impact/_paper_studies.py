@@ -9,11 +9,11 @@ import numpy as np
 
 from . import _native
 from ._arguments import COORDINATES, MOST_PERIODS, SI_COORDINATES, Floats, StartOfMachine, choice, coordinates, discarded_and_kept, displacement, evenly_spaced, state, whole
-from ._parameters import find
+from ._paper_parameters import find
 from ._progress import Bar
 from ._show import Line, cells, lines
 from ._result import Result, direction
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -24,7 +24,7 @@ _MOST_CELLS = 20_000
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Direction(Result):
+class PaperDirection(Result):
     """The settled motions of one direction of a diagram."""
 
     value: Floats
@@ -48,7 +48,7 @@ class Direction(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Diagram(Result):
+class PaperDiagram(Result):
     """A bifurcation diagram in both directions."""
 
     machine: ParameterValues
@@ -57,9 +57,9 @@ class Diagram(Result):
     "The parameter."
     of: str
     "The displacement whose maxima are kept."
-    up: Direction
+    up: PaperDirection
     "With the value rising."
-    down: Direction
+    down: PaperDirection
     "With the value falling, in the order of rising values."
     hysteresis: NDArray[np.bool_]
     "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
@@ -77,8 +77,8 @@ def diagram_of(
     of: Optional[str],
     exponents: Union[bool, int],
     progress: bool,
-) -> Diagram:
-    """What :meth:`Machine.bifurcation` returns."""
+) -> PaperDiagram:
+    """What :meth:`PaperMachine.bifurcation` returns."""
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
@@ -89,14 +89,14 @@ def diagram_of(
     over = None if exponents is False else 1500 if exponents is True else whole("exponents", exponents, 1, 10_000_000)
     own = None if start is None else state("start", start, machine._system)
     with Bar(progress, 1, "parts") as bar:
-        found = _native.bifurcation(
+        found = _native.paper_bifurcation(
             machine._system, own, name, ends, count, discard, keep, of, over, bar.report
         )
-    return Diagram(machine, name, of, direction(Direction, found["up"]), direction(Direction, found["down"]), found["hysteresis"])
+    return PaperDiagram(machine, name, of, direction(PaperDirection, found["up"]), direction(PaperDirection, found["down"]), found["hysteresis"])
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Attractor(Result):
+class PaperAttractor(Result):
     """An attractor: class, period, impacts and states of a settled motion."""
 
     kind: str
@@ -118,7 +118,7 @@ class Attractor(Result):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Basins(Result):
+class PaperBasins(Result):
     """Basins of attraction over two initial values."""
 
     machine: ParameterValues
@@ -129,7 +129,7 @@ class Basins(Result):
     "Centres of the cells across, shape (nx,), units of L or L omega10."
     y: Floats
     "Centres of the cells up, shape (ny,)."
-    attractors: tuple[Attractor, ...]
+    attractors: tuple[PaperAttractor, ...]
     "The attractors in the order in which the cells meet them."
     cells: NDArray[np.int32]
     """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start outside the stops,
@@ -145,8 +145,8 @@ class Basins(Result):
 
 def basins_of(
     machine: ParameterValues, ranges: dict[str, tuple[float, float, int]], settle: int, start: list[float], progress: bool
-) -> Basins:
-    """What :meth:`Machine.basins` returns."""
+) -> PaperBasins:
+    """What :meth:`PaperMachine.basins` returns."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
@@ -156,10 +156,10 @@ def basins_of(
     ones = machine._system.dimensional([1.0] * 6)  # L, and L omega10
     scaled = [value / one for value, one in zip(start, ones)]
     with Bar(progress, 1, "parts") as bar:
-        found = _native.basins(machine._system, x, y, scaled, settle, bar.report)
-    attractors = tuple(Attractor(**a) for a in found["attractors"])
+        found = _native.paper_basins(machine._system, x, y, scaled, settle, bar.report)
+    attractors = tuple(PaperAttractor(**a) for a in found["attractors"])
     edges = (x[1], x[2], y[1], y[2])
-    return Basins(
+    return PaperBasins(
         machine, (x_name, y_name), _centres(x), _centres(y), attractors, found["cells"], found["mirror"], edges
     )
 

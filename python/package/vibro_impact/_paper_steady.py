@@ -10,7 +10,7 @@ import numpy as np
 from . import _native
 from ._arguments import Floats, array
 from ._result import Result
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -71,11 +71,11 @@ class SteadyState(Result):
         On the motion the phase is ``drive_frequency * t + machine.drive_phase``.
         """
         phases = array("theta", theta, "an array of shape (n,) of phases in rad")
-        return _native.steady_motion(self.machine._system, self.theory, self.sheet == "upper", phases)
+        return _native.paper_steady_motion(self.machine._system, self.theory, self.sheet == "upper", phases)
 
     @property
     def start(self) -> Floats:
-        """The state at time 0, shape (6,): a start for :meth:`Machine.simulate`."""
+        """The state at time 0, shape (6,): a start for :meth:`PaperMachine.simulate`."""
         s, v = self.motion([self.machine.drive_phase])
         return np.concatenate([s[0], v[0]])
 
@@ -99,7 +99,7 @@ def steady_states(machine: ParameterValues, sheet: str) -> SteadyStates:
     states: list[Optional[SteadyState]] = []
     reasons = {}
     for theory in _THEORIES:
-        found, reason = _native.steady(machine._system, theory, sheet == "upper")
+        found, reason = _native.paper_steady(machine._system, theory, sheet == "upper")
         states.append(None if found is None else SteadyState(machine, theory, sheet, **found))
         if reason is not None:
             reasons[theory] = reason

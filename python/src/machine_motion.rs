@@ -2,9 +2,9 @@
 
 use crate::arrays::{Array1, Array2, column, numbers, plane, table};
 use crate::background::{Control, compute, each_of};
-use crate::described::{Described, Numbers};
 use crate::designs::{GivenAssemblies, start_of};
 use crate::failure::Failure;
+use crate::machine::{Described, Numbers};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,7 +15,7 @@ use vibro_studies::{NamedEvent, Start, named, values};
 
 /// A sampled motion with its events, as a dictionary.
 #[derive(IntoPyObject)]
-pub struct AssemblyRun<'py> {
+pub struct RunArrays<'py> {
     values: Array2<'py, f64>,
     t: Array1<'py, f64>,
     kind: Vec<&'static str>,
@@ -156,9 +156,9 @@ impl Sampled {
         Ok(found)
     }
 
-    fn into_run(self, py: Python<'_>) -> PyResult<AssemblyRun<'_>> {
+    fn into_run(self, py: Python<'_>) -> PyResult<RunArrays<'_>> {
         let (told, samples) = (self.told, self.energies.len());
-        Ok(AssemblyRun {
+        Ok(RunArrays {
             values: plane(py, &self.values, samples, self.columns)?,
             t: column(py, &self.times),
             kind: told.iter().map(|e| e.kind).collect(),
@@ -188,14 +188,14 @@ impl<'py> IntoPyObject<'py> for Sampled {
 /// derivatives by parameters.
 #[pyfunction]
 #[pyo3(signature = (machine, start, t, parameters, progress = None))]
-pub fn simulate_assembly<'py>(
+pub fn simulate<'py>(
     py: Python<'py>,
     machine: &Described,
     start: Numbers,
     t: PyReadonlyArray1<'_, f64>,
     parameters: Vec<String>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<AssemblyRun<'py>> {
+) -> PyResult<RunArrays<'py>> {
     let (own, times) = (machine.clone(), numbers(&t)?);
     let found = compute(py, progress, move |control| {
         let mut each = || {
@@ -207,10 +207,10 @@ pub fn simulate_assembly<'py>(
     found.into_run(py)
 }
 
-/// As [`simulate_assembly`], of many machines, each from its start, on all threads.
+/// As [`simulate`], of many machines, each from its start, on all threads.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, t, parameters, progress = None))]
-pub fn follow_assemblies(
+pub fn follow_many(
     py: Python<'_>,
     machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
@@ -235,7 +235,7 @@ pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
 /// the same columns.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, until, in_rows, progress = None))]
-pub fn simulate_assemblies<'py>(
+pub fn simulate_many<'py>(
     py: Python<'py>,
     machines: GivenAssemblies<'_>,
     starts: Vec<Numbers>,
@@ -278,7 +278,7 @@ pub struct Transition<'py> {
 /// The derivatives of the state at a time (s) by the state at a start.
 #[pyfunction]
 #[pyo3(signature = (machine, start, until, progress = None))]
-pub fn assembly_transition<'py>(
+pub fn transition<'py>(
     py: Python<'py>,
     machine: &Described,
     start: Numbers,

@@ -11,17 +11,17 @@ import numpy as np
 from . import _native
 from ._arguments import SI_COORDINATES, Floats, converted
 from ._base import AnyMachine, Value, merged
-from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, as_changes, find, in_order, named, value_of, with_changes, written
+from ._paper_parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, as_changes, find, in_order, named, value_of, with_changes, written
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from typing_extensions import Self, Unpack
 
-    from ._parameters import Groups, Parameters
+    from ._paper_parameters import Groups, Parameters
 
 
 class ParameterValues(AnyMachine):
-    """Thirteen physical parameters with three constant loads and, where defined, the dimensionless groups. Base of :class:`Machine`, from which results import it."""
+    """Thirteen physical parameters with three constant loads and, where defined, the dimensionless groups. Base of :class:`PaperMachine`, from which results import it."""
 
     box_m: float
     "Mass of the box m1, kg."
@@ -88,7 +88,7 @@ class ParameterValues(AnyMachine):
             values = ", ".join(f"{name} = {value:.6g}" for name, value in missing)
             warnings.warn(
                 f"the machine is given in SI, but not {values}: these are the default set's values, a machine of 1 kg, 1 N/m and a "
-                "gap of 1 m. Give them too, or say so by Machine().replace(...)",
+                "gap of 1 m. Give them too, or say so by vi.PaperMachine().replace(...)",
                 MixedParametersWarning,
                 stacklevel=2,
             )
@@ -139,7 +139,7 @@ class ParameterValues(AnyMachine):
         return list(si.items()), list(groups.items()), [order.index(name) for name in own], table
 
     def _described_by(self, text: str) -> Any:
-        """The :class:`Assembly` of a text."""
+        """The :class:`Machine` of a text."""
         raise NotImplementedError
 
     def _changes_period(self, name: str) -> bool:
@@ -188,6 +188,9 @@ class ParameterValues(AnyMachine):
         def __getattr__(self, name: str) -> Any:
             if name.startswith("_"):
                 raise AttributeError(name)
+            if name == "assembly":
+                warnings.warn("assembly() is now described(); the old name works until 0.5", DeprecationWarning, stacklevel=2)
+                return self.described
             try:
                 found = _native.find(name)
             except TypeError as error:
@@ -198,8 +201,8 @@ class ParameterValues(AnyMachine):
 
     def __repr__(self) -> str:
         if self._si:
-            return f"Machine({written({**self._si, **self._groups})})"
-        return f"Machine.from_groups({written(self._groups)})" if self._groups else "Machine()"
+            return f"PaperMachine({written({**self._si, **self._groups})})"
+        return f"PaperMachine.from_groups({written(self._groups)})" if self._groups else "PaperMachine()"
 
     def _physical(self) -> tuple[float, ...]:
         return tuple(getattr(self, name) for name in SI_NAMES)

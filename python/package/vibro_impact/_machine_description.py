@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, Union
 
 from . import _native
 from ._arguments import Floats, converted, number
@@ -16,13 +16,26 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class AssemblyDescription(AnyMachine):
-    """A described machine: its parameters, columns and measures. Base of :class:`Assembly`, from which results import it."""
+class _Names(type):
+    """The type of the class, which says where a constructor of the paper's machine is."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(cls, name: str) -> Any:
+            if name == "from_groups":
+                raise AttributeError(f"{name} is a constructor of the paper's machine: write vi.PaperMachine.{name}(...)")
+            raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
+
+
+class MachineDescription(AnyMachine, metaclass=_Names):
+    """A described machine: its parameters, columns and measures. Base of :class:`Machine`, from which results import it."""
 
     __slots__ = ("_described",)
     _described: _native.Described
 
-    def __init__(self, machine: Union[str, os.PathLike[str], Mapping[str, Any]]) -> None:
+    def __init__(self, machine: Union[None, str, os.PathLike[str], Mapping[str, Any]] = None, **parameters: NoReturn) -> None:
+        if machine is None or parameters:
+            raise TypeError(_papers(parameters))
         if isinstance(machine, Mapping):
             described = _native.Described(toml(machine), None)
         elif isinstance(machine, str) and "\n" in machine:
@@ -125,13 +138,22 @@ class AssemblyDescription(AnyMachine):
         raise AttributeError("a machine is immutable; replace() gives one with other values")
 
     def __repr__(self) -> str:
-        return f"Assembly({self.name!r}, {len(self.parameters)} parameters)"
+        return f"Machine({self.name!r}, {len(self.parameters)} parameters)"
 
     def __eq__(self, other: object) -> bool:
-        return self.toml == other.toml if isinstance(other, AssemblyDescription) else NotImplemented
+        return self.toml == other.toml if isinstance(other, MachineDescription) else NotImplemented
 
     def __hash__(self) -> int:
         return hash(self.toml)
+
+
+def _papers(parameters: Mapping[str, Any]) -> str:
+    """What to write for the paper's machine, whose parameters are keywords."""
+    given = ", ".join(f"{name}={value!r}" for name, value in parameters.items())
+    return (
+        f"vi.Machine({given}): expected the path of a machine file, its text, or a dictionary of the same form; "
+        f"for the paper's machine write vi.PaperMachine({given})"
+    )
 
 
 def is_number(text: str) -> bool:

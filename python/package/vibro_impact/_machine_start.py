@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
 from ._arguments import number
-from ._assembly_description import is_number
+from ._machine_description import is_number
 
 if TYPE_CHECKING:
-    from ._assembly_description import AssemblyDescription
+    from ._machine_description import MachineDescription
 
 
 #: A start: numbers by name, in SI or as texts with units, or the path of a start's file; without it the machine's own.
@@ -20,7 +20,7 @@ StartLike = Union[None, Mapping[str, Union[float, str]], str, os.PathLike[str]]
 Numbers = list[tuple[str, float]]
 
 
-def numbers_of(machine: AssemblyDescription, start: StartLike, name: str = "start") -> Numbers:
+def numbers_of(machine: MachineDescription, start: StartLike, name: str = "start") -> Numbers:
     """The numbers of a start of a machine."""
     if start is None:
         return []
@@ -56,7 +56,7 @@ def listed_starts(starts: Any) -> list[Any]:
     return several
 
 
-def starts_of(machines: list[AssemblyDescription], starts: Any) -> tuple[list[AssemblyDescription], list[Numbers]]:
+def starts_of(machines: list[MachineDescription], starts: Any) -> tuple[list[MachineDescription], list[Numbers]]:
     """A machine and a start for each motion: one start for all, or a list with one for each; one machine takes any number of starts."""
     if starts is None or isinstance(starts, (Mapping, str, os.PathLike)):
         return machines, [numbers_of(machine, starts, "starts") for machine in machines]
