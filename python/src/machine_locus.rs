@@ -7,7 +7,7 @@ use crate::machine::{Described, Numbers};
 use pyo3::prelude::*;
 use vibro_machine::Start;
 use vibro_orbits::paper::LocusEnd;
-use vibro_orbits::{Family, Kind, LocusPoint, LocusStart, Special, check_second};
+use vibro_orbits::{Family, Label, LocusPoint, LocusStart, Special, check_second};
 use vibro_studies::Error;
 
 /// A parameter with the least and the largest value of its range, SI.
@@ -34,7 +34,7 @@ fn start(over: &Family, point: (&Special, f64), beside: &[(f64, f64, Start)]) ->
         }
     }
     let no_orbit = || {
-        let (label, value) = (point.0.kind.name(), point.1);
+        let (label, value) = (point.0.label.name(), point.1);
         let problem = format!(
             "{label} at {} = {value}: no orbit beside this point can be computed again",
             over.parameter
@@ -58,9 +58,9 @@ pub fn locus<'py>(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<LocusArrays<'py>> {
     let (label, element, value) = point;
-    let kind = Kind::starts().find(|kind| kind.name() == label);
+    let kind = Label::find(&label).filter(|label| Label::STARTS.contains(label));
     let kind = kind.ok_or_else(|| Failure::Ours(format!("no curve begins at {label}")))?;
-    let special = Special { kind, element };
+    let special = Special::new(kind, element);
     let named = |(value, period, numbers): (f64, f64, Numbers)| {
         Ok::<_, Failure>((value, period, machine.start_of(&numbers)?))
     };

@@ -189,7 +189,7 @@ fn arrays<'py>(py: Python<'py>, family: &Family, found: Measured) -> PyResult<Br
         multipliers: points.iter().map(|p| column(py, &p.multipliers)).collect(),
         stability: points.iter().map(|p| p.stability.to_string()).collect(),
         stable: column(py, &stable),
-        labels: points.iter().map(|p| p.special.as_ref().map_or("", |s| s.kind.name())).collect(),
+        labels: points.iter().map(|p| p.label().map_or("", |label| label.name())).collect(),
         elements: special(|s| s.element.clone()),
         measure: column(py, &values),
         starts,

@@ -1,6 +1,6 @@
 //! Periodic orbits by the order of their impacts, and branches of them along a parameter.
 
-use crate::arrays::{Array1, Array2, column, numbers, state, states, table};
+use crate::arrays::{Array1, Array2, column, numbers, plane, state, states};
 use crate::background::compute;
 use crate::failure::Failure;
 use crate::paper_system::{System, find};
@@ -221,16 +221,16 @@ fn maxima_of(family: &Family, found: &Branch, weights: [f64; 3]) -> Result<Vec<V
 
 fn branch_arrays<'py>(py: Python<'py>, branch: &Branch, maxima: &[Vec<f64>]) -> PyResult<BranchArrays<'py>> {
     let points = &branch.points;
-    let multipliers: Vec<[Complex<f64>; 6]> = points.iter().map(|p| p.multipliers).collect();
+    let multipliers: Vec<Complex<f64>> = points.iter().flat_map(|p| p.multipliers.iter().copied()).collect();
     Ok(BranchArrays {
-        word: branch.word.to_string(),
-        symmetric: branch.word.closing() < 0,
-        period: branch.word.period(),
+        word: branch.word().to_string(),
+        symmetric: branch.word().closing() < 0,
+        period: branch.word().period(),
         closed: branch.closed,
         value: column(py, &points.iter().map(|p| p.value).collect::<Vec<_>>()),
-        phases: points.iter().map(|p| column(py, &p.phases)).collect(),
-        multipliers: table(py, &multipliers)?,
-        stable: column(py, &points.iter().map(|p| p.stable).collect::<Vec<_>>()),
+        phases: points.iter().map(|p| column(py, p.phases())).collect(),
+        multipliers: plane(py, &multipliers, points.len(), 6)?,
+        stable: column(py, &points.iter().map(|p| p.is_stable()).collect::<Vec<_>>()),
         labels: points.iter().map(|p| p.label().map_or("", |label| label.name())).collect(),
         maxima: maxima.iter().map(|m| column(py, m)).collect(),
     })

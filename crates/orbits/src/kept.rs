@@ -4,9 +4,11 @@
 //! of each point the parameter, the period, the stability, the special point, the multipliers and
 //! the unknowns. Numbers are exact.
 
-use super::branch::{Kind, OrbitPoint, Special};
+use super::branch::{OrbitPoint, Special};
+use super::conditions::Condition;
 use super::orbit::{Orbit, Stability};
-use super::path::{Departure, Path, PathEnd, follow};
+use super::path::{self, PathEnd};
+use super::step::{Departure, follow};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::path_options::PathOptions;
@@ -32,20 +34,8 @@ impl KeptPaths for () {
     fn keep(&self, _: u64, _: &str) {}
 }
 
-const KINDS: [Kind; 12] = [
-    Kind::As(Label::Fold),
-    Kind::As(Label::BranchPoint),
-    Kind::As(Label::PeriodDoubling),
-    Kind::As(Label::NeimarkSacker),
-    Kind::As(Label::Grazing),
-    Kind::As(Label::EndPoint),
-    Kind::As(Label::NoConvergence),
-    Kind::As(Label::UserValue),
-    Kind::As(Label::Chatter),
-    Kind::Stick,
-    Kind::Crossing,
-    Kind::Saturation,
-];
+type Path = path::Path<Condition>;
+
 const STABILITIES: [Stability; 4] =
     [Stability::Stable, Stability::Unstable, Stability::Neutral, Stability::Undecided];
 
@@ -68,7 +58,7 @@ pub(super) fn path(
 
 /// A number by machine, parameter, word, departure and options.
 fn key(departure: &Departure, options: &PathOptions) -> u64 {
-    let Departure { problem, u, direction, step, special } = departure;
+    let Departure { of: problem, u, direction, step, special } = departure;
     let family = &problem.family;
     let mut hasher = DefaultHasher::new();
     let machine = (&family.machine.description, &family.parameter, family.range);
@@ -82,7 +72,7 @@ fn written(departure: &Departure, path: &Path) -> Option<String> {
     let mut text = match &path.end {
         PathEnd::Plain => "plain\n".to_owned(),
         PathEnd::Closed => "closed\n".to_owned(),
-        PathEnd::Broken(condition) => {
+        PathEnd::At(condition) => {
             let orbit = orbit(departure, path.points.last()?)?;
             let place = orbit.conditions().iter().position(|own| own.0 == *condition)?;
             format!("broken {place}\n")
@@ -90,7 +80,7 @@ fn written(departure: &Departure, path: &Path) -> Option<String> {
     };
     for point in &path.points {
         let special = point.special.as_ref();
-        let (kind, element) = special.map_or(("", ""), |own| (own.kind.name(), own.element.as_str()));
+        let (kind, element) = special.map_or(("", ""), |own| (own.label.name(), own.element.as_str()));
         // Writing to a text cannot fail.
         let _ =
             write!(text, "{:?}\t{:?}\t{}\t{kind}\t{element}\t", point.value, point.period, point.stability);
@@ -103,7 +93,7 @@ fn written(departure: &Departure, path: &Path) -> Option<String> {
 }
 
 fn orbit(departure: &Departure, point: &OrbitPoint) -> Option<Orbit> {
-    let problem = departure.problem.clone();
+    let problem = departure.of.clone();
     let place = problem.place(&point.u).ok()?;
     Orbit::at(problem, place, point.u.clone()).ok()
 }
@@ -121,7 +111,7 @@ fn read(departure: &Departure, text: &str) -> Option<Path> {
         "closed" => PathEnd::Closed,
         broken => {
             let place: usize = broken.strip_prefix("broken ")?.parse().ok()?;
-            PathEnd::Broken(orbit(departure, last)?.conditions().get(place)?.0)
+            PathEnd::At(orbit(departure, last)?.conditions().get(place)?.0)
         }
     };
     Some(Path { points, end })
@@ -133,16 +123,16 @@ fn point(line: &str) -> Option<OrbitPoint> {
     let numbers =
         |text: &str| -> Option<Vec<f64>> { text.split_whitespace().map(|x| x.parse().ok()).collect() };
     let pairs = numbers(multipliers)?;
-    let kind = match kind {
+    let label = match kind {
         "" => None,
-        name => Some(KINDS.into_iter().find(|kind| kind.name() == name)?),
+        name => Some(Label::find(name)?),
     };
     Some(OrbitPoint {
         value: value.parse().ok()?,
         period: period.parse().ok()?,
         multipliers: pairs.chunks_exact(2).map(|pair| Complex::new(pair[0], pair[1])).collect(),
         stability: STABILITIES.into_iter().find(|own| own.to_string() == stability)?,
-        special: kind.map(|kind| Special { kind, element: element.to_owned() }),
+        special: label.map(|label| Special::new(label, element)),
         u: DVector::from_vec(numbers(u)?),
     })
 }

@@ -43,7 +43,6 @@ mod search;
 mod seeds;
 mod settled;
 mod special;
-mod stored;
 mod switching;
 mod system;
 mod trace;
@@ -54,11 +53,11 @@ mod word;
 #[cfg(test)]
 mod tests;
 
-pub use crate::{Label, LocusEnd, PathOptions};
-pub use branch::{Branch, OrbitPoint, Special};
+pub use crate::{Label, LocusEnd, LocusPoint, OrbitPoint, PathOptions, Special};
+pub use branch::Branch;
 pub use coverage::{Covering, TreeOrbit};
 pub use family::{Family, Span};
-pub use locus::{LocusPoint, LocusStart, locus};
+pub use locus::{LocusStart, locus};
 pub use orbit::Orbit;
 pub use ranges::{Doubling, RangeEnd, StableRange, doubling_ratios, doubling_sequences};
 pub use search::search;

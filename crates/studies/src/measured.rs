@@ -24,8 +24,8 @@ pub struct Measured {
 /// Spread of a value over windows as long as these parts together, from its values in the parts. An
 /// extreme of a long window scatters as that of a part does, since the scale of the limit law of
 /// extremes does not depend on the number of parts, docs/theory.md (N3); a mean scatters less by
-/// the root of the number of parts, (N7). A value that is monotone from part to part is still
-/// drifting, (N8).
+/// the root of the number of parts, (N4). A value that is monotone from part to part is still
+/// drifting, (N5).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;

@@ -18,7 +18,7 @@ pub(super) struct Touch {
     /// Index of the touch in the longer word.
     pub index: usize,
     /// Phases and parameters as a point of a curve of the longer word.
-    #[serde(with = "super::stored::vector")]
+    #[serde(with = "crate::stored::vector")]
     pub u: DVector<f64>,
     /// Other impacts of the word with speed zero there: a repeated orbit touches a stop in each
     /// passage.

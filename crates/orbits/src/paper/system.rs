@@ -125,6 +125,11 @@ impl System {
         needed.iter().all(|c| *c > 0.0)
     }
 
+    /// The period of an orbit with a word, s.
+    pub(super) fn period(&self, word: &OrbitWord) -> f64 {
+        self.parameters.period() * f64::from(word.period())
+    }
+
     /// The machine's parameters, without its [loads](Self::loads).
     pub fn parameters(&self) -> &Parameters {
         &self.parameters

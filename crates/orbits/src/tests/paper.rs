@@ -48,7 +48,7 @@ fn second_method_special_points_of_the_papers_machine() {
     let starts: Vec<_> = starts.collect();
     let apart = |(start, value): &(LocusStart, f64)| {
         let again = start.located_again();
-        (start.special.kind.name(), *value, again.map(|again| (again - value).abs()))
+        (start.special.label.name(), *value, again.map(|again| (again - value).abs()))
     };
     let found: Vec<_> = starts.iter().map(apart).collect();
     let wrong: Vec<_> = found.iter().filter(|own| own.2.is_none_or(|apart| apart > SAME)).collect();

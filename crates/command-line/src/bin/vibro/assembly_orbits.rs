@@ -4,24 +4,24 @@
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
+use crate::loci::{Curves, chosen, followed};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile};
 use crate::output;
 use crate::progress::Progress;
 use crate::ranges::in_option;
 use crate::study_arguments::Response;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::special_points::PointOfFile;
-use vibro::studies::{self, CurveOfFile, Study};
+use vibro::studies::{self, Study};
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::{Assembly, Start};
 use vibro_orbits::paper::PathOptions;
 use vibro_orbits::{
-    Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    check_second, locus, read_measure, tree_on,
+    Branch, Family, KeptPaths, LocusPoint, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord,
+    WordSearch, branch, check_second, locus, read_measure, tree_on,
 };
 use vibro_studies::{Machine, Measure};
 
@@ -250,76 +250,43 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let [over, second] = &families;
     check_second(over, second)?;
     let number = |text: &str| Ok(machine.quantity(&over.parameter, text)?.value);
-    let mut points: Vec<(String, PointOfFile)> = Vec::new();
-    for selection in &a.from {
-        let chosen = selection.points_of_file(&over.parameter, &number).map_err(in_option("--from"))?;
-        let of_kind = |p: &PointOfFile| a.label.as_ref().is_none_or(|label| label == p.special.kind.name());
-        let told = |p: PointOfFile| (format!("{}:{}", selection.path.display(), p.row), p);
-        points.extend(chosen.into_iter().filter(of_kind).map(told));
-    }
-    if points.is_empty() {
-        let what = format!("--label {}", a.label.as_deref().unwrap_or_default());
-        return Err(Error::Refused { what, problem: "none of the points has this label".into() });
-    }
+    let points = chosen(a, &over.parameter, &number)?;
     let from: Vec<&str> = points.iter().map(|(from, _)| from.as_str()).collect();
     let options = [("vary", format!("{} {}", in_words(over), in_words(second))), ("from", from.join(" "))];
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     destination.place(&[destination.result("locus")])?;
-    let told = |from: &str, point: &PointOfFile, error: Error| {
-        format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value)
-    };
-    let found: Vec<_> = points.par_iter().map(|(_, point)| start(over, point)).collect();
-    let (mut starts, mut problems) = (Vec::<Row>::new(), Vec::new());
-    for ((from, point), found) in points.into_iter().zip(found) {
-        match found {
-            Ok((start, shortest)) => match starts.iter_mut().find(|row| row.shortest.is_same(&shortest)) {
-                Some(same) => same.also.push(point.row),
-                None => starts.push(Row { from, point, start, shortest, also: Vec::new() }),
-            },
-            Err(error) => problems.push(told(&from, &point, error)),
-        }
-    }
-    let progress = Progress::new(starts.len(), "curves");
-    let followed = starts.par_iter().map(|row| {
-        let found = locus(&row.start, second);
-        progress.step();
-        found
-    });
-    let followed: Vec<_> = followed.collect();
-    drop(progress);
-    let mut curves = Vec::new();
-    for (Row { from, point, shortest, also, .. }, found) in starts.into_iter().zip(followed) {
-        match found {
-            Ok(points) => curves.push(CurveOfFile { from, point, start: shortest, points, also }),
-            Err(error) => problems.push(told(&from, &point, error.into())),
-        }
-    }
-    if curves.is_empty() {
-        return Err(Error::Refused { what: "--from".into(), problem: problems.join("; ") });
-    }
+    let (curves, problems) = followed(&families, &points)?;
     let study = studies::assembly_loci(&machine, [over, second], &curves, &problems)?;
     written(&[study], &machine, &destination, common)
 }
 
-/// A row with its special point, and further rows of that point.
-struct Row {
-    from: String,
-    point: PointOfFile,
-    start: LocusStart,
-    /// The start in the shortest word.
-    shortest: LocusStart,
-    also: Vec<usize>,
-}
+/// The curves over the parameters of two families.
+impl Curves for [Family; 2] {
+    type Point = PointOfFile;
+    /// The special point in the word of its row, and in its shortest word.
+    type Start = (LocusStart, LocusStart);
+    type Shown = LocusStart;
 
-/// The special point of a row, sought on the branch of the orbit beside it, also in its shortest
-/// word.
-fn start(
-    over: &Family,
-    PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
-) -> Result<(LocusStart, LocusStart)> {
-    let start = LocusStart::from_beside(over, (special, *value), (*at, *period, start))?;
-    let shortest = start.shortest();
-    Ok((start, shortest))
+    /// The special point is sought on the branch of the orbit beside it.
+    fn start(&self, point: &PointOfFile) -> Result<Self::Start> {
+        let PointOfFile { special, value, beside: (at, period, start), .. } = point;
+        let start = LocusStart::from_beside(&self[0], (special, *value), (*at, *period, start))?;
+        let shortest = start.shortest();
+        Ok((start, shortest))
+    }
+
+    fn is_same(&self, (_, one): &Self::Start, (_, other): &Self::Start) -> bool {
+        one.is_same(other)
+    }
+
+    fn follow(
+        &self,
+        point: &PointOfFile,
+        (start, shortest): &Self::Start,
+    ) -> Result<(LocusStart, Vec<LocusPoint>)> {
+        let shown = LocusStart { special: point.special.clone(), ..shortest.clone() };
+        Ok((shown, locus(start, &self[1])?))
+    }
 }

@@ -13,6 +13,7 @@ mod fit_arguments;
 mod interruption;
 mod invocation;
 mod loads;
+mod loci;
 mod long;
 mod orbits;
 mod orbits_arguments;

@@ -15,16 +15,17 @@ pub(super) mod vector {
     }
 }
 
-/// The six multipliers.
+/// The multipliers.
 pub(super) mod multipliers {
     use nalgebra::Complex;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use serde::{Deserialize, Deserializer, Serializer};
 
-    pub fn serialize<S: Serializer>(all: &[Complex<f64>; 6], to: S) -> Result<S::Ok, S::Error> {
-        all.map(|m| (m.re, m.im)).serialize(to)
+    pub fn serialize<S: Serializer>(all: &[Complex<f64>], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(all.iter().map(|m| (m.re, m.im)))
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[Complex<f64>; 6], D::Error> {
-        Ok(<[(f64, f64); 6]>::deserialize(from)?.map(|(re, im)| Complex::new(re, im)))
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Complex<f64>>, D::Error> {
+        let pairs = Vec::<(f64, f64)>::deserialize(from)?;
+        Ok(pairs.into_iter().map(|(re, im)| Complex::new(re, im)).collect())
     }
 }
