@@ -1,6 +1,8 @@
 //! Invariants of the repository's texts: links lead somewhere, comments are narrow, pages are
 //! listed.
 
+#[path = "repository/circles.rs"]
+mod circles;
 #[path = "repository/citations.rs"]
 mod citations;
 #[path = "repository/clauses.rs"]

@@ -1,6 +1,6 @@
 //! The gallery's machines as files to start from (`vibro new`).
 
-use crate::part_folder::write_whole;
+use crate::whole_file::write_whole;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 

@@ -159,17 +159,3 @@ fn a_folder_that_cannot_be_written_is_no_usage_error() {
     let error = Error::from(error);
     assert!(error.to_string().starts_with("writing ") && !error.is_usage(), "{error}");
 }
-
-#[test]
-fn files_that_differ_in_their_ending_alone_are_written_at_the_same_time() {
-    let base = tempfile::tempdir().unwrap();
-    let [table, picture] = ["csv", "svg"].map(|ending| base.path().join(format!("plane.{ending}")));
-    write_whole_by(&table, |file| {
-        file.write_all(b"a ta").unwrap();
-        write_whole(&picture, b"a picture")?;
-        file.write_all(b"ble").map_err(Error::file("writing", &table))
-    })
-    .unwrap();
-    assert_eq!(std::fs::read(&table).unwrap(), b"a table");
-    assert_eq!(std::fs::read(&picture).unwrap(), b"a picture");
-}

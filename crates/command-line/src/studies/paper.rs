@@ -6,6 +6,7 @@ mod diagram_orbits;
 pub(super) mod lengths;
 pub(super) mod locus;
 mod manifold;
+mod maxima_panel;
 mod motions;
 mod orbit;
 pub(super) mod orbits;

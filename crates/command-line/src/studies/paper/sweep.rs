@@ -3,10 +3,11 @@
 
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
+use super::maxima_panel::maxima_panel;
 use crate::Result;
 use crate::studies::Study;
 use crate::studies::panels::{
-    DIRECTIONS, WIDE, contact_panel, hysteresis, maxima_panel, maxima_rows, method, remarks, window_table,
+    DIRECTIONS, WIDE, contact_panel, hysteresis, maxima_rows, method, remarks, window_table,
 };
 use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::{BLOCK, FAMILY, GREY};

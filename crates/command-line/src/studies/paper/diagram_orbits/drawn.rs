@@ -2,8 +2,8 @@
 //! where stability changes.
 
 use crate::Result;
-use crate::studies::panels::maxima_panel;
 use crate::studies::paper::lengths::Lengths;
+use crate::studies::paper::maxima_panel::maxima_panel;
 use crate::studies::paper::orbits::{COLOURED, MARKS, colour};
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
