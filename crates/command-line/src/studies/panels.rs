@@ -5,14 +5,8 @@ use crate::Result;
 use crate::table::{CsvRows, TextTable, exact};
 use vibro_figures::canvas::palette::{BLACK, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
-<<<<<<< HEAD
-use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
-use vibro_studies::{AxisName, ParameterAxis};
-=======
 use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, Window};
-use vibro_studies::paper::plane::{AxisName, ParameterAxis};
->>>>>>> circle
+use vibro_studies::{AxisName, ParameterAxis};
 
 /// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
 /// neighbours share a column.

@@ -14,11 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::special_points::PointOfFile;
-<<<<<<< HEAD
 use vibro::studies::{self, Study};
-=======
-use vibro::studies::{self, CurveOfFile, Study};
->>>>>>> circle
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::{Assembly, Start};

@@ -2,15 +2,9 @@
 //! where stability changes.
 
 use crate::Result;
-<<<<<<< HEAD
 use crate::studies::branches::{MARKS, colour, period_name};
 use crate::studies::paper::lengths::Lengths;
 use crate::studies::paper::maxima_panel::maxima_panel;
-=======
-use crate::studies::paper::lengths::Lengths;
-use crate::studies::paper::maxima_panel::maxima_panel;
-use crate::studies::paper::orbits::{COLOURED, MARKS, colour};
->>>>>>> circle
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
