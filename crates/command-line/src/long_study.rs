@@ -109,7 +109,7 @@ pub enum StudyKind {
     /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::IsoperiodicRequest),
     /// Measures of motions over any number of parameters.
-    DesignSweep(design_sweep::SweepRequest),
+    DesignSweep(design_sweep::SweepRequest<ParameterSet>),
     /// All branches of periodic orbits over a parameter.
     Orbits {
         /// The parameter and its range.

@@ -8,8 +8,8 @@
 
 use super::timescales::{runs_on, runs_on_beyond, settle};
 use super::{Machine, Section, Settled, settled};
+use crate::axis::check_cells;
 use crate::error::{Error, Result};
-use crate::paper::plane::check_cells;
 use crate::parts::Task;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -13,10 +13,10 @@ use super::settled::{Settled, settled};
 use super::timescales::{runs_on_beyond, settle};
 use super::watch::{Maxima, Watcher};
 use super::{Machine, QuantityName, Section, Start, now};
+use crate::axis::ParameterAxis;
+use crate::class::MotionClass;
+use crate::directions::{self, Diagram, DiagramPoint, chained, in_both_directions};
 use crate::error::{Error, Result};
-use crate::paper::attractor::MotionClass;
-use crate::paper::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
-use crate::paper::plane::ParameterAxis;
 use crate::parts::{PartStore, Task};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -124,7 +124,7 @@ impl DiagramRequest {
 
     /// Number of parts.
     pub fn count(&self) -> usize {
-        bifurcation::parts(self.axis.count)
+        directions::parts(self.axis.count)
     }
 }
 

@@ -29,20 +29,26 @@
 //! | [`natural`] | natural frequencies | closed forms |
 //! | [`sobol`] | the Sobol sequence | SciPy's |
 
+mod axis;
 pub mod basin;
+mod class;
 mod columns;
 mod contacts;
 pub mod design_sweep;
 mod designs;
 pub mod diagram;
+mod directions;
 mod eigenvalues;
 mod error;
+mod exponent;
 mod extremes;
 pub mod fit;
 pub mod flight;
 mod followed;
 mod growth;
+pub mod isoperiodic;
 mod machine;
+mod measured;
 mod measures;
 mod monodromy;
 pub mod natural;
@@ -62,15 +68,21 @@ mod text;
 mod timescales;
 mod variation;
 mod watch;
+mod windows;
 mod written;
 
+pub use axis::{AxisName, ParameterAxis, check_cells, check_count};
+pub use class::{LONGEST, MotionClass};
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
+pub use directions::{Diagram, DiagramPoint};
 pub use eigenvalues::eigenvalues;
 pub use error::{Error, Result};
+pub use exponent::{ExponentSign, LargestExponent, ZERO_EXPONENT};
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use machine::{Machine, now};
+pub use measured::Measured;
 pub use measures::{Measure, measure};
 pub use monodromy::carried;
 pub use plane::PlanePoint;
@@ -79,12 +91,11 @@ pub use quantity::{QuantityName, unknown};
 pub use section::{Section, SectionRule, common_period, is_steady};
 pub use settled::{Settled, discard, require_free, settled};
 pub use spectrum::{Spectrum, spectrum};
+pub use text::significant;
 pub use timescales::{runs_on, settle};
 pub use vibro_machine::Start;
 pub use watch::{Extent, Maxima, Watcher};
 pub use written::places;
-
-pub use paper::significant;
 
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,11 @@
 //! Basins of attraction over two initial values, and the attractors that coexist.
 
 use super::attractor::{Attractor, MotionClass, Relation};
-use super::plane::check_cells;
 use super::start::{Coordinate, SI_COORDINATES, StartRule, coordinate, coordinate_value};
 use super::stroboscopic::{COORDINATES, dimensional};
 use super::trajectories::{MOTIONS, Start, Workspace};
 use super::verdict::{Followed, Following, follow};
+use crate::axis::check_cells;
 use crate::error::{Error, Result};
 use crate::parts::Task;
 use serde::{Deserialize, Serialize};

@@ -16,19 +16,20 @@ use super::lyapunov::{self, Spectrum};
 use super::maxima::Displacement;
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
-use super::plane::{ParameterAxis, check_count};
+use super::plane::ParameterAxis;
 use super::start::StartRule;
 use super::stroboscopic::StroboscopicState;
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use super::verdict::{EXPONENT_PERIODS, Following, follow, has_arrived};
+use crate::axis::check_count;
+pub use crate::directions::DiagramPoint;
+use crate::directions::{chained, in_both_directions, parts};
 use crate::error::{Error, Result};
 use crate::parts::{PartStore, Task};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State, TOGETHER};
+use vibro_impact::simulator::{Simulator, State};
 
-/// Values in a part.
-const BLOCK: usize = 2 * TOGETHER;
 /// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
 const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Resolution of maxima, units of L: six digits after the point are kept.
@@ -73,29 +74,6 @@ pub struct SweepPoint {
     pub spectrum: Option<Spectrum>,
 }
 
-/// A diagram in both directions; `None` where the simulator refused a value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Diagram<P = SweepPoint> {
-    /// Motions with the value rising.
-    pub up: Vec<Option<P>>,
-    /// Motions with the value falling, in the order of rising values.
-    pub down: Vec<Option<P>>,
-}
-
-/// Motion at one value of a diagram, of any machine.
-pub trait DiagramPoint {
-    /// The parameter's value.
-    fn value(&self) -> f64;
-    /// Drawn values, ascending, each with its count.
-    fn maxima(&self) -> &[(f64, u32)];
-    /// Class of the motion.
-    fn class(&self) -> MotionClass;
-    /// Impacts a period.
-    fn contacts(&self) -> f64;
-    /// Whether another motion ended on another attractor; `None` where that is undecided.
-    fn differs(&self, other: &Self) -> Option<bool>;
-}
-
 impl DiagramPoint for SweepPoint {
     fn value(&self) -> f64 {
         self.value
@@ -121,6 +99,9 @@ impl DiagramPoint for SweepPoint {
         }
     }
 }
+
+/// Diagram of the paper's machine.
+pub type Diagram<P = SweepPoint> = crate::directions::Diagram<P>;
 
 /// Start of the kept periods at one value: the machine with its state after the discarded periods;
 /// no state where the simulator refused.
@@ -177,25 +158,6 @@ fn chain(
         state = run.ok().map(|r| r.1);
         Ok(settled)
     })
-}
-
-/// One pass through the values of a diagram: the results of `step`, in the order of rising values.
-/// The store may end it before any.
-pub(crate) fn chained<S>(
-    count: usize,
-    upward: bool,
-    store: &dyn PartStore,
-    step: &mut dyn FnMut(usize) -> Result<S>,
-) -> Result<Vec<S>> {
-    let mut starts = Vec::with_capacity(count);
-    for i in 0..count {
-        store.go_on()?;
-        starts.push(step(if upward { i } else { count - 1 - i })?);
-    }
-    if !upward {
-        starts.reverse();
-    }
-    Ok(starts)
 }
 
 /// Observes the motions at some values side by side; `None` where the simulator refuses.
@@ -301,11 +263,6 @@ pub fn count(sweep: &Sweep) -> usize {
     parts(sweep.axis.count)
 }
 
-/// Number of parts of a diagram over `values` values.
-pub(crate) fn parts(values: usize) -> usize {
-    2 * values.div_ceil(BLOCK)
-}
-
 /// The diagram, on all threads, in [`count`] parts; `None` where parts belong to other shards. The
 /// result depends neither on threads nor on shards.
 ///
@@ -320,51 +277,6 @@ pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<
         &|upward| chain(set, sweep, task.store, upward),
         &|workspace, starts| observe_all(starts, sweep, workspace),
     )
-}
-
-/// Observes the motions from some starts in a workspace.
-type Observe<'a, S, W, P> = dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync + 'a;
-
-/// A diagram from its chains, one for each direction, and from observations of some of their starts
-/// at a time in a workspace that serves one part after another.
-pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
-    values: usize,
-    task: &Task,
-    chain: &(dyn Fn(bool) -> Result<Vec<S>> + Sync),
-    observe: &Observe<'_, S, W, P>,
-) -> Result<Option<Diagram<P>>>
-where
-    P: Clone + Serialize + serde::de::DeserializeOwned + Send,
-{
-    // A sweep whose parts are all in the store needs no chain.
-    let starts = std::sync::OnceLock::new();
-    let chains = || -> Result<[Vec<S>; 2]> {
-        let (up, down) = rayon::join(|| chain(true), || chain(false));
-        Ok([up?, down?])
-    };
-    if task.store.missing(parts(values)) > 0 {
-        // Nothing else sets the cell, so that this cannot fail.
-        let _ = starts.set(chains()?);
-    }
-    let blocks = values.div_ceil(BLOCK);
-    let make = |workspace: &mut W, index: usize| -> Result<Vec<Option<P>>> {
-        let fresh;
-        let both = match starts.get() {
-            Some(both) => both,
-            // Reached only for a stored part that cannot be read.
-            None => {
-                fresh = chains()?;
-                &fresh
-            }
-        };
-        let starts = &both[index / blocks];
-        let from = index % blocks * BLOCK;
-        let until = (from + BLOCK).min(starts.len());
-        observe(workspace, &starts[from..until])
-    };
-    let Some(mut all) = task.complete_with(parts(values), make)? else { return Ok(None) };
-    let down = all.split_off(blocks).concat();
-    Ok(Some(Diagram { up: all.concat(), down }))
 }
 
 #[cfg(test)]

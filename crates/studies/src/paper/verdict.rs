@@ -6,14 +6,15 @@
 //! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
 //! attractor. docs/studies.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
+use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
-use super::largest_exponent::LargestExponent;
 use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
+use crate::class::SAME;
 use crate::error::Result;
+use crate::exponent::LargestExponent;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::class::MotionClass;
 use crate::paper::motion::{amplitude, record_flights, settled_simulator};
 use crate::paper::stroboscopic::moving_block;
 use crate::{Machine, settled};

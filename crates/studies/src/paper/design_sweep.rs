@@ -1,12 +1,12 @@
-//! The 3-DOF machine as a [`DesignMachine`].
+//! The paper's machine as a [`DesignMachine`].
 
-use super::{DesignMachine, MotionMeasures, SweepRequest, spread_starts};
+use super::measures::{Measure, amplitude_without_block, is_of_window, measure};
+use super::parameter_set::{Name, ParameterSet};
+use super::start::StartRule;
+use crate::design_sweep::{DesignMachine, MotionMeasures, SweepRequest};
 use crate::error::{Error, Result};
-use crate::paper::measures::{
-    Measure, Measured, amplitude_without_block, is_of_window, measure, unsettled_in_words,
-};
-use crate::paper::parameter_set::{Name, ParameterSet};
-use crate::paper::start::StartRule;
+use crate::measured::{Measured, unsettled_in_words};
+use crate::sobol::coordinate;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
 
@@ -35,7 +35,7 @@ impl DesignMachine for ParameterSet {
         Ok(own)
     }
 
-    fn outcomes(&self, request: &SweepRequest) -> Vec<MotionMeasures> {
+    fn outcomes(&self, request: &SweepRequest<ParameterSet>) -> Vec<MotionMeasures> {
         from_all_starts(self.parameters(), request)
     }
 
@@ -55,7 +55,7 @@ impl DesignMachine for ParameterSet {
 }
 
 /// Measures of the motions of one machine, which share the simulator's tables.
-fn from_all_starts(p: &Parameters, request: &SweepRequest) -> Vec<MotionMeasures> {
+fn from_all_starts(p: &Parameters, request: &SweepRequest<ParameterSet>) -> Vec<MotionMeasures> {
     let mut shared: Option<Simulator> = None;
     // A closed form that has no value is reported even where there is a motion.
     let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
@@ -85,7 +85,7 @@ fn without_motion(p: &Parameters, measures: &[Measure]) -> Measured {
 fn one(
     p: &Parameters,
     start: StartRule,
-    request: &SweepRequest,
+    request: &SweepRequest<ParameterSet>,
     shared: &mut Option<Simulator>,
 ) -> Result<Measured> {
     let state = start.state(p)?;
@@ -102,4 +102,17 @@ fn one(
         simulator.advance_to(f64::from(request.discard) * p.period())?;
     }
     measure(&mut simulator, &request.measures, request.periods)
+}
+
+/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
+/// are points of the Sobol sequence, the same in every sweep, without its first two; the second is
+/// the machine at rest.
+pub fn spread_starts(count: u32) -> Vec<StartRule> {
+    const REACH: f64 = 2.0;
+    let start = |index: u32| {
+        let [x1, w, x3, v1, v2, v3]: [f64; 6] = std::array::from_fn(|d| 2.0 * coordinate(index, d) - 1.0);
+        let state = [REACH * x1, REACH * x1 + w, REACH * x3, REACH * v1, REACH * v2, REACH * v3];
+        StartRule::scaled(state)
+    };
+    (2..count.saturating_add(2)).map(start).collect()
 }

@@ -4,9 +4,11 @@
 //! values of the parts then have no spread except rounding. n is found from the first returns,
 //! which are stored individually.
 
-use super::PARTS;
-use crate::paper::attractor::{LONGEST, least_period};
+use crate::class::{LONGEST, least_period};
 
+/// Parts into which a window is divided to find the spread of its values, where it has that many
+/// drive periods.
+const PARTS: u32 = 6;
 /// Number of first returns that are stored individually.
 const LOOKED: usize = 4 * LONGEST as usize;
 /// Number of blocks at which blocks are joined in pairs.
