@@ -11,9 +11,9 @@ use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_machine::description::{Body, Dimension};
 use vibro_orbits::Orbit;
+use vibro_studies::MotionClass;
 use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, Basins, StartAxis};
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::plane::check_cells;
+use vibro_studies::check_cells;
 use vibro_studies::significant;
 use vibro_studies::{Machine, QuantityName};
 

@@ -8,7 +8,7 @@ use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
-use vibro_studies::paper::plane::{AxisName, ParameterAxis};
+use vibro_studies::{AxisName, ParameterAxis};
 
 /// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
 /// neighbours share a column.

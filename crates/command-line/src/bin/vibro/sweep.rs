@@ -8,11 +8,11 @@ use std::fmt::Display;
 use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
+use vibro_studies::AxisName;
 use vibro_studies::design_sweep::{DesignMachine, Designs, SweepRequest};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::design_sweep::spread_starts;
 use vibro_studies::paper::measures::Measure;
-use vibro_studies::paper::plane::AxisName;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::sobol::DIMENSIONS;
 

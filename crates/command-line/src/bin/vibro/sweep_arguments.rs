@@ -10,8 +10,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
+use vibro_studies::AxisName;
 use vibro_studies::design_sweep::{ParameterInterval, SampledAxis};
-use vibro_studies::paper::plane::AxisName;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, Unit};
 

@@ -6,10 +6,10 @@ use crate::studies::Study;
 use crate::table::{TextTable, csv_in_groups, exact};
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
+use vibro_studies::check_cells;
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::attractor::Attractor;
 use vibro_studies::paper::basin::{Basin, BasinRequest, Destination, InitialValueAxis};
-use vibro_studies::paper::plane::check_cells;
 use vibro_studies::paper::stroboscopic::COORDINATES;
 use vibro_studies::paper::verdict::PROLONGED;
 
@@ -252,7 +252,7 @@ fn figure(set: &ParameterSet, request: &BasinRequest, basin: &Basin) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use vibro_studies::paper::attractor::MotionClass;
+    use vibro_studies::MotionClass;
     use vibro_studies::paper::basin::BasinAttractor;
 
     #[test]

@@ -11,7 +11,7 @@ use crate::studies::panels::{
 use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::{BLOCK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
-use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::MotionClass;
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::{Method, ParameterAxis};
