@@ -6,7 +6,7 @@ use crate::machine::{Described, Numbers, SectionChoice};
 use crate::paper_studies::in_parts;
 use pyo3::prelude::*;
 use vibro_orbits::Orbit;
-use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, StartAxis};
+use vibro_studies::basin::{BasinCell, BasinRequest, SettledAttractor, StartAxis};
 use vibro_studies::paper::attractor::MotionClass;
 use vibro_studies::{Machine, PoincareRequest, columns, poincare};
 
@@ -25,7 +25,7 @@ struct AttractorParts {
 
 impl AttractorParts {
     /// An attractor, with the events and the stability of its orbit where it is one.
-    fn new(machine: &Machine, found: &BasinAttractor) -> Self {
+    fn new(machine: &Machine, found: &SettledAttractor) -> Self {
         let settled = &found.settled;
         let orbit = match settled.class {
             MotionClass::Periodic(_) => Orbit::settled(machine, &found.start, 0).ok(),
@@ -81,9 +81,9 @@ pub fn basins<'py>(
         Ok((attractors, found.cells, found.ended))
     })?;
     let code = |cell: &BasinCell| match cell {
-        BasinCell::Attractor(number) => i32::from(*number),
+        BasinCell::Attractor(number) | BasinCell::Mirror(number) => i32::from(*number),
         BasinCell::Outside => -1,
-        BasinCell::NotSettled => -2,
+        BasinCell::NotSettled | BasinCell::Undecided => -2,
         BasinCell::Ended => -3,
         BasinCell::Rest => -4,
     };

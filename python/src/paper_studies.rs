@@ -8,8 +8,8 @@ use crate::failure::{Failure, in_python};
 use crate::paper_system::{System, find};
 use pyo3::prelude::*;
 use vibro_impact::{Parameters, Simulator, State};
+use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins as basins_of};
 use vibro_studies::paper::attractor::{Attractor, MotionClass};
-use vibro_studies::paper::basin::{self, Destination, InitialValueAxis};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
 use vibro_studies::paper::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_studies::paper::maxima::Displacement;
@@ -17,6 +17,7 @@ use vibro_studies::paper::measures::{Measure, Measured, measure as measured};
 use vibro_studies::paper::motion::settled_simulator;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::start::{Coordinate, StartRule};
+use vibro_studies::paper::stroboscopic::COORDINATES;
 use vibro_studies::parts::{PartStore, Shard, Task};
 
 /// A store that keeps no parts and ends the study after the caller has stopped waiting.
@@ -260,19 +261,22 @@ pub fn paper_basins<'py>(
     discard: u32,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Basins<'py>> {
-    let axis = |(coordinate, from, to, count)| InitialValueAxis { coordinate, from, to, count };
+    let axis = |(coordinate, from, to, count): (usize, f64, f64, usize)| {
+        let name = COORDINATES.get(coordinate).copied().unwrap_or_default().into();
+        StartAxis { name, from, to, count }
+    };
     let start = StartRule::scaled(start);
-    let request = basin::BasinRequest { x: axis(x), y: axis(y), discard, start };
-    let p = *system.set().map_err(Failure::from)?.parameters();
+    let request = BasinRequest { x: axis(x), y: axis(y), discard, start };
+    let set = system.set().map_err(Failure::from)?.clone();
     let found = compute(py, progress, move |control| {
-        in_parts(control, basin::count(&request), |task| basin::basin(&p, &request, task))
+        in_parts(control, request.count(), |task| basins_of(&set, &request, task))
     })?;
-    let cell = |cell: &Destination| match cell {
-        Destination::Attractor(number) => (i32::from(*number), false),
-        Destination::Mirror(number) => (i32::from(*number), true),
-        Destination::Outside => (-1, false),
-        Destination::NotSettled => (-2, false),
-        Destination::Undecided => (-3, false),
+    let cell = |cell: &BasinCell| match cell {
+        BasinCell::Attractor(number) => (i32::from(*number), false),
+        BasinCell::Mirror(number) => (i32::from(*number), true),
+        BasinCell::Outside => (-1, false),
+        BasinCell::NotSettled => (-2, false),
+        BasinCell::Undecided | BasinCell::Ended | BasinCell::Rest => (-3, false),
     };
     let (cells, mirror): (Vec<i32>, Vec<bool>) = found.cells.iter().map(cell).unzip();
     let attractors =

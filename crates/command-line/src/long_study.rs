@@ -20,9 +20,9 @@ use crate::Result;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use vibro_orbits::paper::{Family, Span, TreeOptions, tree_in_parts};
+use vibro_studies::basin::{BasinRequest, basins};
 use vibro_studies::design_sweep;
 use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::basin;
 use vibro_studies::paper::bifurcation::{self, Sweep};
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::parts::Task;
@@ -77,7 +77,7 @@ pub enum AssemblyStudy {
     /// A diagram with the branches of periodic orbits over it.
     DiagramWithOrbits(vibro_studies::diagram::DiagramRequest),
     /// Basins over two numbers of the starts.
-    Basin(vibro_studies::basin::BasinRequest),
+    Basin(BasinRequest<vibro_studies::Machine>),
 }
 
 impl StudyOfMachine {
@@ -105,7 +105,7 @@ pub enum StudyKind {
         orbits: Option<TreeOptions>,
     },
     /// Basins over two initial values.
-    Basin(basin::BasinRequest),
+    Basin(BasinRequest<ParameterSet>),
     /// Simulated motion over two parameters.
     Isoperiodic(isoperiodic::IsoperiodicRequest),
     /// Measures of motions over any number of parameters.
@@ -172,7 +172,7 @@ impl LongStudy {
         };
         match kind {
             StudyKind::Sweep { sweep, .. } => bifurcation::count(sweep),
-            StudyKind::Basin(request) => basin::count(request),
+            StudyKind::Basin(request) => request.count(),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
             StudyKind::DesignSweep(request) => request.count(),
             StudyKind::Orbits { .. } => 0,
@@ -186,7 +186,8 @@ impl LongStudy {
     /// [`TooMany`](vibro_studies::Error::TooMany), with the number that would fit.
     pub fn check(&self) -> Result<()> {
         match &self.work {
-            StudyOfMachine::ThreeDof { kind: StudyKind::Basin(request), .. } => {
+            StudyOfMachine::ThreeDof { kind: StudyKind::Basin(request), set } => {
+                request.check(set)?;
                 studies::check_basins(request)
             }
             StudyOfMachine::ThreeDof { kind: StudyKind::Isoperiodic(request), .. } => {
@@ -198,7 +199,7 @@ impl LongStudy {
             }
             StudyOfMachine::Assembly { kind: AssemblyStudy::Basin(request), machine } => {
                 request.check(machine)?;
-                studies::check_assembly_basins(request)
+                studies::check_basins(request)
             }
             _ => Ok(()),
         }
@@ -220,7 +221,7 @@ impl LongStudy {
     /// too.
     ///
     /// # Errors
-    /// As [`check`](Self::check), [`bifurcation::diagram`], [`basin::basin`],
+    /// As [`check`](Self::check), [`bifurcation::diagram`], [`basins`],
     /// [`isoperiodic::isoperiodic`], [`design_sweep::fill`] and [`tree_in_parts`].
     pub fn run(&self, task: &Task) -> Result<Option<Vec<Study>>> {
         self.run_telling(task, &|_, _| ())
@@ -266,7 +267,7 @@ impl LongStudy {
                 Ok(Some(found))
             }
             StudyKind::Basin(request) => {
-                let found = basin::basin(set.parameters(), request, task)?;
+                let found = basins(set, request, task)?;
                 let study = |b| studies::basins(set, request, &b, &self.name).map(|s| vec![s]);
                 found.map(study).transpose()
             }
@@ -335,8 +336,8 @@ impl LongStudy {
                 found.map(|plane| studies::isoperiodic(machine, request, &plane, &self.name)).transpose()
             }
             AssemblyStudy::Basin(request) => {
-                let found = vibro_studies::basin::basins(machine, request, task)?;
-                found.map(|b| studies::assembly_basins(machine, request, &b, &self.name)).transpose()
+                let found = basins(machine, request, task)?;
+                found.map(|b| studies::basins(machine, request, &b, &self.name)).transpose()
             }
         };
         Ok(study?.map(|study| vec![study]))

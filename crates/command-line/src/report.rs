@@ -14,7 +14,8 @@ use crate::table::TextTable;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_orbits::paper::TreeOptions;
-use vibro_studies::paper::basin::{self, InitialValueRange};
+use vibro_studies::basin::BasinRequest;
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
@@ -121,7 +122,7 @@ impl Plan {
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
             basin: LongStudy::new(
                 "basin",
-                StudyKind::Basin(basin::BasinRequest { x, y, discard, start: basin::in_the_middle() }),
+                StudyKind::Basin(BasinRequest { x, y, discard, start: in_the_middle() }),
                 &there,
             ),
             basin_set: there,
@@ -171,7 +172,8 @@ impl Plan {
         done(false);
         all.push(studies::strong_case(&ParameterSet::strong()?)?);
         done(false);
-        all.extend(self.basin.run(&Task { store: basin, done, ..Task::ALL })?.into_iter().flatten());
+        let basins = self.basin.run(&Task { store: basin, done, ..Task::ALL })?;
+        all.extend(basins.into_iter().flatten().map(|study| study.with_set(&self.basin_set)));
         let statements = statements::all(&statement::Findings {
             set,
             coarse: &coarse.1,

@@ -15,7 +15,7 @@ mod response;
 mod section;
 mod spectrum;
 
-pub use basin::{assembly_basins, check_assembly_basins};
+pub use basin::{basins, check_basins};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use diagram::{assembly_diagram, assembly_exponent};
 pub use diagram_orbits::{assembly_diagram_orbits, diagram_branches, diagram_family};
@@ -87,7 +87,7 @@ impl Study {
     }
 
     /// The study with its own parameters.
-    fn with_set(self, set: &ParameterSet) -> Self {
+    pub(crate) fn with_set(self, set: &ParameterSet) -> Self {
         Self { set: Some(Box::new(set.clone())), ..self }
     }
 

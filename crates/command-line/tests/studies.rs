@@ -12,8 +12,9 @@ use vibro::studies;
 use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
+use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins};
 use vibro_studies::paper::attractor::{MotionClass, Relation, observe};
-use vibro_studies::paper::basin::{self, Destination, InitialValueAxis, InitialValueRange};
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
@@ -142,7 +143,7 @@ fn figures_show_what_their_tables_hold() {
     assert!(!filled.iter().any(|f| *f), "a cell that no row of the table accounts for");
 }
 
-fn initial(range: &str, cells: usize) -> InitialValueAxis {
+fn initial(range: &str, cells: usize) -> StartAxis {
     range.parse::<InitialValueRange>().unwrap().cells(cells)
 }
 
@@ -151,8 +152,8 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
     let p = set.parameters();
     let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
-    let request = basin::BasinRequest { x, y, discard: 300, start: basin::in_the_middle() };
-    let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
+    let request = BasinRequest { x: x.clone(), y: y.clone(), discard: 300, start: in_the_middle() };
+    let found = basins(&set, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);
     assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
@@ -165,15 +166,15 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         simulator.advance_to(300.0 * p.period()).unwrap();
         let ends = observe(&mut simulator).unwrap();
         let (number, relation) = match destination {
-            Destination::Attractor(n) => (*n, Relation::Same),
-            Destination::Mirror(n) => (*n, Relation::Mirror),
+            BasinCell::Attractor(n) => (*n, Relation::Same),
+            BasinCell::Mirror(n) => (*n, Relation::Mirror),
             other => panic!("cell {i}: {other:?}"),
         };
         assert_eq!(found.attractors[usize::from(number)].attractor.relation(&ends), relation, "cell {i}");
     }
-    let outside = basin::BasinRequest { x: initial("x2=-3:3", 6), ..request };
-    let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
-    assert_eq!(found.cells.iter().filter(|g| **g == Destination::Outside).count(), 20);
+    let outside = BasinRequest { x: initial("x2=-3:3", 6), ..request };
+    let found = basins(&set, &outside, &Task::ALL).unwrap().unwrap();
+    assert_eq!(found.cells.iter().filter(|g| **g == BasinCell::Outside).count(), 20);
 }
 
 fn folder(name: &str) -> PathBuf {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Axis of a plane: `count` values from `from` to `to`, both included. Serialized with the
 /// parameter's name, and checked on reading.
@@ -129,6 +130,17 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), held: us
 pub fn check_count(what: &'static str, count: usize, held: usize) -> Result<()> {
     let most = MOST_MEMORY / held.max(1);
     if count <= most { Ok(()) } else { Err(Error::TooMany { what, count: count as f64, most, side: None }) }
+}
+
+/// Rows of a plane in one of its parts, each of whole rows with at least `motions` motions.
+pub(crate) fn rows_of_part((columns, rows): (usize, usize), motions: usize, part: usize) -> Range<usize> {
+    let size = motions.div_ceil(columns.max(1));
+    part * size..((part + 1) * size).min(rows)
+}
+
+/// Number of parts of a plane, each of whole rows with at least `motions` motions.
+pub(crate) fn parts_of_plane((columns, rows): (usize, usize), motions: usize) -> usize {
+    rows.div_ceil(motions.div_ceil(columns.max(1)))
 }
 
 #[cfg(test)]

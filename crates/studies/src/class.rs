@@ -17,6 +17,19 @@ pub const RETURN: f64 = 1e-5;
 /// are farther apart.
 pub(crate) const SAME: f64 = 1e-3;
 
+/// Relation of two attractors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// Equal.
+    Same,
+    /// Each is the mirror image of the other.
+    Mirror,
+    /// Neither equal nor mirror images.
+    Different,
+    /// Neither has a period, and their windows are too short to tell whether they are the same.
+    Undecided,
+}
+
 /// Class of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MotionClass {

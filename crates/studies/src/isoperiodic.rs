@@ -3,7 +3,7 @@
 //!
 //! Every point has a motion of its own. The motions of some rows are a part.
 
-use crate::axis::{ParameterAxis, check_cells};
+use crate::axis::{ParameterAxis, check_cells, parts_of_plane, rows_of_part};
 use crate::design_sweep::{DesignMachine, Plain};
 use crate::error::{Error, Result};
 use crate::parts::Task;
@@ -63,15 +63,9 @@ pub struct Isoperiodic<P> {
     pub points: Vec<P>,
 }
 
-/// Rows of the plane in a part.
-fn rows<M: PlaneMachine>(request: &IsoperiodicRequest<M>, part: usize) -> Range<usize> {
-    let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
-    part * rows..((part + 1) * rows).min(request.y.count)
-}
-
 /// Number of parts, each of one or more whole rows.
 pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
-    request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
+    parts_of_plane((request.x.count, request.y.count), M::IN_PLANE_PART)
 }
 
 /// The plane, on all threads; `None` where rows belong to other shards. The result depends neither
@@ -87,8 +81,10 @@ pub fn isoperiodic<M: PlaneMachine>(
     task: &Task,
 ) -> Result<Option<Isoperiodic<M::Point>>> {
     check(machine, request)?;
-    let part =
-        |workspace: &mut M::Workspace, part| Ok(machine.points(request, rows(request, part), workspace));
+    let part = |workspace: &mut M::Workspace, part| {
+        let rows = rows_of_part((request.x.count, request.y.count), M::IN_PLANE_PART, part);
+        Ok(machine.points(request, rows, workspace))
+    };
     let parts = task.complete_with(count(request), part)?;
     Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
 }

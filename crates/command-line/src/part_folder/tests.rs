@@ -1,8 +1,9 @@
 use super::*;
 use crate::long_study::{LongStudy, StudyKind};
 use crate::manifest::Invocation;
+use vibro_studies::basin::BasinRequest;
 use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::basin::{BasinRequest, InitialValueRange, in_the_middle};
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::parts::{Shard, Task};
 
 /// The manifest of a study over so many discarded periods.

@@ -1,6 +1,6 @@
 //! The studies of the paper's machine alone.
 
-pub(super) mod basin;
+mod basin;
 mod compare;
 mod diagram_orbits;
 pub(super) mod lengths;
@@ -18,7 +18,6 @@ mod steady_motion;
 mod strong;
 pub(super) mod sweep;
 
-pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
 pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};

@@ -15,7 +15,7 @@ use super::lyapunov::Spectrum;
 use super::statistics::{Likeness, Statistics};
 use super::stroboscopic::{StroboscopicState, dimensionless};
 use crate::class::SAME;
-pub use crate::class::{LONGEST, MotionClass, OBSERVED, RETURN};
+pub use crate::class::{LONGEST, MotionClass, OBSERVED, RETURN, Relation};
 use crate::error::Result;
 use crate::exponent::LargestExponent;
 pub use crate::exponent::ZERO_EXPONENT;
@@ -43,19 +43,6 @@ pub struct Attractor {
     pub sizes: [f64; 3],
     /// Means by which a motion without a period is compared with others.
     pub statistics: Option<Statistics>,
-}
-
-/// Relation of two attractors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Relation {
-    /// Equal.
-    Same,
-    /// Each is the mirror image of the other.
-    Mirror,
-    /// Neither equal nor mirror images.
-    Different,
-    /// Neither has a period, and their windows are too short to tell whether they are the same.
-    Undecided,
 }
 
 impl MotionClass {

@@ -14,7 +14,8 @@ use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::{Error, Result, report, studies};
 use vibro_orbits::paper::TreeOptions;
-use vibro_studies::paper::basin::{self, InitialValueRange};
+use vibro_studies::basin::BasinRequest;
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::Sweep;
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::paper::lyapunov::SpectrumOptions;
@@ -104,9 +105,9 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
     let p = set.parameters();
     let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
-    let start = a.of_paper.start.unwrap_or_else(basin::in_the_middle);
+    let start = a.of_paper.start.unwrap_or_else(in_the_middle);
     let (x, y) = (cells(a.of_paper.x)?, cells(a.of_paper.y)?);
-    let kind = StudyKind::Basin(basin::BasinRequest { x, y, discard: a.discard, start });
+    let kind = StudyKind::Basin(BasinRequest { x, y, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 
