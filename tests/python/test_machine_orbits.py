@@ -18,7 +18,7 @@ def example(name):
 
 
 def test_the_block_of_the_page_prints_what_it_shows(tmp_path):
-    assert run("docs/orbits-of-your-machine.md", tmp_path) == 2
+    assert run("docs/machine-studies.md", tmp_path) == 2
 
 
 def test_closed_form_of_both_orbits_of_the_impact_pair():

@@ -1,4 +1,4 @@
-//! The commands of docs/recipes.md, as they stand there, against closed forms and the library.
+//! The commands of the recipes of docs/paper-machine.md, as they stand there, against closed forms and the library.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -55,7 +55,7 @@ fn golden_what_coding_assistants_are_told() {
 
 #[test]
 fn closed_form_of_the_recipes() {
-    let guide = Guide::read("recipes.md");
+    let guide = Guide::read("paper-machine.md");
     guide.perform("recipes", &[]);
 
     // Without the block: the linear oscillator.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`;
+/// How the pages call the program. The recipes of `docs/paper-machine.md` and `docs/design-a-damper.md` call it `vibro`;
 /// `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.

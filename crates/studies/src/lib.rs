@@ -14,7 +14,7 @@
 //! [`parts::Task`], and a number of parts that depends on the request alone; the command line keeps
 //! it as a kind of its long studies. A new measure is a variant of [`Measure`] with name, unit and
 //! description, and its value over a window. Limits and thresholds by which a verdict is decided
-//! are those of docs/studies.md: they change together with their reasons there.
+//! are those of docs/theory.md, section 17: they change together with their reasons there.
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|

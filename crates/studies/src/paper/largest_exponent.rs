@@ -7,7 +7,7 @@
 //! batch.
 //!
 //! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
-//! of drive periods, whose scatter gives the standard error of their mean. docs/studies.md, "The
+//! of drive periods, whose scatter gives the standard error of their mean. docs/theory.md, "The
 //! largest exponent of many motions", states the rule.
 
 use super::variation::SingleVariation;

@@ -49,7 +49,7 @@ pub struct Measured {
     /// Scatter of each value between windows of this length: the standard deviation found from the
     /// six parts of this window, each a whole number of periods of a motion that repeats. The
     /// standard error of an exponent. 0 for exact values, and rounding for regular motion.
-    /// docs/studies.md, (N6) and (N7).
+    /// docs/theory.md, (N3) and (N4).
     pub spreads: Vec<f64>,
     /// Class, where it was requested.
     pub class: Option<MotionClass>,
@@ -178,9 +178,9 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
 
 /// Spread of a value over windows as long as these parts together, from its values in the parts. An
 /// extreme of a long window scatters as that of a part does, since the scale of the limit law of
-/// extremes does not depend on the number of parts, docs/studies.md (N6); a mean scatters less by
-/// the root of the number of parts, (N7). A value that is monotone from part to part is still
-/// drifting, (N8).
+/// extremes does not depend on the number of parts, docs/theory.md (N3); a mean scatters less by
+/// the root of the number of parts, (N4). A value that is monotone from part to part is still
+/// drifting, (N5).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;

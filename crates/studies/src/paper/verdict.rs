@@ -4,7 +4,7 @@
 //! zero is chaotic or quasi-periodic as far as it was followed; the caller decides whether its
 //! window is long enough. All others are prolonged, twice as far each time, since a transient and a
 //! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
-//! attractor. docs/studies.md, "When a verdict is decided", has the reasons.
+//! attractor. docs/theory.md, "When a verdict is decided", has the reasons.
 
 use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
 use super::free_limit::is_damped;
