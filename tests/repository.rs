@@ -266,8 +266,13 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
 fn named_paths(page: &str) -> Vec<&str> {
     const FOLDERS: [&str; 9] =
         ["crates/", "src/", "web/", "python/", "fmu-build/", "tests/", "benches/", "examples/", "docs/"];
-    let quoted = page.lines().filter(|line| !line.starts_with("```")).flat_map(|line| line.split('`').skip(1).step_by(2));
-    quoted.filter(|path| FOLDERS.iter().any(|folder| path.starts_with(folder)) && !path.contains(' ')).collect()
+    let quoted = page
+        .lines()
+        .filter(|line| !line.starts_with("```"))
+        .flat_map(|line| line.split('`').skip(1).step_by(2));
+    quoted
+        .filter(|path| FOLDERS.iter().any(|folder| path.starts_with(folder)) && !path.contains(' '))
+        .collect()
 }
 
 /// A fresh reader who follows the map arrives.

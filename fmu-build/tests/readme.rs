@@ -197,7 +197,8 @@ fn every_code_block_works() {
     }
     let machine = common::python::root().join("examples/assembly/damper_with_buffer.toml");
     let kit = fmu_build::kit::at_hand().expect("the library of described machines");
-    fmu_build::assembly::write(&machine, Some(&folder), false, &kit).expect("both archives of the page of FMUs");
+    fmu_build::assembly::write(&machine, Some(&folder), false, &kit)
+        .expect("both archives of the page of FMUs");
     let mut ran = BTreeSet::new();
     for page in pages() {
         let text = read(&page);

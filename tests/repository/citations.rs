@@ -17,10 +17,11 @@ fn invariant_every_document_that_is_cited_is_in_the_repository() {
         for word in
             words(&text).filter(|word| word.ends_with(".md") && word.len() > 3 && !word.starts_with('/'))
         {
-            // Relative to the file, to the root, or the name of a page in docs/.
-            let beside = path.parent().expect("a file is in a folder").join(word);
-            let there =
-                [beside, root().join(word), root().join("docs").join(word)].iter().any(|p| p.exists());
+            // Relative to the file, to its package, to the root, or the name of a page in docs/.
+            let beside = path.parent().expect("a file is in a folder");
+            let package = beside.ancestors().find(|folder| folder.join("Cargo.toml").exists());
+            let folders = [beside, package.unwrap_or(root()), root(), &root().join("docs")];
+            let there = folders.iter().any(|folder| folder.join(word).exists());
             // Licences in the packed archive and in other packages, and the notes that a release
             // makes, are not in the repository.
             let others = word.contains("LICENSE") || word.ends_with("RELEASE_NOTES.md");
@@ -76,7 +77,8 @@ fn ordered_equations(page: &str, letter: &str) -> Vec<String> {
         let ends = text.split(mark).skip(1).filter_map(|rest| rest.split_once('}'));
         ends.map(|(label, _)| label.to_owned()).collect()
     };
-    let own = |label: &String| label.trim_start_matches(char::is_alphabetic).len() + letter.len() == label.len();
+    let own =
+        |label: &String| label.trim_start_matches(char::is_alphabetic).len() + letter.len() == label.len();
     let of_letter = |label: &String| label.starts_with(letter) && own(label);
     of("\\tag{").into_iter().chain(of("(\\mathrm{")).filter(of_letter).collect()
 }
@@ -96,7 +98,8 @@ fn invariant_equations_are_numbered_in_the_order_of_their_page() {
 
 #[test]
 fn invariant_every_equation_that_is_cited_is_on_its_page() {
-    let [theory, law, studies] = NUMBERED.map(|(page, letter)| ordered_equations(page, letter).into_iter().collect::<BTreeSet<_>>());
+    let [theory, law, studies] =
+        NUMBERED.map(|(page, letter)| ordered_equations(page, letter).into_iter().collect::<BTreeSet<_>>());
     assert!(theory.len() > 50 && law.len() > 20 && studies.len() > 4, "{law:?} {studies:?}");
     let (mut wrong, mut cited) = (Vec::new(), 0);
     for (path, text) in all() {

@@ -44,7 +44,7 @@ fn differences(last: &[f64], simulator: &Simulator) -> [f64; 3] {
 /// Two flanks of one speed a period: the part is thrown from each to the other.
 #[test]
 fn golden_what_coding_assistants_are_told() {
-    let guide = Guide::read("../AGENTS.md");
+    let guide = Guide::at("../../AGENTS.md");
     let said = guide.perform("agents", &[]);
     assert!(said[0].contains("Rattle"), "{}", said[0]);
     let impacts = guide::texts("agents", "run/events.csv").iter().filter(|row| row[1] == "impact").count();

@@ -30,8 +30,14 @@ pub fn texts(name: &str, table: &str) -> Vec<Vec<String>> {
 
 impl Guide {
     /// Reads a page of docs/.
+    #[allow(dead_code)] // Each test program uses its share of these.
     pub fn read(name: &str) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(name);
+        Self::at(&format!("../../docs/{name}"))
+    }
+
+    /// Reads a page by its path from the package.
+    pub fn at(path: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
         Self { text: std::fs::read_to_string(path).expect("the page can be read") }
     }
 
