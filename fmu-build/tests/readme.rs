@@ -95,7 +95,9 @@ fn the_pages_that_are_left_out_here_are_read_by_their_own_tests() {
 /// The packages of the workspace: name and folder.
 fn packages() -> Vec<(String, PathBuf)> {
     let root = common::python::root();
-    let children = fs::read_dir(root).expect("the workspace").map(|entry| entry.expect("an entry").path());
+    let folders =
+        [".", "crates", "web"].map(|folder| fs::read_dir(root.join(folder)).expect("the workspace"));
+    let children = folders.into_iter().flatten().map(|entry| entry.expect("an entry").path());
     let named = |folder: PathBuf| {
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).ok()?;
         let package = manifest.split("[package]").nth(1)?;

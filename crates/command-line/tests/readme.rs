@@ -13,7 +13,7 @@ const AT_LEAST: usize = 17;
 
 /// README.md and the pages in docs/.
 fn pages() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the workspace");
     let docs = std::fs::read_dir(root.join("docs")).expect("docs can be read");
     let docs = docs.map(|entry| entry.expect("an entry").path());
     let mut pages: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
