@@ -286,7 +286,8 @@ impl Curves for [Family; 2] {
         point: &PointOfFile,
         (start, shortest): &Self::Start,
     ) -> Result<(LocusStart, Vec<LocusPoint>)> {
-        let shown = LocusStart { special: point.special.clone(), ..shortest.clone() };
+        let mut shown = shortest.clone();
+        shown.special = point.special.clone();
         Ok((shown, locus(start, &self[1])?))
     }
 }
