@@ -247,7 +247,7 @@ const ASSEMBLY_SWEEP: [&str; 14] = [
     "sweep",
     DAMPER,
     "--vary",
-    "stop.steel.gap=4mm:6mm:40",
+    "stop.steel.gap=4mm:6mm:20",
     "--vary",
     "body.block.mass=0.2kg:0.5kg:15",
     "--output",
@@ -257,7 +257,7 @@ const ASSEMBLY_SWEEP: [&str; 14] = [
     "--periods",
     "2",
     "--again",
-    "2000",
+    "200",
 ];
 // Three parts of at most 32 motions.
 const ASSEMBLY_PLANE: [&str; 10] = [
