@@ -39,7 +39,7 @@ PLUGIN = "vibro-impact-fmu"
 RETRIES = 10  # of a chunk whose workers are lost
 BODIES = ("box.s", "block.s", "secondary.s")
 START = (*BODIES, "box.v", "block.v", "secondary.v")
-AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro sweep --list` has them
+AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro paper sweep --list` has them
 MEASURED = (*AMPLITUDES, "impacts.upper", "impacts.lower", "power.impact")
 
 Row = dict[str, Union[float, str, None]]

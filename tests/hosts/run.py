@@ -64,7 +64,7 @@ CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 # of two, of which sums are exact.
 ASSEMBLIES = (
     ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
-    ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
+    ("MslCoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
 )
 
 # Error relative to a variable's largest value: CVode at 1e-10, amplified from event to event.

@@ -7,7 +7,7 @@ use std::process::Command;
 /// `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.
-const ELSEWHERE: &str = "reproduce --quick";
+const ELSEWHERE: &str = "paper reproduce --quick";
 /// The pages show the program's 17 commands, and some of them twice.
 const AT_LEAST: usize = 17;
 
@@ -56,6 +56,7 @@ fn every_vibro_command_of_the_pages_works() {
                 vibro.args(arguments.split_whitespace()).current_dir(&folder).output().expect("vibro runs");
             let said = String::from_utf8_lossy(&output.stderr);
             assert!(output.status.success(), "{}: {line}: {said}", page.display());
+            assert!(!said.contains("the old spelling"), "{}: {line}: {said}", page.display());
         }
     }
     assert!(count >= AT_LEAST, "the pages show {count} commands");

@@ -172,7 +172,7 @@ class PaperMachine(ParameterValues):
         measures
             Names such as ``"amplitude.x1"`` or ``"amplitude.box.s"``, ``"impacts"``, ``"power.input"``.
         periods, settle
-            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro paper sweep``.
         start
             As of :meth:`simulate`.
 
@@ -349,7 +349,7 @@ class PaperMachine(ParameterValues):
         settle: int = 1000,
         progress: bool = False,
     ) -> list[PaperBranch]:
-        """Branches of periodic orbits over a parameter, stable or not, with their bifurcations: ``vibro orbits --tree``.
+        """Branches of periodic orbits over a parameter, stable or not, with their bifurcations: ``vibro paper orbits --tree``.
 
         Parameters
         ----------

@@ -111,7 +111,8 @@ fn vibro(home: &Path, line: &str) -> String {
     let (line, file) = line.split_once(" > ").map_or((line, None), |(line, file)| (line, Some(file)));
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
     let output = command.args(words(line)).current_dir(home).output().expect("vibro runs");
-    assert!(output.status.success(), "vibro {line}: {}", String::from_utf8_lossy(&output.stderr));
+    let notes = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !notes.contains("the old "), "vibro {line}: {notes}");
     let said = String::from_utf8(output.stdout).expect("text");
     if let Some(file) = file {
         std::fs::write(home.join(file.trim()), &said).expect("target can be written");

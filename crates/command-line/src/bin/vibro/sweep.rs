@@ -97,7 +97,7 @@ pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
 
 /// All outputs of the paper's machine with unit and meaning.
 pub fn list() -> String {
-    let mut text = String::from("outputs of `vibro sweep --output NAME,…`, in SI:\n");
+    let mut text = String::from("outputs of `vibro paper sweep --output NAME,…`, in SI:\n");
     for measure in Measure::all() {
         let unit = if measure.unit() == "1" { "" } else { measure.unit() };
         text.push_str(&format!("  {:24} {unit:4} {}\n", measure.name(), measure.description()));
