@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins as basins_of};
 use vibro_studies::paper::attractor::{Attractor, MotionClass};
-use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, count as diagram_parts, diagram};
+use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_studies::paper::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::measures::{Measure, Measured, measure as measured};
@@ -106,10 +106,10 @@ pub fn paper_bifurcation<'py>(
     let axis = ParameterAxis::new(find(name)?, ends, count).map_err(Failure::from)?;
     let of: Displacement = of.parse().map_err(Failure::from)?;
     let exponents = exponents.map(|periods| SpectrumOptions { periods, ..SpectrumOptions::default() });
-    let (sweep, set) =
-        (Sweep { axis, discard, keep, exponents, of, start }, system.set().map_err(Failure::from)?.clone());
+    let sweep = Sweep { exponents, start, ..Sweep::new(axis, of, (discard, keep)) };
+    let set = system.set().map_err(Failure::from)?.clone();
     let found = compute(py, progress, move |control| {
-        in_parts(control, diagram_parts(&sweep), |task| diagram(&set, &sweep, task))
+        in_parts(control, sweep.count(), |task| diagram(&set, &sweep, task))
     })?;
     let Diagram { up, down } = &found;
     Ok(BothDirections {

@@ -7,7 +7,7 @@ mod statements;
 
 pub use statement::{Statement, Verdict};
 
-use super::long_study::{LongStudy, StudyKind};
+use super::long_study::{LongStudy, OverSweep, StudyKind};
 use super::studies::{self, DiagramOrbits, Study};
 use crate::part_folder::PartFolder;
 use crate::table::TextTable;
@@ -20,7 +20,6 @@ use vibro_studies::paper::bifurcation::{Diagram, Sweep};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::{Method, PAIRS, ParameterAxis};
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, ParameterSet, find_group};
 use vibro_studies::parts::{NoStore, Task};
 
@@ -101,15 +100,9 @@ impl Plan {
         let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
         let sweep = |name: &str, range, count| -> Result<LongStudy> {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-            let sweep = Sweep {
-                axis,
-                discard,
-                keep,
-                exponents: Some(options),
-                of: Displacement::X2,
-                start: StartRule::default(),
-            };
-            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new(), orbits: None }, set))
+            let sweep =
+                Sweep { exponents: Some(options), ..Sweep::new(axis, Displacement::X2, (discard, keep)) };
+            Ok(LongStudy::new(name, StudyKind::Diagram(sweep, OverSweep::default()), set))
         };
         let cells = if quick { 40 } else { 200 };
         let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));
@@ -230,8 +223,8 @@ impl Plan {
         let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;
         overlay.remarks.push("the maxima are those of figure-14.csv".into());
         let all = vec![
-            studies::sweep(set, sweep, coarse, "figure-14")?,
-            studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
+            studies::diagram(set, sweep, coarse, "figure-14")?,
+            studies::diagram(set, fine_sweep, fine, "figure-14-fine")?,
             match orbits {
                 Ok(orbits) => orbits.study(set, sweep, coarse, ORBITS)?,
                 // A machine whose orbits are not determined by phases, such as one with a free

@@ -27,8 +27,7 @@ const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
-    let sweep =
-        Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2, start: StartRule::default() };
+    let sweep = Sweep { exponents, ..Sweep::new(axis, Displacement::X2, (300, 60)) };
     let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }

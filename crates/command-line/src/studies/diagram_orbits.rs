@@ -15,8 +15,7 @@ use vibro_orbits::{
     Branch, Family, KeptPaths, Label, Orbit, OrbitPoint, PathOptions, Stability, TreeOptions, tree_on,
 };
 use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
-use vibro_studies::paper::bifurcation::Diagram;
-use vibro_studies::{Machine, Maxima, Settled, Watcher, settled};
+use vibro_studies::{Diagram, Machine, Maxima, Settled, Watcher, settled};
 
 /// Least and largest number of values, in each direction, at which settled motions start branches.
 const SEEDS: (usize, usize) = (24, 200);
@@ -25,7 +24,7 @@ const SEEDS: (usize, usize) = (24, 200);
 ///
 /// # Errors
 /// As [`Family::new`], for machines and parameters that orbits cannot be followed over.
-pub fn diagram_family(machine: &Machine, request: &DiagramRequest) -> Result<Family> {
+pub fn diagram_family(machine: &Machine, request: &DiagramRequest<Machine>) -> Result<Family> {
     Ok(Family::new(machine, &request.axis.name, (request.axis.from, request.axis.to))?)
 }
 
@@ -50,7 +49,7 @@ struct Seen {
 /// As [`diagram_family`].
 pub fn diagram_branches(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     kept: &dyn KeptPaths,
     told: &dyn Fn(usize, usize),
 ) -> Result<(Family, Vec<Branch>)> {
@@ -76,7 +75,7 @@ pub fn diagram_branches(
 /// [`Error::Output`](crate::Error::Output).
 pub fn assembly_diagram_orbits(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     diagram: &Diagram<AssemblyPoint>,
     (family, branches): (&Family, &[Branch]),
     name: &str,
@@ -150,7 +149,11 @@ fn seen(family: &Family, branches: &[Branch], value: f64) -> Vec<Seen> {
 }
 
 /// The local maxima of the diagram's quantity along each branch, the largest first.
-fn maxima(machine: &Machine, request: &DiagramRequest, branches: &[Branch]) -> Result<Vec<Vec<Vec<f64>>>> {
+fn maxima(
+    machine: &Machine,
+    request: &DiagramRequest<Machine>,
+    branches: &[Branch],
+) -> Result<Vec<Vec<Vec<f64>>>> {
     let quantity = request.of.find(&machine.description)?.quantity;
     let of = |orbit: Orbit| -> Vec<f64> {
         let mut watcher = Watcher::of(&[], orbit.place().assembly.system().stops.len());
@@ -177,7 +180,7 @@ fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
 
 fn panel(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     diagram: &Diagram<AssemblyPoint>,
     (branches, maxima): (&[Branch], &[Vec<Vec<f64>>]),
 ) -> Result<Panel> {

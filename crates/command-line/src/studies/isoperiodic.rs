@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_studies::MotionClass;
-use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
+use vibro_studies::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
 use vibro_studies::{ParameterAxis, check_cells};
 
 const PALE: Colour = Colour(228, 228, 228);

@@ -5,7 +5,7 @@ use crate::Result;
 use crate::table::{CsvRows, TextTable, exact};
 use vibro_figures::canvas::palette::{BLACK, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
-use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, Window};
+use vibro_studies::diagram::{Diagram, DiagramPoint, Window};
 use vibro_studies::{AxisName, ParameterAxis};
 
 /// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
@@ -27,18 +27,6 @@ const MAX_LISTED: usize = 40;
 
 /// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
-
-/// Method by which a diagram was computed, in words.
-pub(super) fn method(sweep: &Sweep) -> String {
-    let mut text = format!(
-        "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
-        sweep.discard, sweep.keep, sweep.axis.count
-    );
-    if let Some(o) = &sweep.exponents {
-        text.push_str(&format!(" Exponents over {} periods after {}.", o.periods, o.align));
-    }
-    text
-}
 
 /// Converts a maximum at a point to units of the set's own gap.
 type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;

@@ -3,7 +3,7 @@
 mod basin;
 mod compare;
 mod diagram_orbits;
-mod labelled;
+mod labels;
 pub(super) mod lengths;
 mod locus;
 mod manifold;
@@ -18,7 +18,7 @@ mod stability;
 mod steady;
 mod steady_motion;
 mod strong;
-pub(super) mod sweep;
+mod sweep;
 
 pub use compare::{accuracy, force_overlay, histories};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
@@ -34,4 +34,4 @@ pub use run::{RunLength, RunRequest, run};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;
-pub use sweep::{overlay, periodic_ranges, spectra, sweep};
+pub use sweep::{overlay, periodic_ranges, spectra};

@@ -9,7 +9,7 @@ use crate::ranges::{self, in_option};
 use crate::study_arguments::{Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::{interruption, output};
 use std::path::{Path, PathBuf};
-use vibro::long_study::{LongStudy, StudyKind};
+use vibro::long_study::{LongStudy, OverSweep, StudyKind};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::{Error, Result, report, studies};
@@ -41,10 +41,10 @@ fn kind(
     a: &Bifurcation,
     exponents: Option<SpectrumOptions>,
     at: Vec<f64>,
-) -> Result<StudyKind> {
+) -> Result<StudyKind<ParameterSet>> {
     let of = displacement(a)?;
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of, start: a.of_paper.start };
-    Ok(StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) })
+    let sweep = Sweep { exponents, start: a.of_paper.start, ..Sweep::new(axis, of, (a.discard, a.keep)) };
+    Ok(StudyKind::Diagram(sweep, OverSweep { at, orbits: a.orbits.then(TreeOptions::default) }))
 }
 
 fn displacement(a: &Bifurcation) -> Result<Displacement> {
@@ -76,9 +76,11 @@ fn name(study: &str, of: Displacement) -> String {
 }
 
 /// Refuses a parameter that orbits cannot vary before work begins.
-fn check_orbits(set: &ParameterSet, kind: &StudyKind) -> Result<()> {
+fn check_orbits(set: &ParameterSet, kind: &StudyKind<ParameterSet>) -> Result<()> {
     match kind {
-        StudyKind::Sweep { sweep, orbits: Some(_), .. } => studies::sweep_family(set, sweep).map(drop),
+        StudyKind::Diagram(sweep, OverSweep { orbits: Some(_), .. }) => {
+            studies::sweep_family(set, sweep).map(drop)
+        }
         _ => Ok(()),
     }
 }

@@ -5,7 +5,7 @@ use crate::loci::{Curves, chosen, followed};
 use crate::long::perform_as;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, in_option, shown};
-use vibro::long_study::{LongStudy, StudyKind};
+use vibro::long_study::{LongStudy, StudyOfMachine};
 use vibro::special_points::SpecialPoint;
 use vibro::studies::{self, Study};
 use vibro::{Error, Result};
@@ -89,8 +89,8 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
-    let kind = StudyKind::Orbits { span, options };
-    perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
+    let work = StudyOfMachine::Branches { set: set.clone(), span, options };
+    perform_as(&LongStudy::of("orbits", work), common, &common.invocation, None)
 }
 
 /// The branches of single orbits; `None` with `--tree`, whose branches [`whole_tree`] computes and

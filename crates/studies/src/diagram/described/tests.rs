@@ -1,6 +1,9 @@
 //! Bifurcation diagrams of described machines against closed forms and invariants.
 
 use super::*;
+use crate::axis::ParameterAxis;
+use crate::diagram::diagram;
+use crate::parts::Task;
 use crate::tests::{OSCILLATOR, text};
 
 #[test]
@@ -47,7 +50,7 @@ fn invariant_maxima_do_not_depend_on_the_clock() {
     }
 }
 
-fn request(count: usize) -> DiagramRequest {
+fn request(count: usize) -> DiagramRequest<Machine> {
     let axis = ParameterAxis::of("spring.k.damping".to_owned(), (8.0, 9.0), count).unwrap();
     let of = "a.s".parse().unwrap();
     let start = Start::default();

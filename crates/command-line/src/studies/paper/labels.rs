@@ -1,8 +1,7 @@
-//! Names and units of the paper's parameters and measures in tables and pictures of a sweep.
+//! Names and units of the paper's parameters and measures in tables and pictures.
 
 use super::lengths::LengthUnit;
 use crate::studies::design_sweep::{Labelled, MeasureUnit};
-use crate::studies::parameter_axis;
 use vibro_figures::canvas::palette::{BLACK, BLOCK, BLUE, BOX, GREY, RELATIVE, SECONDARY};
 use vibro_figures::chart::{Axis, Colour};
 use vibro_studies::paper::measures::{Coordinate, Measure};
@@ -14,7 +13,7 @@ impl Labelled for ParameterSet {
     }
 
     fn axis(&self, name: &Name) -> Axis {
-        parameter_axis(self, *name, (0.0, 1.0))
+        crate::studies::parameter_axis(self, *name, (0.0, 1.0))
     }
 
     fn shown(&self, name: &Name) -> f64 {
@@ -46,7 +45,7 @@ impl Labelled for ParameterSet {
     }
 
     fn measure_shown(&self, measure: &Measure) -> MeasureUnit {
-        measure_unit(self, *measure)
+        unit_of(self, *measure)
     }
 
     fn is_class(measure: &Measure) -> bool {
@@ -107,7 +106,7 @@ fn words(measure: Measure) -> String {
 
 /// The unit of the machine's lengths for a length, the unit of its speeds for a speed, and SI
 /// for all other measures.
-fn measure_unit(set: &ParameterSet, measure: Measure) -> MeasureUnit {
+fn unit_of(set: &ParameterSet, measure: Measure) -> MeasureUnit {
     let (p, lengths) = (set.parameters(), LengthUnit::of(set));
     match measure.unit() {
         "m" => MeasureUnit { factor: lengths.per_metre, symbol: lengths.symbol },

@@ -1,7 +1,7 @@
 //! Diagrams read as a whole: windows of one class, hysteresis between the two directions.
 
 use super::{Diagram, DiagramPoint};
-use crate::paper::attractor::MotionClass;
+use crate::class::MotionClass;
 
 /// Window of neighbouring values at which motions have the same class.
 #[derive(Clone, Copy, Debug, PartialEq)]
