@@ -30,7 +30,7 @@ use vibro_studies::parts::Task;
 /// The form of the parts on disk: how a study is divided and what a part holds. It is incremented
 /// whenever one of them changes, so that parts of different forms are never combined. Manifests
 /// without a form have form 1.
-pub const FORMAT: u32 = 6;
+pub const FORMAT: u32 = 7;
 
 /// One long study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
