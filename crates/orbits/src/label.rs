@@ -47,25 +47,10 @@ impl Label {
         Self::Saturation,
     ];
 
-    /// All labels.
-    pub const ALL: [Self; 12] = [
-        Self::Fold,
-        Self::BranchPoint,
-        Self::PeriodDoubling,
-        Self::NeimarkSacker,
-        Self::Grazing,
-        Self::Chatter,
-        Self::Stick,
-        Self::Crossing,
-        Self::Saturation,
-        Self::EndPoint,
-        Self::NoConvergence,
-        Self::UserValue,
-    ];
-
     /// The label with two letters.
     pub fn find(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|label| label.name() == name)
+        let others = [Self::EndPoint, Self::NoConvergence, Self::UserValue];
+        Self::STARTS.into_iter().chain(others).find(|label| label.name() == name)
     }
 
     /// The two letters of the label.

@@ -84,7 +84,7 @@ pub(super) trait Follow {
     /// The parameter's value at a point.
     fn value(&self, u: &DVector<f64>) -> f64;
 
-    /// One step, with the special points on it. `leaves` says that it leaves a special point.
+    /// One step, with the special points on it; `leaves` where it begins at a special point.
     fn step(
         &self,
         before: (&Earlier<Self::Tests>, &Position<Self::Tests>),

@@ -37,7 +37,7 @@ pub(super) struct Texts {
     /// The parameter as the first line names it.
     pub over: String,
     pub title: String,
-    /// What is certain of all orbits, after their number.
+    /// A statement that holds for all orbits; it follows their number in a remark.
     pub certain: &'static str,
     /// The machine's other parameters, as a line of the caption.
     pub elsewhere: String,

@@ -49,7 +49,7 @@ pub(super) struct Texts<'a> {
     pub names: [&'a str; 2],
     /// The parameters as the first line names them.
     pub over: [&'a str; 2],
-    /// What the curves consist of.
+    /// The plural of the points of which the curves consist.
     pub of: &'static str,
     pub title: String,
     /// The machine's other parameters, as a line of the caption.

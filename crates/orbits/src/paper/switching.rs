@@ -110,15 +110,7 @@ impl FlightTouch {
         // The shift of the extremum changes its value only in second order.
         let leaves = excess(SIDE_STEP)? - excess(-SIDE_STEP)? < 0.0;
         let direction = if leaves { along } else { -along };
-        let system = family.system_at(&self.u)?;
-        let orbit = Orbit::at(&system, &self.shorter, &self.u.as_slice()[..n])?;
-        Ok(Departure {
-            u: self.u.clone(),
-            direction,
-            step: SWITCH_STEP,
-            special: Some(Special::of(Label::Grazing)),
-            of: Some(orbit.multipliers()),
-        })
+        at_touch(family, (&self.u, direction), &self.shorter, &self.u.as_slice()[..n])
     }
 }
 
@@ -134,16 +126,19 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
     let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
     let direction = if gradient.dot(&along) > 0.0 { along } else { -along };
-    let system = family.system_at(&touch.u)?;
-    let without = touch.without();
-    let orbit = Orbit::at(&system, &touch.shorter(), &without.as_slice()[..n - 1])?;
-    Ok(Departure {
-        u: touch.u.clone(),
-        direction,
-        step: SWITCH_STEP,
-        special: Some(Special::of(Label::Grazing)),
-        of: Some(orbit.multipliers()),
-    })
+    at_touch(family, (&touch.u, direction), &touch.shorter(), &touch.without().as_slice()[..n - 1])
+}
+
+/// Departure from a touch, with the multipliers of the orbit without the touching impact.
+fn at_touch(
+    family: &Family,
+    (u, direction): (&DVector<f64>, DVector<f64>),
+    shorter: &OrbitWord,
+    phases: &[f64],
+) -> Result<Departure, Obstacle> {
+    let of = Some(Orbit::at(&family.system_at(u)?, shorter, phases)?.multipliers());
+    let special = Some(Special::of(Label::Grazing));
+    Ok(Departure { u: u.clone(), direction, step: SWITCH_STEP, special, of })
 }
 
 /// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation

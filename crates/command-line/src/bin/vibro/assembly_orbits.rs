@@ -5,7 +5,7 @@ use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, 
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
 use crate::loci::{Curves, chosen, followed};
-use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
 use crate::ranges::in_option;
@@ -131,19 +131,19 @@ struct FolderOfPaths(PathBuf);
 
 impl FolderOfPaths {
     fn file(&self, key: u64) -> PathBuf {
-        self.0.join(format!("{key:016x}.txt"))
+        self.0.join(format!("{key:016x}.path"))
     }
 }
 
 impl KeptPaths for FolderOfPaths {
-    fn find(&self, key: u64) -> Option<String> {
-        std::fs::read_to_string(self.file(key)).ok()
+    fn find(&self, key: u64) -> Option<Vec<u8>> {
+        std::fs::read(self.file(key)).ok()
     }
 
-    fn keep(&self, key: u64, text: &str) {
+    fn keep(&self, key: u64, bytes: &[u8]) {
         // A path that is not kept is followed anew.
         let _ = std::fs::create_dir_all(&self.0);
-        let _ = write_whole(&self.file(key), text.as_bytes());
+        let _ = write_whole(&self.file(key), bytes);
     }
 }
 
@@ -168,73 +168,78 @@ fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<
     Ok((found, is_whole))
 }
 
-/// The remark of a study whose growth was interrupted.
-fn remark(is_whole: bool) -> Option<String> {
-    (!is_whole).then(|| "interrupted: further branches were not followed; the same command goes on".into())
+/// Branches over a parameter, as a command asks for them.
+struct Asked<'a> {
+    name: &'static str,
+    vary: &'a [String],
+    of: Option<&'a String>,
+    settling: &'a Settling,
+    step: f64,
+    /// Number of values at which motions settle and of switches; `None` for the one branch of the
+    /// settled motion.
+    tree: Option<(u32, u32)>,
 }
 
-/// The branches over a parameter: that of the settled motion, or all. Returns whether all were
-/// followed.
-pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
-    let settling = &a.of_file.settling;
-    let mut machine = machine(file, &settling.section(), common)?;
-    let family = family(&mut machine, &a.vary)?;
-    let start = start_of(&machine, &settling.start)?;
-    let measure = measure(&machine, a.of_file.of.as_ref())?;
-    let options = [
-        ("vary", in_words(&family)),
-        ("of", measure.to_string()),
-        ("tree", a.tree.to_string()),
-        ("start", start.to_string()),
-        ("discard", settling.discard.to_string()),
-        ("step", a.step.to_string()),
-    ];
-    let invocation = invocation(common, &options);
-    let destination = Destination::new(common, &invocation, &machine);
-    // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("orbits")])?;
-    let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
-    let (branches, is_whole) = if a.tree {
-        let (seeds, discard) = (a.seeds as usize, settling.discard);
-        let options = TreeOptions { start, seeds, discard, depth: a.depth, path };
-        grown(&family, &options, out.join("orbits-paths"))?
-    } else {
-        let orbit = Orbit::settled(&machine, &start, settling.discard)?;
-        (vec![branch(&family, &orbit, &path)?], true)
-    };
-    let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
-    study.remarks.extend(remark(is_whole));
-    written(&[study], &machine, &destination, common).map(|()| is_whole)
-}
+type MakeStudy = fn(&Machine, &Family, &[Branch], &Measure, &str) -> Result<Study>;
 
-/// The response: the branches of the orbits on which motions settle, rising and falling. Returns
-/// whether all were followed.
-pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
-    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+/// Follows branches and writes their study. `options` are those of the command alone, for
+/// manifests; `vary` is the option of the range. Returns whether all were followed.
+fn branches(
+    file: &Path,
+    common: &Common,
+    asked: &Asked,
+    (vary, options): (&'static str, Vec<(&'static str, String)>),
+    study: MakeStudy,
+) -> Result<bool> {
+    let Asked { name, settling, step, .. } = *asked;
     let mut machine = machine(file, &settling.section(), common)?;
-    let family = family(&mut machine, &a.range)?;
+    let family = family(&mut machine, asked.vary)?;
     let start = start_of(&machine, &settling.start)?;
-    let measure = measure(&machine, a.of.as_ref())?;
-    let options = [
-        ("range", in_words(&family)),
+    let measure = measure(&machine, asked.of)?;
+    let all = [
+        (vary, in_words(&family)),
         ("of", measure.to_string()),
         ("start", start.to_string()),
         ("discard", settling.discard.to_string()),
-        ("seeds", seeds.to_string()),
-        ("depth", depth.to_string()),
         ("step", step.to_string()),
     ];
-    let invocation = invocation(common, &options);
+    let invocation = invocation(common, &[&all, &options[..]].concat());
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("response")])?;
-    let path = PathOptions { longest_step: *step, ..PathOptions::default() };
-    let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
-    let options = TreeOptions { start, seeds, discard, depth, path };
-    let (branches, is_whole) = grown(&family, &options, out.join("response-paths"))?;
-    let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
-    study.remarks.extend(remark(is_whole));
+    let out = destination.place(&[destination.result(name)])?;
+    let (path, discard) = (PathOptions { longest_step: step, ..PathOptions::default() }, settling.discard);
+    let (branches, is_whole) = match asked.tree {
+        Some((seeds, depth)) => {
+            let options = TreeOptions { start, seeds: seeds as usize, discard, depth, path };
+            grown(&family, &options, out.join(format!("{name}-paths")))?
+        }
+        None => (vec![branch(&family, &Orbit::settled(&machine, &start, discard)?, &path)?], true),
+    };
+    let mut study = study(&machine, &family, &branches, &measure, name)?;
+    if !is_whole {
+        study
+            .remarks
+            .push("interrupted: further branches were not followed; the same command goes on".into());
+    }
     written(&[study], &machine, &destination, common).map(|()| is_whole)
+}
+
+/// The branches over a parameter: that of the settled motion, or all.
+pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
+    let (of, settling) = (a.of_file.of.as_ref(), &a.of_file.settling);
+    let tree = a.tree.then_some((a.seeds, a.depth));
+    let asked = Asked { name: "orbits", vary: &a.vary, of, settling, step: a.step, tree };
+    let options = vec![("tree", a.tree.to_string())];
+    branches(file, common, &asked, ("vary", options), studies::assembly_orbits)
+}
+
+/// The response: the branches of the orbits on which motions settle, rising and falling.
+pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
+    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+    let (of, tree) = (a.of.as_ref(), Some((*seeds, *depth)));
+    let asked = Asked { name: "response", vary: &a.range, of, settling, step: *step, tree };
+    let options = vec![("seeds", seeds.to_string()), ("depth", depth.to_string())];
+    branches(file, common, &asked, ("range", options), studies::assembly_response)
 }
 
 /// Curves of special points over two parameters.

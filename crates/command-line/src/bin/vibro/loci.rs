@@ -49,8 +49,8 @@ pub fn chosen<P: PointOfTable>(
     Ok(points)
 }
 
-/// The curves of special points, and the reasons for points from which none could be followed. Rows
-/// of one special point have one curve: that of the first from which it can be followed.
+/// The curves of special points, and a reason for each point without a curve. Rows of one special
+/// point have one curve, from the first row from which it can be followed.
 pub fn followed<C: Curves>(
     curves: &C,
     points: &[(String, C::Point)],
