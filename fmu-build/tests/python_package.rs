@@ -20,7 +20,6 @@ use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::motion::settled_simulator;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::trajectories::{Start, propagate};
 use vibro_studies::paper::{ParameterSet, find_group};
@@ -85,8 +84,7 @@ fn many() -> Value {
 fn bifurcation() -> Value {
     let axis = ParameterAxis::new(find_group("f10").expect("a group"), (0.5, 4.0), 41).expect("a range");
     let exponents = Some(SpectrumOptions { periods: 100, ..SpectrumOptions::default() });
-    let sweep =
-        Sweep { axis, discard: 60, keep: 40, exponents, of: Displacement::X1, start: StartRule::default() };
+    let sweep = Sweep { exponents, ..Sweep::new(axis, Displacement::X1, (60, 40)) };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).expect("valid").expect("all parts");
     let direction = |points: &[Option<SweepPoint>]| -> Vec<Value> {
         let point = |p: &SweepPoint| {

@@ -13,7 +13,6 @@ use vibro_studies::paper::bifurcation::{Sweep, diagram};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::parts::Task;
 

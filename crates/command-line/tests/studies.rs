@@ -18,7 +18,6 @@ use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group, lyapunov};
 use vibro_studies::parts::Task;
 
@@ -113,7 +112,7 @@ fn second_method_hysteresis_and_mirror_images() {
 #[test]
 fn figures_show_what_their_tables_hold() {
     let (sweep, found) = sweep((2.3, 3.6), 27, None);
-    let study = studies::sweep(&ParameterSet::basic(), &sweep, &found, "sweep").unwrap();
+    let study = studies::diagram(&ParameterSet::basic(), &sweep, &found, "sweep").unwrap();
     let figure = study.figure.as_ref().unwrap();
     let shape = figure.panels[0].layers.iter().find(|l| matches!(l.shape, Shape::Cells { .. })).unwrap();
     let Shape::Cells { x, y, columns, cells, .. } = &shape.shape else { unreachable!() };

@@ -4,7 +4,6 @@ use crate::paper::{Family, Span, Tree, TreeOptions, tree};
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_studies::parts::Task;
 
