@@ -10,10 +10,7 @@ use std::path::Path;
 type Module = Vec<String>;
 
 /// Circles that exist: the crate's folder, and the modules of the circle.
-const KNOWN: [(&str, &[&str]); 2] = [
-    // The sweep of designs has axes of the paper's parameters, and the search for islands uses the
-    // sweep's trait.
-    ("crates/studies/src", &["design_sweep", "paper"]),
+const KNOWN: [(&str, &[&str]); 1] = [
     // The component of a machine stores a state that consists of the component's own parts.
     ("crates/machine-component/src", &["machine", "saved_state"]),
 ];

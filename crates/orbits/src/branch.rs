@@ -1,8 +1,8 @@
 //! Branches of orbits as plain data: points, special points, stability.
 
 use super::orbit::Stability;
-use super::paper::OrbitWord;
 use crate::label::Label;
+use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 

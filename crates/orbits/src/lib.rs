@@ -40,6 +40,7 @@ mod seed;
 mod sides;
 mod special;
 mod step;
+mod stop_word;
 mod stored;
 mod switching;
 mod test_functions;

@@ -48,11 +48,11 @@ mod system;
 mod trace;
 mod tree;
 mod tree_options;
-mod word;
 
 #[cfg(test)]
 mod tests;
 
+pub use crate::stop_word::OrbitWord;
 pub use crate::{Label, LocusEnd, LocusPoint, OrbitPoint, PathOptions, Special};
 pub use branch::Branch;
 pub use coverage::{Covering, TreeOrbit};
@@ -67,4 +67,3 @@ pub use system::{ConstantLoads, System};
 pub use trace::{branch, tree, tree_in_parts};
 pub use tree::Tree;
 pub use tree_options::TreeOptions;
-pub use word::OrbitWord;

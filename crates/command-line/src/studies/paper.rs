@@ -3,6 +3,7 @@
 mod basin;
 mod compare;
 mod diagram_orbits;
+mod labelled;
 pub(super) mod lengths;
 mod locus;
 mod manifold;

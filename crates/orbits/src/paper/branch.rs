@@ -2,8 +2,8 @@
 
 use super::family::Family;
 use super::orbit::Orbit;
-use super::word::OrbitWord;
 use crate::branch::OrbitPoint;
+use crate::stop_word::OrbitWord;
 use vibro_studies::Result;
 
 /// A branch of orbits with one canonical word.

@@ -4,9 +4,9 @@
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::flights::{self, PENETRATION_ROUNDING};
-use super::word::OrbitWord;
 use crate::curve::{Equations, Linearization, solve};
 use crate::obstacle::Obstacle;
+use crate::stop_word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

@@ -10,11 +10,11 @@ use super::seeds::{SeedOrbit, Seeds};
 use super::switching::{self, Departure, FlightTouch};
 use super::tree::Tree;
 use super::tree_options::TreeOptions;
-use super::word::OrbitWord;
 use crate::branch::{OrbitPoint, Special};
 use crate::label::Label;
 use crate::path::PathEnd;
 use crate::path_options::PathOptions;
+use crate::stop_word::OrbitWord;
 use crate::traced::Traced;
 
 /// Starts that are traced in parallel. A constant, so that the result does not depend on the number

@@ -4,11 +4,11 @@ use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::grazing::{self, Touch, Touching};
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
-use super::word::{OrbitWord, REPETITION};
 use crate::branch::Special;
 use crate::curve::{axis, least_vectors, tangent};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
+use crate::stop_word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, DVector};
 
 /// First step from an orbit, and from a point where branches meet.

@@ -4,7 +4,7 @@
 pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
-use super::word::OrbitWord;
+use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use vibro_impact::State;
 use vibro_impact::numerics::bernstein::Polynomial;

@@ -11,8 +11,8 @@ use crate::paper::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
 use crate::paper::sample::{DOUBLING, UNIT, test};
 use crate::paper::special;
 use crate::paper::switching::FlightTouch;
-use crate::paper::word::OrbitWord;
 use crate::path::{COSINE, Follow, LEAST_STEP, PathEnd};
+use crate::stop_word::OrbitWord;
 use nalgebra::DVector;
 
 /// Largest correction of a step in parts of the step.
