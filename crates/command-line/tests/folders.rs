@@ -173,7 +173,7 @@ fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
     assert_eq!((code, output.status.signal()), (Some(130), None), "{error}");
     let count = format!("interrupted: {} of ", parts(&out, LONGER[0]).len());
     assert!(error.starts_with(&count) && error.contains("parts of `basin` are kept in"), "{count}: {error}");
-    let line = format!("vibro {} --out {}", LONGER.join(" "), out.display());
+    let line = format!("vibro paper {} --out {}", LONGER.join(" "), out.display());
     assert!(error.trim_end().ends_with(&line), "{line}: {error}");
     drawn(&out, &LONGER);
     drawn(&whole, &LONGER);
