@@ -21,7 +21,7 @@ pub struct Special {
 }
 
 impl Special {
-    /// A special point that an element is meant by.
+    /// A special point of an element.
     pub fn new(label: Label, element: impl Into<String>) -> Self {
         Self { label, element: element.into(), longer: None, fold: None }
     }

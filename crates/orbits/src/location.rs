@@ -37,6 +37,10 @@ const SHORT_ARC: f64 = 1e-2;
 /// Most steps towards such a zero.
 const MOST_SECANTS: usize = 3;
 
+/// A condition that ceases to hold in a step, with its arc, and the position there where it is not
+/// solved for.
+type Broken = (Condition, f64, Option<Position<Examined>>);
+
 impl Follower<'_> {
     /// The end of the parameter's range, if a step passes it, with its arc.
     pub fn boundary(
@@ -134,8 +138,8 @@ impl Follower<'_> {
         next: &Position<Examined>,
         arc: f64,
         leaves: bool,
-    ) -> Result<Option<(Condition, f64, Option<Position<Examined>>)>, Obstacle> {
-        let mut first: Option<(Condition, f64, Option<Position<Examined>>)> = None;
+    ) -> Result<Option<Broken>, Obstacle> {
+        let mut first: Option<Broken> = None;
         for (condition, after) in next.tests.conditions.iter().filter(|(own, value)| own.fails(*value)) {
             let before = value_of(&last.tests.conditions, *condition).unwrap_or(1.0);
             if condition.fails(before) {

@@ -196,14 +196,14 @@ impl Branch {
         }
         self.pieces_around(value).any(|pair| {
             let guesses = Self::guesses(value, pair);
-            let near = |tolerance, found: &[f64]| same_phases(&self.word(), phases, found, mirror, tolerance);
+            let near = |tolerance, found: &[f64]| same_phases(self.word(), phases, found, mirror, tolerance);
             if !near(NEAR_ORBIT, &guesses[0]) {
                 return false;
             }
             let Ok(system) = family.system(&[value]) else { return false };
             guesses
                 .iter()
-                .any(|guess| newton(&system, &self.word(), guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
+                .any(|guess| newton(&system, self.word(), guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
         })
     }
 
@@ -216,8 +216,8 @@ impl Branch {
             let near =
                 |phases: &[f64]| phases.iter().zip(&guesses[0]).all(|(a, b)| (a - b).abs() < NEAR_ORBIT);
             let reached = |guess: &Vec<f64>| {
-                let phases = newton(system, &self.word(), guess).ok().filter(|phases| near(phases))?;
-                Orbit::at(system, &self.word(), &phases).ok().filter(Orbit::is_certified)
+                let phases = newton(system, self.word(), guess).ok().filter(|phases| near(phases))?;
+                Orbit::at(system, self.word(), &phases).ok().filter(Orbit::is_certified)
             };
             // Two pieces that meet at the value share one orbit, which is kept once.
             found.extend(

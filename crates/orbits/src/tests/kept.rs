@@ -6,7 +6,9 @@ use std::sync::Mutex;
 
 /// Paths in memory, with the number of those that were found and kept.
 #[derive(Default)]
-struct Memory(Mutex<(HashMap<u64, Vec<u8>>, [usize; 2])>);
+struct Memory(Mutex<(Paths, [usize; 2])>);
+
+type Paths = HashMap<u64, Vec<u8>>;
 
 impl KeptPaths for Memory {
     fn find(&self, key: u64) -> Option<Vec<u8>> {

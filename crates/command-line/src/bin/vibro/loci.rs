@@ -49,12 +49,12 @@ pub fn chosen<P: PointOfTable>(
     Ok(points)
 }
 
+/// Curves, and reasons for points without one.
+pub type Followed<S> = (Vec<LocusCurve<S>>, Vec<String>);
+
 /// The curves of special points, and a reason for each point without a curve. Rows of one special
 /// point have one curve, from the first row from which it can be followed.
-pub fn followed<C: Curves>(
-    curves: &C,
-    points: &[(String, C::Point)],
-) -> Result<(Vec<LocusCurve<C::Shown>>, Vec<String>)> {
+pub fn followed<C: Curves>(curves: &C, points: &[(String, C::Point)]) -> Result<Followed<C::Shown>> {
     let told = |k: usize, error: Error| {
         let (from, point) = &points[k];
         format!("{from} ({} at {}): {error}", point.told(), point.value())

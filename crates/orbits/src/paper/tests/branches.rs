@@ -94,9 +94,9 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
         }
         for point in branch.points.iter().step_by(7).filter(|p| p.special.is_none()) {
             let system = family.system(&[point.value]).unwrap();
-            let orbit = Orbit::find(&system, &branch.word(), &point.phases()).unwrap();
+            let orbit = Orbit::find(&system, branch.word(), point.phases()).unwrap();
             assert!(orbit.is_certified(), "{} at {}", branch.word(), point.value);
-            assert_eq!(found.passing(&family, &branch.word(), &point.phases(), point.value), Some(branch.id));
+            assert_eq!(found.passing(&family, branch.word(), point.phases(), point.value), Some(branch.id));
         }
     }
 }
@@ -290,7 +290,7 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
         branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[BREAKING - 0.01]).unwrap();
     let on_other = labelled(&found, Label::UserValue).next().unwrap();
     let word = symmetric().unfolded();
-    let doubled = crate::paper::orbit::unfolded_phases(&symmetric(), &on_other.phases());
+    let doubled = crate::paper::orbit::unfolded_phases(&symmetric(), on_other.phases());
     for rounding in [1e-12, 0.0, -1e-12] {
         let point =
             |apart: f64, value: f64| family.point(&[doubled[0] + apart, doubled[1] - apart], &[value]);
