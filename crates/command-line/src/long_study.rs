@@ -82,7 +82,12 @@ pub struct Work<M: StudiedMachine> {
 #[serde(bound = "")]
 pub enum StudyKind<M: StudiedMachine> {
     /// Maxima over a parameter, classes and, if asked for, exponents, and what is found with them.
-    Diagram(DiagramRequest<M>, M::OverDiagram),
+    Diagram {
+        /// The diagram.
+        request: DiagramRequest<M>,
+        /// What is found with it.
+        over: M::OverDiagram,
+    },
     /// Basins over two numbers of the starts.
     Basin(BasinRequest<M>),
     /// Simulated motion over two parameters.
@@ -145,7 +150,7 @@ type Tell<'a> = &'a (dyn Fn(usize, usize) + Sync);
 impl<M: StudiedMachine> Work<M> {
     fn count(&self) -> usize {
         match &self.kind {
-            StudyKind::Diagram(request, _) => request.count(),
+            StudyKind::Diagram { request, .. } => request.count(),
             StudyKind::Basin(request) => request.count(),
             StudyKind::Isoperiodic(request) => isoperiodic::count(request),
             StudyKind::DesignSweep(request) => request.count(),
@@ -162,14 +167,14 @@ impl<M: StudiedMachine> Work<M> {
                 request.check(&self.machine)?;
                 studies::check_basins(request)
             }
-            StudyKind::Diagram(..) | StudyKind::DesignSweep(_) => Ok(()),
+            StudyKind::Diagram { .. } | StudyKind::DesignSweep(_) => Ok(()),
         }
     }
 
     fn run(&self, task: &Task, tell: Tell<'_>, name: &str) -> Result<Option<Vec<Study>>> {
         let Self { kind, machine } = self;
         let study = match kind {
-            StudyKind::Diagram(request, over) => {
+            StudyKind::Diagram { request, over } => {
                 let Some(found) = diagram(machine, request, task)? else { return Ok(None) };
                 let own = studies::diagram(machine, request, &found, name)?;
                 let first = request.count();
@@ -205,7 +210,7 @@ impl<M: StudiedMachine> Work<M> {
 
     fn names(&self) -> Vec<&'static str> {
         match &self.kind {
-            StudyKind::Diagram(request, over) => M::names_over(request, over),
+            StudyKind::Diagram { request, over } => M::names_over(request, over),
             _ => Vec::new(),
         }
     }
@@ -270,7 +275,9 @@ impl LongStudy {
     /// # Errors
     /// As [`diagram`].
     pub fn diagram(&self, task: &Task) -> Result<Option<(Sweep, bifurcation::Diagram)>> {
-        let StudyOfMachine::Paper(Work { kind: StudyKind::Diagram(sweep, _), machine }) = &self.work else {
+        let StudyOfMachine::Paper(Work { kind: StudyKind::Diagram { request: sweep, .. }, machine }) =
+            &self.work
+        else {
             return Ok(None);
         };
         Ok(diagram(machine, sweep, task)?.map(|found| (sweep.clone(), found)))

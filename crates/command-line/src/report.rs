@@ -102,7 +102,7 @@ impl Plan {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
             let sweep =
                 Sweep { exponents: Some(options), ..Sweep::new(axis, Displacement::X2, (discard, keep)) };
-            Ok(LongStudy::new(name, StudyKind::Diagram(sweep, OverSweep::default()), set))
+            Ok(LongStudy::new(name, StudyKind::Diagram { request: sweep, over: OverSweep::default() }, set))
         };
         let cells = if quick { 40 } else { 200 };
         let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));

@@ -161,7 +161,7 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         diagram_family(&machine, &request)?;
     }
     let invocation = invocation(common, &options);
-    let kind = StudyKind::Diagram(request, a.orbits);
+    let kind = StudyKind::Diagram { request, over: a.orbits };
     perform_as(&LongStudy::new(&invocation.command, kind, &machine), common, &invocation, a.share.shard)
 }
 

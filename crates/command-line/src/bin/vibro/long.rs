@@ -43,8 +43,8 @@ fn kind(
     at: Vec<f64>,
 ) -> Result<StudyKind<ParameterSet>> {
     let of = displacement(a)?;
-    let sweep = Sweep { exponents, start: a.of_paper.start, ..Sweep::new(axis, of, (a.discard, a.keep)) };
-    Ok(StudyKind::Diagram(sweep, OverSweep { at, orbits: a.orbits.then(TreeOptions::default) }))
+    let request = Sweep { exponents, start: a.of_paper.start, ..Sweep::new(axis, of, (a.discard, a.keep)) };
+    Ok(StudyKind::Diagram { request, over: OverSweep { at, orbits: a.orbits.then(TreeOptions::default) } })
 }
 
 fn displacement(a: &Bifurcation) -> Result<Displacement> {
@@ -78,7 +78,7 @@ fn name(study: &str, of: Displacement) -> String {
 /// Refuses a parameter that orbits cannot vary before work begins.
 fn check_orbits(set: &ParameterSet, kind: &StudyKind<ParameterSet>) -> Result<()> {
     match kind {
-        StudyKind::Diagram(sweep, OverSweep { orbits: Some(_), .. }) => {
+        StudyKind::Diagram { request: sweep, over: OverSweep { orbits: Some(_), .. } } => {
             studies::sweep_family(set, sweep).map(drop)
         }
         _ => Ok(()),
