@@ -40,7 +40,7 @@ class Chain:
                 matrix[[i - 1, i], [i, i - 1]] -= value
 
     def description(self):
-        """The machine as `vi.Assembly` takes it."""
+        """The machine as `vi.Machine` takes it."""
         spring = {f"g{i}": {"between": ["ground", f"b{i}"], "stiffness": 20.0, "damping": 0.2} for i in range(self.bodies)}
         for i in range(2, self.bodies, 2):
             spring[f"k{i}"] = {"between": [f"b{i - 1}", f"b{i}"], "stiffness": 400.0, "damping": 0.1}
@@ -95,7 +95,7 @@ class Engine:
     name = "this engine"
 
     def __init__(self, chain):
-        self.machine = vi.Assembly(chain.description())
+        self.machine = vi.Machine(chain.description())
         self.columns = [f"b{i}.{what}" for what in "sv" for i in range(chain.bodies)]
 
     def run(self, end):

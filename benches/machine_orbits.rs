@@ -8,7 +8,7 @@ use std::time::Instant;
 use vibro_machine::Start;
 use vibro_machine::file::no_records;
 use vibro_orbits::paper::{Label, PathOptions};
-use vibro_orbits::{Family, Kind, Orbit, TreeOptions, branch, tree};
+use vibro_orbits::{Family, Orbit, TreeOptions, branch, tree};
 use vibro_studies::Machine;
 use vibro_studies::paper::{ParameterSet, find_group};
 
@@ -107,9 +107,9 @@ fn main() {
             .map(Orbit::value)
             .collect();
         let ends = found.iter().filter(|b| !b.closed).flat_map(|b| [b.points.first(), b.points.last()]);
-        let unnamed = ends.flatten().filter(|p| {
-            p.special.as_ref().is_none_or(|special| special.kind == Kind::As(Label::NoConvergence))
-        });
+        let unnamed = ends
+            .flatten()
+            .filter(|p| p.special.as_ref().is_none_or(|special| special.label == Label::NoConvergence));
         println!(
             "its branches from 8 to 12 Hz, depth {depth}: {} branches, {points} points, {time:.1} s; {} of {} \
              settled orbits on none, at {missed:.4?} Hz; {} ends without a name",

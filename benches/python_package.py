@@ -70,7 +70,7 @@ def processor_time(process):
 
 def assemblies():
     """The table of machines of one's own."""
-    damper = vi.Assembly(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
+    damper = vi.Machine(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
     machines = [damper.replace({"stop.steel.gap": gap}) for gap in np.linspace(5e-3, 130e-3, 1000)]
     (package, library), ratio = beside_rust("many_assemblies", lambda: vi.simulate_many(machines, until=20.0))
     gaps = np.linspace(5e-3, 130e-3, 200)
@@ -91,7 +91,7 @@ def main():
     import fmpy
     import oracle
 
-    machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
+    machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
     (package, library), ratio = beside_rust("many_motions", lambda: vi.simulate_many(machines, periods=PERIODS))
     many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
     # A call over no time: checks, conversions, threads and the machines' tables, which any

@@ -36,6 +36,9 @@ const STARTS: usize = 16;
 const SYSTEMS: usize = 64;
 /// Drive periods of each motion of a timed sweep.
 const SWEPT_PERIODS: f64 = 200.0;
+/// Marks of benches/README.md, between which this bench writes.
+const BEGIN: &str = "<!-- standard work -->";
+const END: &str = "<!-- /standard work -->";
 
 /// A run of n periods that returns the end state, set up already.
 type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
@@ -210,7 +213,7 @@ fn main() {
         .collect();
     let tables = median(&mut news);
     let text = format!(
-        "# Benches\n\nWritten by `cargo bench --bench standard_work`: least times of {ROUNDS} rounds in which every way runs once.\nThe work: {PERIODS} drive periods of the dimensionless standard case ({REFERENCE_PERIODS} for the reference \
+        "{BEGIN}\nWritten by `cargo bench --bench standard_work`: least times of {ROUNDS} rounds in which every way runs once.\nThe work: {PERIODS} drive periods of the dimensionless standard case ({REFERENCE_PERIODS} for the reference \
          method), from the start on,\nwithout setting up; the error is the largest one of any coordinate against a 60-digit \
          solution\n(`tests/data/standard_double_periods.csv`), of several motions that of the first. The systems of the sweep have \
          some three impacts\na period.\n\n{table}\nA simulator for new parameters, tables included: {tables:.0} µs.\n\n\
@@ -218,8 +221,10 @@ fn main() {
     );
     print!("{text}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-    // The results of other benches, from the next heading on, are kept.
-    let old = std::fs::read_to_string(path).unwrap_or_default();
-    let text = text + old.find("\n## ").map_or("", |place| &old[place..]);
+    // The rest of the page is kept.
+    let old = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let parts = old.split_once(BEGIN).and_then(|(before, rest)| Some((before, rest.split_once(END)?.1)));
+    let (before, after) = parts.unwrap_or_else(|| panic!("{path} must have {BEGIN} and {END}"));
+    let text = format!("{before}{text}{END}{after}");
     std::fs::write(path, text).unwrap_or_else(|e| panic!("{path}: {e}"));
 }

@@ -110,14 +110,7 @@ fn studies() -> String {
     let group = find_group("f10").expect("a group");
     for (range, count) in [((0.5, 5.0), 451), ((1.9, 4.0), 1051)] {
         let axis = ParameterAxis::new(group, range, count).expect("an axis");
-        let sweep = Sweep {
-            axis,
-            discard: DISCARD,
-            keep: KEEP,
-            exponents: None,
-            of: Displacement::X2,
-            start: StartRule::default(),
-        };
+        let sweep = Sweep::new(axis, Displacement::X2, (DISCARD, KEEP));
         let time = timed(|| {
             let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL);
             black_box(found.expect("allowed"));

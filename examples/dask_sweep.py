@@ -39,7 +39,7 @@ PLUGIN = "vibro-impact-fmu"
 RETRIES = 10  # of a chunk whose workers are lost
 BODIES = ("box.s", "block.s", "secondary.s")
 START = (*BODIES, "box.v", "block.v", "secondary.v")
-AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro sweep --list` has them
+AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro paper sweep --list` has them
 MEASURED = (*AMPLITUDES, "impacts.upper", "impacts.lower", "power.impact")
 
 Row = dict[str, Union[float, str, None]]
@@ -91,7 +91,7 @@ class Measure:
         """Names and values of all settings."""
         import vibro_impact as vi
 
-        machine = vi.Machine()
+        machine = vi.PaperMachine()
         parameters = {name.replace("_", ".", 1): getattr(machine, name) for name in vi.SI_NAMES}
         return {**parameters, **dict.fromkeys(START, 0.0)}
 
@@ -102,7 +102,7 @@ class Measure:
         parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
         start = [values.get(name, 0.0) for name in START]
         # All other parameters keep their defaults, as intended.
-        return vi.Machine().replace(**parameters).measure(MEASURED, start=start, settle=self.discard, periods=self.periods)
+        return vi.PaperMachine().replace(**parameters).measure(MEASURED, start=start, settle=self.discard, periods=self.periods)
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def by_file(client: Client, arguments: argparse.Namespace) -> Any:
     """A table of a machine's file: its parts are computed by the workers, and again by others where one is lost."""
     import vibro_impact as vi
 
-    machine = vi.Assembly(arguments.machine).replace(dict(arguments.set))
+    machine = vi.Machine(arguments.machine).replace(dict(arguments.set))
     measures = arguments.measure or [next(iter(machine.measures)), "class"]
     return machine.sweep(
         measures,

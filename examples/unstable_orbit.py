@@ -4,7 +4,7 @@ An orbit that no simulation finds is one all the same: started on it to the last
 of the gap, has grown to something that can be seen. Each passage multiplies the deviation by the largest multiplier. `vibro orbit`
 writes the start values and the multipliers into the folder that this script reads:
 
-    cargo run --release -p vibro -- orbit --word U- --set f10=2.3 --out orbit
+    cargo run --release -p vibro -- paper orbit --word U- --set f10=2.3 --out orbit
     python examples/unstable_orbit.py --orbit orbit --out unstable_orbit.png
 """
 
@@ -105,7 +105,7 @@ def main() -> None:
     parser.add_argument("--out", "--output", dest="output", default=Path("unstable_orbit.png"), type=Path)
     arguments = parser.parse_args()
     if not (arguments.orbit / "orbit-start.csv").exists():
-        parser.error(f"{arguments.orbit} has no orbit-start.csv: `vibro orbit --out {arguments.orbit}` writes it")
+        parser.error(f"{arguments.orbit} has no orbit-start.csv: `vibro paper orbit --out {arguments.orbit}` writes it")
     orbit = read(arguments.orbit)
     if orbit.multiplier <= 1.0:
         parser.error(f"the orbit in {arguments.orbit} is stable (largest multiplier {orbit.multiplier:.6g}): nothing leaves it")

@@ -76,7 +76,7 @@ pub mod numerical_method {}
 struct ReadmeBlocks;
 
 #[cfg(doctest)]
-#[doc = include_str!("../docs/recipes.md")]
+#[doc = include_str!("../docs/paper-machine.md")]
 struct RecipeBlocks;
 
 pub use error::{Error, Result};

@@ -77,7 +77,7 @@ fn allowed(error: &Error) -> bool {
 /// Number of cases of a test run; `PROPTEST_CASES=100000 cargo test --release --test properties`
 /// makes more.
 fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(400);
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(200);
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 

@@ -1,6 +1,8 @@
 //! Invariants of the repository's texts: links lead somewhere, comments are narrow, pages are
 //! listed.
 
+#[path = "repository/circles.rs"]
+mod circles;
 #[path = "repository/citations.rs"]
 mod citations;
 #[path = "repository/clauses.rs"]
@@ -239,10 +241,10 @@ fn invariant_every_link_of_a_page_leads_somewhere() {
     assert!(followed > 50, "{followed} links were followed");
     // The rule refuses a missing file and a missing heading, and ignores code.
     let page = root().join("docs/README.md");
-    for link in ["nothing.md", "speed.md#nothing", "#nothing"] {
+    for link in ["nothing.md", "fmu.md#nothing", "#nothing"] {
         assert!(broken(&page, link).is_some(), "{link}");
     }
-    assert_eq!(broken(&page, "hosts.md#fmi-30-both-sides-of-every-impact"), None);
+    assert_eq!(broken(&page, "fmu.md#fmi-30-both-sides-of-every-impact"), None);
     assert!(links("`a[i](b)`\n```rust\nx[0](1)\n```\n[a](b.md)").eq(&["b.md"]));
 }
 
@@ -260,6 +262,30 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
         let is_page = name.ends_with(".md") && name != "README.md";
         assert!(!is_page || listed.contains(&name), "docs/README.md does not list {name}");
     }
+}
+
+/// Paths of the repository that a page names between backquotes.
+fn named_paths(page: &str) -> Vec<&str> {
+    const FOLDERS: [&str; 9] =
+        ["crates/", "src/", "web/", "python/", "fmu-build/", "tests/", "benches/", "examples/", "docs/"];
+    let quoted = page
+        .lines()
+        .filter(|line| !line.starts_with("```"))
+        .flat_map(|line| line.split('`').skip(1).step_by(2));
+    quoted
+        .filter(|path| FOLDERS.iter().any(|folder| path.starts_with(folder)) && !path.contains(' '))
+        .collect()
+}
+
+/// A fresh reader who follows the map arrives.
+#[test]
+fn invariant_every_path_of_the_design_page_is_there() {
+    let page = fs::read_to_string(root().join("docs/design.md")).expect("docs/design.md");
+    let named = named_paths(&page);
+    let missing: Vec<&&str> = named.iter().filter(|path| !root().join(path).exists()).collect();
+    assert!(missing.is_empty(), "docs/design.md names {missing:#?}, which are not there");
+    assert!(named.len() > 100, "{} paths", named.len());
+    assert_eq!(named_paths("`src/a.rs`, `Model::b` in `crates/c/`"), ["src/a.rs", "crates/c/"]);
 }
 
 /// Names that the crate's root shows: its public modules and re-exports that are not hidden from

@@ -1,20 +1,24 @@
-//! The recipes of `docs/recipes.md` in the documentation page: the subject of each recipe, and its
+//! The recipes of `docs/paper-machine.md` in the documentation page: the subject of each recipe, and its
 //! block for the FMU. The blocks for the command line and for Rust are left out, since a user of
 //! the FMU may have neither.
 
 use pulldown_cmark::{Event, HeadingLevel, Parser, Tag, TagEnd, html};
 
-static RECIPES: &str = include_str!("../../docs/recipes.md");
+static PAGE: &str = include_str!("../../docs/paper-machine.md");
 
-/// Third-level heading of the blocks that are shown.
+/// Heading of the section of recipes, the last of the page.
+const RECIPES: &str = "\n## Recipes\n";
+
+/// Fourth-level heading of the blocks that are shown.
 const SHOWN: &str = "FMU";
 
 /// The recipes as HTML, each with a heading of the third level.
 pub fn recipes() -> String {
-    // The page's own introduction, before the first recipe, is about the command line.
-    let start = RECIPES.find("\n## ").map_or(0, |i| i + 1);
+    // What stands before the first recipe is about the command line.
+    let section = PAGE.split_once(RECIPES).map_or("", |(_, section)| section);
+    let start = section.find("\n### ").map_or(0, |i| i + 1);
     // Paths are relative to the archive, not to the folder of the build.
-    let text = RECIPES[start..].replace("\"target/", "\"");
+    let text = section[start..].replace("\"target/", "\"");
     let mut shown: Vec<Event<'_>> = Vec::new();
     let mut hidden = false;
     let mut heading = None;
@@ -23,8 +27,8 @@ pub fn recipes() -> String {
             Event::Start(Tag::Heading { level, .. }) => heading = Some((level, String::new())),
             Event::End(TagEnd::Heading(_)) => {
                 let Some((level, words)) = heading.take() else { continue };
-                hidden = level == HeadingLevel::H3 && words != SHOWN;
-                if level == HeadingLevel::H2 {
+                hidden = level == HeadingLevel::H4 && words != SHOWN;
+                if level == HeadingLevel::H3 {
                     shown.push(Event::Html(
                         format!("<h3>{}</h3>\n", vibro_figures::html::escape(&words)).into(),
                     ));

@@ -104,7 +104,7 @@ fn set(name: String, description: String, groups: &Groups) -> Result<Set> {
     Ok(Set { name, description, values: parameters(&p).into_iter().chain(start).collect() })
 }
 
-/// The sets: one for each figure that shows motions, by the values of `vibro reproduce`.
+/// The sets: one for each figure that shows motions, by the values of `vibro paper reproduce`.
 fn sets() -> Result<Vec<Set>> {
     let basic = Groups::basic();
     let force = |f10: f64| Groups { f10, ..basic };

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use vibro_orbits::paper::{Orbit, OrbitWord, System};
 use vibro_studies::paper::ParameterSet;
 
-/// A folder with what `vibro orbit --word U- --set f10=2.3` writes: the symmetric motion past its
+/// A folder with what `vibro paper orbit --word U- --set f10=2.3` writes: the symmetric motion past its
 /// loss of stability.
 fn orbit() -> PathBuf {
     let mut set = ParameterSet::basic();

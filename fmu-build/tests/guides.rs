@@ -1,4 +1,4 @@
-//! The Python blocks of docs/recipes.md and docs/design-a-damper.md run beside the packaged FMU,
+//! The Python blocks of docs/paper-machine.md and docs/design-a-damper.md run beside the packaged FMU,
 //! and find what the library and closed forms say.
 
 mod common;
@@ -55,7 +55,9 @@ fn numbers(text: &str) -> Vec<f64> {
 
 #[test]
 fn closed_form_of_the_recipes() {
-    let [alone, record, tilted, off_centre] = &printed("recipes.md")[..] else { panic!("four recipes") };
+    let [alone, record, tilted, off_centre] = &printed("paper-machine.md")[..] else {
+        panic!("four recipes")
+    };
     // The amplitude in mm and the largest difference from the formula in m.
     assert!(numbers(alone)[1] < ROUNDING && alone.contains("amplitude 37.761 mm"), "{alone}");
     // The record: exactly what the library finds for the same interpolant.

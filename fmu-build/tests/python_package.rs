@@ -13,13 +13,13 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::{Event, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_sketch::Sketch;
-use vibro_studies::paper::basin::{self, InitialValueAxis};
+use vibro_studies::basin::{BasinRequest, StartAxis, basins};
+use vibro_studies::paper::basin::in_the_middle;
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::motion::settled_simulator;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::trajectories::{Start, propagate};
 use vibro_studies::paper::{ParameterSet, find_group};
@@ -84,8 +84,7 @@ fn many() -> Value {
 fn bifurcation() -> Value {
     let axis = ParameterAxis::new(find_group("f10").expect("a group"), (0.5, 4.0), 41).expect("a range");
     let exponents = Some(SpectrumOptions { periods: 100, ..SpectrumOptions::default() });
-    let sweep =
-        Sweep { axis, discard: 60, keep: 40, exponents, of: Displacement::X1, start: StartRule::default() };
+    let sweep = Sweep { exponents, ..Sweep::new(axis, Displacement::X1, (60, 40)) };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).expect("valid").expect("all parts");
     let direction = |points: &[Option<SweepPoint>]| -> Vec<Value> {
         let point = |p: &SweepPoint| {
@@ -98,12 +97,11 @@ fn bifurcation() -> Value {
     json!({"up": direction(&found.up), "down": direction(&found.down), "hysteresis": found.hysteresis()})
 }
 
-fn basins() -> Value {
-    let p = *set(&[("f10", 2.5)]).parameters();
-    let axis = |coordinate, count| InitialValueAxis { coordinate, from: -1.5, to: 1.25, count };
-    let request =
-        basin::BasinRequest { x: axis(4, 8), y: axis(1, 6), discard: 200, start: basin::in_the_middle() };
-    let found = basin::basin(&p, &request, &Task::ALL).expect("valid").expect("all parts");
+fn basin_cells() -> Value {
+    let set = set(&[("f10", 2.5)]);
+    let axis = |name: &str, count| StartAxis { name: name.into(), from: -1.5, to: 1.25, count };
+    let request = BasinRequest { x: axis("v2", 8), y: axis("x2", 6), discard: 200, start: in_the_middle() };
+    let found = basins(&set, &request, &Task::ALL).expect("valid").expect("all parts");
     let cells: Vec<_> = found.cells.iter().map(|cell| format!("{cell:?}")).collect();
     json!({"cells": cells, "periods": found.attractors.iter().map(|a| a.attractor.period).collect::<Vec<_>>()})
 }
@@ -157,7 +155,7 @@ fn native() -> Value {
         "loaded": motion(standard.parameters(), &loads, 3, 40),
         "many": many(),
         "bifurcation": bifurcation(),
-        "basins": basins(),
+        "basins": basin_cells(),
         "exponents": exponents(),
         "assemblies": assemblies(),
     })

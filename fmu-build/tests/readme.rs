@@ -10,17 +10,15 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
 /// and that test.
-const RUN_ELSEWHERE: [(&str, &str); 10] = [
-    ("recipes.md", "fmu-build/tests/guides.rs"),
+const RUN_ELSEWHERE: [(&str, &str); 8] = [
+    ("paper-machine.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
     ("derivatives.md", "tests/python/test_guide.py"),
-    ("orbits-of-your-machine.md", "crates/command-line/tests/assembly_orbits.rs"),
+    ("machine-studies.md", "crates/command-line/tests/assembly_orbits.rs"),
     ("fit.md", "crates/command-line/tests/fit.rs"),
     ("assemblies.md", "crates/machine/tests/file/examples.rs"),
     ("machine-file.md", "crates/machine/tests/file/examples.rs"),
-    ("machine-studies.md", "crates/machine/tests/file/examples.rs"),
-    ("machine-fmu.md", "crates/machine/tests/file/examples.rs"),
 ];
 
 /// Pages outside docs/ that show commands.
@@ -97,7 +95,9 @@ fn the_pages_that_are_left_out_here_are_read_by_their_own_tests() {
 /// The packages of the workspace: name and folder.
 fn packages() -> Vec<(String, PathBuf)> {
     let root = common::python::root();
-    let children = fs::read_dir(root).expect("the workspace").map(|entry| entry.expect("an entry").path());
+    let folders =
+        [".", "crates", "web"].map(|folder| fs::read_dir(root.join(folder)).expect("the workspace"));
+    let children = folders.into_iter().flatten().map(|entry| entry.expect("an entry").path());
     let named = |folder: PathBuf| {
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).ok()?;
         let package = manifest.split("[package]").nth(1)?;
@@ -197,6 +197,10 @@ fn every_code_block_works() {
         let copy = version.beside(&folder.join("target/VibroImpact3DOF.fmu"));
         fs::copy(version.beside(&fmu), copy).expect("target can be written");
     }
+    let machine = common::python::root().join("examples/assembly/damper_with_buffer.toml");
+    let kit = fmu_build::kit::at_hand().expect("the library of described machines");
+    fmu_build::assembly::write(&machine, Some(&folder), false, &kit)
+        .expect("both archives of the page of FMUs");
     let mut ran = BTreeSet::new();
     for page in pages() {
         let text = read(&page);
@@ -238,7 +242,7 @@ fn every_code_block_works() {
             }
         }
     }
-    for shown in [("README.md", false), ("README.md", true), ("docs/hosts.md", false)] {
+    for shown in [("README.md", false), ("README.md", true), ("docs/fmu.md", false)] {
         assert!(ran.contains(&(shown.0.to_owned(), shown.1)), "{shown:?}: no such Python block in {ran:?}");
     }
 }

@@ -2,9 +2,9 @@
 //! of which is made where its motion runs, so that Python needs no object for it.
 
 use crate::arrays::rows_of_states;
-use crate::described::{Described, Numbers};
 use crate::failure::Failure;
-use crate::system::{System, find};
+use crate::machine::{Described, Numbers};
+use crate::paper_system::{System, find};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use vibro_impact::{Parameters, State};

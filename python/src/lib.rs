@@ -7,39 +7,39 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `system.rs` | a machine's parameters, and loads, as Python objects |
-//! | `motion.rs` | motions: sampled, many at once, sections |
-//! | `studies.rs` | bifurcation diagrams, exponents, basins, measures |
-//! | `steady.rs` | closed forms |
-//! | `orbits.rs` | periodic orbits and branches of them |
-//! | `described.rs` | a described machine, its starts and sections, as Python objects |
-//! | `assembly.rs` | measures and diagrams of described machines |
-//! | `assembly_motion.rs` | their motions |
-//! | `assembly_fit.rs` | their fits to records |
-//! | `assembly_orbits.rs` | their periodic orbits and branches of them |
-//! | `assembly_locus.rs` | curves of their special points over two parameters |
-//! | `assembly_settled.rs` | what their motions settle on: basins, sections, all exponents |
+//! | `machine.rs` | a described machine, its starts and sections, as Python objects |
+//! | `machine_studies.rs` | measures and diagrams of described machines |
+//! | `machine_motion.rs` | motions of described machines |
+//! | `machine_fit.rs` | fits of described machines to records |
+//! | `machine_orbits.rs` | periodic orbits of described machines and their branches |
+//! | `machine_locus.rs` | curves of special points over two parameters |
+//! | `machine_settled.rs` | basins, sections and all exponents of described machines |
+//! | `paper_system.rs` | parameters of the paper's machine, and loads, as Python objects |
+//! | `paper_motion.rs` | motions of the paper's machine: sampled, many at once, sections |
+//! | `paper_studies.rs` | bifurcation diagrams, exponents, basins and measures of the paper's machine |
+//! | `paper_steady.rs` | closed forms |
+//! | `paper_orbits.rs` | periodic orbits of the paper's machine and their branches |
 //! | `designs.rs` | machines of many motions, given one by one or as rows of numbers |
 //! | `background.rs` | the thread that computes, and the one that waits for it |
 //! | `failure.rs` | errors as Python's exceptions |
 //! | `arrays.rs` | arrays from rows |
 
 mod arrays;
-mod assembly;
-mod assembly_fit;
-mod assembly_locus;
-mod assembly_motion;
-mod assembly_orbits;
-mod assembly_settled;
 mod background;
-mod described;
 mod designs;
 mod failure;
-mod motion;
-mod orbits;
-mod steady;
-mod studies;
-mod system;
+mod machine;
+mod machine_fit;
+mod machine_locus;
+mod machine_motion;
+mod machine_orbits;
+mod machine_settled;
+mod machine_studies;
+mod paper_motion;
+mod paper_orbits;
+mod paper_steady;
+mod paper_studies;
+mod paper_system;
 
 /// The native part of `vibro_impact`; the package's Python modules are its interface.
 #[pyo3::pymodule]
@@ -47,31 +47,31 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::assembly::{assembly_diagram, measure_assemblies};
+    use super::machine::Described;
     #[pymodule_export]
-    use super::assembly_fit::{columns_of_table, fit_assembly};
+    use super::machine_fit::{columns_of_table, fit};
     #[pymodule_export]
-    use super::assembly_locus::assembly_locus;
+    use super::machine_locus::locus;
     #[pymodule_export]
-    use super::assembly_motion::{
-        assembly_transition, follow_assemblies, simulate_assemblies, simulate_assembly,
+    use super::machine_motion::{follow_many, simulate, simulate_many, transition};
+    #[pymodule_export]
+    use super::machine_orbits::{Orbit, branches, follow, orbit};
+    #[pymodule_export]
+    use super::machine_settled::{basins, section, spectrum};
+    #[pymodule_export]
+    use super::machine_studies::{diagram, measure_many};
+    #[pymodule_export]
+    use super::paper_motion::{paper_poincare, paper_simulate, paper_simulate_many};
+    #[pymodule_export]
+    use super::paper_orbits::{PaperOrbit, paper_branches, paper_follow, paper_orbit, paper_settled_orbit};
+    #[pymodule_export]
+    use super::paper_steady::{paper_steady, paper_steady_motion};
+    #[pymodule_export]
+    use super::paper_studies::{
+        paper_basins, paper_bifurcation, paper_lyapunov, paper_measure, paper_measure_many, paper_measures,
     };
     #[pymodule_export]
-    use super::assembly_orbits::{AssemblyOrbit, assembly_branches, assembly_orbit, follow_assembly_orbit};
-    #[pymodule_export]
-    use super::assembly_settled::{assembly_basins, assembly_section, assembly_spectrum};
-    #[pymodule_export]
-    use super::described::Described;
-    #[pymodule_export]
-    use super::motion::{poincare, simulate, simulate_many};
-    #[pymodule_export]
-    use super::orbits::{Orbit, branches, follow, orbit, settled_orbit};
-    #[pymodule_export]
-    use super::steady::{steady, steady_motion};
-    #[pymodule_export]
-    use super::studies::{basins, bifurcation, lyapunov, measure, measure_many, measures};
-    #[pymodule_export]
-    use super::system::{Load, System, find_name, in_si, parameters};
+    use super::paper_system::{Load, System, find_name, in_si, parameters};
 
     /// The package's version is the workspace's.
     #[pymodule_init]

@@ -184,7 +184,7 @@ def test_a_machine_s_file_has_the_rows_of_one_process(tmp_path):
     command += ["--set", "body.box.mass=13", "--measure", "amplitude.box.s", "--measure", "class", "--discard", "6", "--periods", "4"]
     done = subprocess.run([*command, "--workers", "2", "--out", str(out)], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and "20 points, 0 failed" in done.stdout, done.stdout + done.stderr
-    machine = vi.Assembly(DAMPER).replace({"body.box.mass": 13.0})
+    machine = vi.Machine(DAMPER).replace({"body.box.mass": 13.0})
     alone = machine.sweep(["amplitude.box.s", "class"], {STEEL: [float(x) for x in dask_sweep.axis(f"{STEEL}=0.004:0.009:20")[1]]}, settle=6, periods=4)
     read = parquet.read_table(out)
     assert all(read.column(name).to_pylist() == alone[name].tolist() for name in (STEEL, "amplitude.box.s", "class"))
@@ -198,13 +198,13 @@ def test_parts_of_a_killed_worker_are_computed_again(tmp_path):
     import vibro_impact as vi
 
     gaps = np.linspace(4e-3, 9e-3, 400)
-    alone = vi.measure_many(vi.Assembly(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20)
+    alone = vi.measure_many(vi.Machine(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20)
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         first = client.run(os.getpid)
         killer = threading.Timer(0.5, lambda: os.kill(next(iter(first.values())), signal.SIGKILL))
         killer.start()
         found = vi.measure_many(
-            vi.Assembly(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20, executor=client, checkpoint=tmp_path / "parts"
+            vi.Machine(DAMPER), {STEEL: gaps}, ["amplitude.box.s"], settle=100, periods=20, executor=client, checkpoint=tmp_path / "parts"
         )
         killer.join()
         assert set(client.run(os.getpid).values()) != set(first.values()), "a worker was replaced"

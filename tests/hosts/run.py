@@ -1,4 +1,4 @@
-"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the table of docs/hosts.md.
+"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the table of docs/fmu.md.
 
     python3 tests/hosts/run.py [--allow-missing] [--no-page] [--only HOST ...]
 
@@ -64,7 +64,7 @@ CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 # of two, of which sums are exact.
 ASSEMBLIES = (
     ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
-    ("CoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
+    ("MslCoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
 )
 
 # Error relative to a variable's largest value: CVode at 1e-10, amplified from event to event.
@@ -514,7 +514,7 @@ def rows_of(host, run_host):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--allow-missing", action="store_true", help="go on without hosts that cannot be installed")
-    parser.add_argument("--no-page", action="store_true", help="leave docs/hosts.md as it is")
+    parser.add_argument("--no-page", action="store_true", help="leave docs/fmu.md as it is")
     parser.add_argument("--only", action="append", help="run this host alone, by the first word of its name; the page keeps the others' rows")
     parser.add_argument("--assemblies", action="store_true", help="run the machines of files alone")
     arguments = parser.parse_args()
@@ -543,11 +543,11 @@ def main():
 
 
 def write(place, host, rows):
-    """Puts a host's rows into a table of docs/hosts.md, which keeps those of the others."""
-    page = ROOT / "docs" / "hosts.md"
+    """Puts a host's rows into a table of docs/fmu.md, which keeps those of the others."""
+    page = ROOT / "docs" / "fmu.md"
     text = page.read_text()
     found = re.search(rf"<!-- {place} -->\n(.*?)<!-- /{place} -->", text, flags=re.DOTALL)
-    assert found, f"docs/hosts.md has no place for the table {place}"
+    assert found, f"docs/fmu.md has no place for the table {place}"
     head, old = found[1].splitlines()[:2], found[1].splitlines()[2:]
     new = []
     for name, _ in HOSTS:

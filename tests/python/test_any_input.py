@@ -45,9 +45,9 @@ def checked(*arrays):
 
 def ask(changes, start, periods, kind, values):
     try:
-        machine = vi.Machine(**changes)
+        machine = vi.PaperMachine(**changes)
         again = pickle.loads(pickle.dumps(machine))
-        assert again == machine and eval(repr(machine), {"Machine": vi.Machine}) == machine
+        assert again == machine and eval(repr(machine), {"PaperMachine": vi.PaperMachine}) == machine
         if kind == "simulate":
             run = machine.simulate(start=start, periods=periods, per_period=3)
             checked(run.t, run.s, run.v, *(run.energy[n] for n in run.energy.dtype.names))

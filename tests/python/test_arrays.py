@@ -21,7 +21,7 @@ OF = {"settle": 6, "periods": 4}
 
 
 def damper():
-    return vi.Assembly(DAMPER)
+    return vi.Machine(DAMPER)
 
 
 def test_second_method_rows_have_the_bits_of_machines_one_by_one():
@@ -34,7 +34,7 @@ def test_second_method_rows_have_the_bits_of_machines_one_by_one():
     ends = vi.simulate_many(damper(), {STEEL: gaps}, until=0.3)
     assert (ends.values == vi.simulate_many([damper().replace({STEEL: a}) for a in gaps], until=0.3).values).all()
     # Of the paper's machine: a group, a symbol, a physical parameter after groups.
-    machine = vi.Machine.from_groups(f10=1.5)
+    machine = vi.PaperMachine.from_groups(f10=1.5)
     f10, gap = np.linspace(1.0, 2.0, 4), np.linspace(0.5, 1.0, 4)
     for arrays in ({"f10": f10}, {"kappa": f10 / 4, "f10": f10}, {"L": gap}, {"stop.gap": gap, "drive.frequency": f10}, {"sigma1": f10, "L": gap}):
         several = [machine.replace(dict(zip(arrays, row))) for row in zip(*arrays.values())]
@@ -48,7 +48,7 @@ def test_second_method_rows_have_the_bits_of_machines_one_by_one():
 
 
 def test_invariant_starts_of_rows_are_those_of_their_machines():
-    machine, gaps = vi.Machine(), [0.5, 2.0]
+    machine, gaps = vi.PaperMachine(), [0.5, 2.0]
     starts = [{"x1": 0.1, "block.v": 0.02}, {"x2": 0.2}]
     found = vi.simulate_many(machine, {"stop.gap": gaps}, starts=starts, periods=3)
     alone = vi.simulate_many([machine.replace(stop_gap=gap) for gap in gaps], starts=starts, periods=3)
@@ -68,11 +68,11 @@ def test_invariant_starts_of_rows_are_those_of_their_machines():
 
 def test_what_is_masked_is_refused_by_its_place():
     masked = np.ma.masked_array([0.0, 1.0, 2.0], [0, 1, 0])
-    ends = vi.simulate_many(vi.Machine(), {"kappa": [0.5, 2.0]}, periods=1, errors="row")
-    slide = vi.Assembly(DAMPER)
+    ends = vi.simulate_many(vi.PaperMachine(), {"kappa": [0.5, 2.0]}, periods=1, errors="row")
+    slide = vi.Machine(DAMPER)
     for call, place in [
-        (lambda: vi.Machine().simulate(times=masked), r"times\[1\] is masked"),
-        (lambda: vi.simulate_many(vi.Machine(), starts=ends.states, periods=1), r"starts\[1, 0\] is masked"),
+        (lambda: vi.PaperMachine().simulate(times=masked), r"times\[1\] is masked"),
+        (lambda: vi.simulate_many(vi.PaperMachine(), starts=ends.states, periods=1), r"starts\[1, 0\] is masked"),
         (lambda: vi.measure_many(damper(), {MASS: masked}, NAMES), rf"{MASS}\[1\] is masked"),
         (lambda: damper().sweep(NAMES, {MASS: masked}), rf"{MASS}\[1\] is masked"),
         (lambda: vi.Load("box", masked, [0, 1, 2]), r"t\[1\] is masked"),
@@ -102,7 +102,7 @@ def test_arrays_are_broadcast_and_results_have_their_shape():
     assert table["amplitude.box.s"].shape == table[STEEL].shape == (2, 3)
     sweep = damper().sweep(["amplitude.box.s"], {STEEL: ["4 mm", "5 mm"], "body.box.mass": [12.0, 13.0, 14.0]}, **OF)
     assert (sweep["amplitude.box.s"] == table["amplitude.box.s"]).all() and sweep.axes == (STEEL, "body.box.mass")
-    ends = vi.simulate_many(vi.Machine(), f10=np.array([[1.0, 2.0]]), kappa=np.array([[0.5], [0.6]]), periods=3)
+    ends = vi.simulate_many(vi.PaperMachine(), f10=np.array([[1.0, 2.0]]), kappa=np.array([[0.5], [0.6]]), periods=3)
     assert ends["box.s"].shape == (2, 2) and ends.s.shape == (2, 2, 3)
     frame = sweep.to_pandas()
     assert list(frame.columns) == [STEEL, "body.box.mass", "amplitude.box.s", "amplitude.box.s.spread", "unsettled"] and len(frame) == 6
@@ -110,13 +110,13 @@ def test_arrays_are_broadcast_and_results_have_their_shape():
 
 def test_second_method_the_spread_of_a_number_is_its_scatter_over_windows():
     # Windows of one chaotic motion, one after the other; a factor of three is far beyond what a deviation found from 24 windows may be off by.
-    chaotic, window, count, factor = vi.Machine.from_groups(f10=3.6), 60, 24, 3.0
+    chaotic, window, count, factor = vi.PaperMachine.from_groups(f10=3.6), 60, 24, 3.0
     found = [chaotic.measure(["impacts"], start={"v2": 1.0}, settle=400 + window * k, periods=window) for k in range(count)]
     scatter = np.std([one["impacts"] for one in found], ddof=1)
     spread = np.median([one.spread["impacts"] for one in found])
     assert 0.0 < scatter / factor < spread < scatter * factor, (scatter, spread)
     # A motion that repeats scatters by rounding, and the table has the same spread.
-    table = vi.measure_many([vi.Machine.from_groups(f10=1.5), chaotic], ["impacts"], periods=window, starts=[{"v2": 1.0}] * 2)
+    table = vi.measure_many([vi.PaperMachine.from_groups(f10=1.5), chaotic], ["impacts"], periods=window, starts=[{"v2": 1.0}] * 2)
     assert table.spreads["impacts"][0] < 1e-9 and table["impacts.spread"][1] == found[0].spread["impacts"]
 
 
@@ -127,10 +127,10 @@ def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
     assert table[1]["amplitude.box.s"] is None and table.error[0] is None
     ends = vi.simulate_many(damper(), masses, until=0.1, errors="row")
     assert ends["box.s"].mask.tolist() == [False, True, False] and MASS in ends.error[1]
-    ends = vi.simulate_many(vi.Machine(), kappa=[0.5, 2.0, 0.6], periods=3, errors="row")
+    ends = vi.simulate_many(vi.PaperMachine(), kappa=[0.5, 2.0, 0.6], periods=3, errors="row")
     assert ends.s.mask.any(axis=1).tolist() == [False, True, False] and "kappa = 2" in ends.error[1]
-    np.testing.assert_array_equal(ends.s[2], vi.simulate_many(vi.Machine(), kappa=[0.6], periods=3).s[0])
-    for call in (lambda: vi.measure_many(damper(), masses, NAMES, **OF), lambda: vi.simulate_many(vi.Machine(), kappa=[0.5, 2.0])):
+    np.testing.assert_array_equal(ends.s[2], vi.simulate_many(vi.PaperMachine(), kappa=[0.6], periods=3).s[0])
+    for call in (lambda: vi.measure_many(damper(), masses, NAMES, **OF), lambda: vi.simulate_many(vi.PaperMachine(), kappa=[0.5, 2.0])):
         with pytest.raises(ValueError, match="motion 1: "):
             call()
 
@@ -144,7 +144,7 @@ def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
         (lambda: vi.measure_many(damper(), {STEEL: [np.nan]}, NAMES), ValueError, r"stop.steel.gap\[0\] = nan"),
         (lambda: vi.simulate_many(damper(), {STEEL: [1e-3] * 2}, starts=[None] * 3, until=1.0), ValueError, "starts has 3 rows"),
         (lambda: vi.measure_many(damper(), NAMES, executor=3), TypeError, "executor is of type int: allowed is what has `submit`"),
-        (lambda: vi.simulate_many(vi.Machine(), f11=[1.0]), TypeError, "the nearest is `f10`"),
+        (lambda: vi.simulate_many(vi.PaperMachine(), f11=[1.0]), TypeError, "the nearest is `f10`"),
         (lambda: vi.simulate_many(damper(), {STEEL: [1e-3]}, times=[1.0]), TypeError, "without arrays"),
     ],
 )
@@ -172,11 +172,11 @@ class Counting:
 def test_invariant_any_executor_gives_the_same_rows():
     arrays = {STEEL: np.linspace(4e-3, 9e-3, 20)}
     wanted = list(vi.measure_many(damper(), arrays, NAMES, **OF))
-    ends = vi.simulate_many(vi.Machine(), f10=np.linspace(1, 2, 20), periods=5)
+    ends = vi.simulate_many(vi.PaperMachine(), f10=np.linspace(1, 2, 20), periods=5)
     with ProcessPoolExecutor(2) as processes, ThreadPoolExecutor(2) as threads:
         for executor in (Counting(), threads, processes):
             assert list(vi.measure_many(damper(), arrays, NAMES, executor=executor, **OF)) == wanted
-            found = vi.simulate_many(vi.Machine(), f10=np.linspace(1, 2, 20), periods=5, executor=executor)
+            found = vi.simulate_many(vi.PaperMachine(), f10=np.linspace(1, 2, 20), periods=5, executor=executor)
             np.testing.assert_array_equal(found.states, ends.states)
         several = [damper().replace({STEEL: gap}) for gap in arrays[STEEL]]
         assert [row["class"] for row in vi.measure_many(several, NAMES, executor=processes, **OF)] == [row["class"] for row in wanted]
@@ -215,7 +215,7 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     with pytest.raises(ValueError, match="no manifest.toml"):
         vi.measure_many(damper(), arrays, NAMES, checkpoint=tmp_path / "other", **OF)
     # Infinite and missing numbers are kept as they are.
-    machine, f10 = vi.Machine(), np.linspace(1, 2, 9)
+    machine, f10 = vi.PaperMachine(), np.linspace(1, 2, 9)
     names = ["exponent", "class", "impacts"]
     found = vi.measure_many(machine, {"f10": f10}, names, checkpoint=tmp_path / "papers", **OF)
     assert list(found) == list(vi.measure_many(machine, {"f10": f10}, names, **OF))
@@ -224,7 +224,7 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
 KILLED = """
 import sys, numpy as np, vibro_impact as vi
 print("begun", flush=True)
-vi.measure_many(vi.Assembly(sys.argv[1]), {"stop.steel.gap": np.linspace(4e-3, 9e-3, 40_000)}, ["class"], settle=30, periods=9, checkpoint=sys.argv[2])
+vi.measure_many(vi.Machine(sys.argv[1]), {"stop.steel.gap": np.linspace(4e-3, 9e-3, 40_000)}, ["class"], settle=30, periods=9, checkpoint=sys.argv[2])
 """
 
 

@@ -4,24 +4,24 @@ import numpy as np
 import pytest
 import vibro_impact as vi
 
-M = vi.Machine()
+M = vi.PaperMachine()
 NAN = float("nan")
 
 REFUSED = [
-    (lambda: vi.Machine(kapa=0.5), TypeError, "no parameter is named `kapa`; the nearest is `kappa`"),
-    (lambda: vi.Machine(box_mass=0.5), TypeError, "the nearest is `box_m`: Mass of the box"),
-    (lambda: vi.Machine(box_m=-1), ValueError, "box_m = -1: allowed is a finite number > 0"),
-    (lambda: vi.Machine(box_m=NAN), ValueError, "box_m = nan: allowed is a finite number"),
-    (lambda: vi.Machine(box_m=10**400), ValueError, "allowed is a finite number"),
-    (lambda: vi.Machine(box_m="2"), ValueError, "box_m = '2': allowed is a number, which is in kg, or a text with a unit"),
-    (lambda: vi.Machine(box_m=True), TypeError, "box_m = True is of type bool"),
-    (lambda: vi.Machine(box_m=np.zeros(2)), TypeError, "is of type ndarray"),
-    (lambda: vi.Machine(stop_restitution=1.5), ValueError, "stop_restitution = 1.5: allowed is 0 <= stop_restitution <= 1"),
-    (lambda: vi.Machine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form needs box_k > 0"),
-    (lambda: vi.Machine(m1=1.0, box_m=2.0), TypeError, "box_m is given twice"),
-    (lambda: vi.Machine().simulate(9, start={"x2": 0.1, "block_s": 0.3}), ValueError, "x2 and block.s are one coordinate"),
-    (lambda: vi.Machine().measure(["impacts"], start={"box_v": 0.1, "v1": 0.3}), ValueError, "box.v and v1 are one coordinate"),
-    (lambda: vi.Machine.from_groups(box_m=1.0), TypeError, "box_m is a physical parameter: allowed are epsilon, kappa"),
+    (lambda: vi.PaperMachine(kapa=0.5), TypeError, "no parameter is named `kapa`; the nearest is `kappa`"),
+    (lambda: vi.PaperMachine(box_mass=0.5), TypeError, "the nearest is `box_m`: Mass of the box"),
+    (lambda: vi.PaperMachine(box_m=-1), ValueError, "box_m = -1: allowed is a finite number > 0"),
+    (lambda: vi.PaperMachine(box_m=NAN), ValueError, "box_m = nan: allowed is a finite number"),
+    (lambda: vi.PaperMachine(box_m=10**400), ValueError, "allowed is a finite number"),
+    (lambda: vi.PaperMachine(box_m="2"), ValueError, "box_m = '2': allowed is a number, which is in kg, or a text with a unit"),
+    (lambda: vi.PaperMachine(box_m=True), TypeError, "box_m = True is of type bool"),
+    (lambda: vi.PaperMachine(box_m=np.zeros(2)), TypeError, "is of type ndarray"),
+    (lambda: vi.PaperMachine(stop_restitution=1.5), ValueError, "stop_restitution = 1.5: allowed is 0 <= stop_restitution <= 1"),
+    (lambda: vi.PaperMachine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form needs box_k > 0"),
+    (lambda: vi.PaperMachine(m1=1.0, box_m=2.0), TypeError, "box_m is given twice"),
+    (lambda: vi.PaperMachine().simulate(9, start={"x2": 0.1, "block_s": 0.3}), ValueError, "x2 and block.s are one coordinate"),
+    (lambda: vi.PaperMachine().measure(["impacts"], start={"box_v": 0.1, "v1": 0.3}), ValueError, "box.v and v1 are one coordinate"),
+    (lambda: vi.PaperMachine.from_groups(box_m=1.0), TypeError, "box_m is a physical parameter: allowed are epsilon, kappa"),
     (lambda: M.replace(sigma1=-11.0), ValueError, "sigma1 = -11: allowed is a finite number > -1/epsilon"),
     (lambda: M.box_mas, AttributeError, "the nearest is `box_m`"),
     (lambda: M.simulate(periods=1.5), TypeError, "periods = 1.5 is of type float: allowed is a whole number"),
@@ -40,7 +40,7 @@ REFUSED = [
     (lambda: vi.simulate_many(M, starts=5), TypeError, "starts is of type int: allowed is a start, or a sequence"),
     (lambda: vi.simulate_many(M, starts=[]), ValueError, "starts is empty"),
     (lambda: vi.simulate_many(M, {"kappa": [[0.1, 0.2], [0.3]]}), ValueError, "kappa makes no array"),
-    (lambda: vi.plot.branch(M.response("f10", 1.4, 1.5, seeds=1)), TypeError, "branch is of type list: allowed is Branch or AssemblyBranch; plot.response"),
+    (lambda: vi.plot.branch(M.response("f10", 1.4, 1.5, seeds=1)), TypeError, "branch is of type list: allowed is Branch or PaperBranch; plot.response"),
     (lambda: M.simulate(times=[[1.0]]), ValueError, r"times has the shape \(1, 1\): allowed is an array of shape \(n,\)"),
     (lambda: M.simulate(times=["a"]), TypeError, "times has the dtype <U1: allowed is"),
     (lambda: M.simulate(times=[1.0, NAN]), ValueError, r"times\[1\] = nan: allowed is"),
@@ -64,7 +64,7 @@ REFUSED = [
     (lambda: vi.Load("box", [0, 0], [0, 1]), ValueError, "a time later than that of the sample before"),
     (lambda: vi.Load("box", [0], [0]), ValueError, "samples"),
     (lambda: vi.Load("box", [0, 1], [0, 1], "spline"), ValueError, "interpolation = 'spline'"),
-    (lambda: vi.simulate_many([M, 1]), TypeError, r"machines\[1\] is of type int: allowed is Machine"),
+    (lambda: vi.simulate_many([M, 1]), TypeError, r"machines\[1\] is of type int: allowed is PaperMachine"),
     (lambda: vi.simulate_many([M, M], starts=np.zeros((3, 6))), ValueError, "starts has 3 rows"),
     (lambda: vi.simulate_many([M, M], starts=np.zeros((2, 5))), ValueError, r"starts has the shape \(2, 5\): allowed is \(n, 6\)"),
     (lambda: vi.simulate_many([M, M], starts=[{"x2": 0.1}, {"x2": 2.0}]), ValueError, "motion 1: block_s - box_s = 2 m"),
@@ -117,7 +117,7 @@ def test_refused(call, kind, words):
 def test_a_motion_that_does_not_get_on_says_what_to_do():
     # A constant force presses the box against an elastic block, whose bounces are just too high to
     # be closed.
-    machine = vi.Machine(
+    machine = vi.PaperMachine(
         stop_restitution=1.0,
         box_k=0.0,
         coupling_k=0.0,

@@ -12,7 +12,7 @@ SOLVED = 1e-11
 
 @pytest.fixture(scope="module")
 def machine():
-    return vi.Machine.from_groups(f10=1.5)
+    return vi.PaperMachine.from_groups(f10=1.5)
 
 
 def test_exact_orbit_is_the_settled_motion(machine):
@@ -58,7 +58,7 @@ def test_orbit_of_a_word_is_the_closed_form(machine):
 
 
 def test_an_orbit_passed_twice_is_said_to_be_that():
-    machine = vi.Machine.from_groups(f10=2.2)
+    machine = vi.PaperMachine.from_groups(f10=2.2)
     once, twice = machine.orbit("UL"), machine.orbit("ULUL", period="2T")
     assert (once.word, once.passages, once.multiplier_periods) == ("UL", 1, 1.0)
     assert (twice.periods, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
@@ -68,7 +68,7 @@ def test_an_orbit_passed_twice_is_said_to_be_that():
 
 
 def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():
-    machine = vi.Machine(coupling_k=0.0)
+    machine = vi.PaperMachine(coupling_k=0.0)
     exact, orbit = machine.steady().exact_orbit, machine.orbit("U", symmetric=True)
     assert orbit.phases[0] % (2 * np.pi) == pytest.approx(exact.drive_phase, abs=SOLVED)
     branch = orbit.follow("drive_amplitude", 0.1, 0.25)
@@ -76,7 +76,7 @@ def test_the_symmetric_orbit_of_a_block_without_a_spring_is_the_closed_form():
 
 
 def test_an_orbit_with_three_impacts_is_a_motion_of_the_simulator():
-    machine = vi.Machine.from_groups(f10=2.7)
+    machine = vi.PaperMachine.from_groups(f10=2.7)
     orbit = machine.orbit("UUL")
     run = machine.simulate(start=orbit.start, periods=1, per_period=1)
     np.testing.assert_allclose(run.end, run.s[0].tolist() + run.v[0].tolist(), rtol=0, atol=1e-8)
@@ -134,7 +134,7 @@ def test_many_starts_of_one_machine_and_one_by_one(machine):
 
 
 def test_the_orbit_without_impacts_is_the_swing_of_the_box():
-    machine = vi.Machine.from_groups(f10=0.3)
+    machine = vi.PaperMachine.from_groups(f10=0.3)
     orbit = machine.orbit(start={"x2": 0.0})
     assert (orbit.word, orbit.stable, len(orbit.phases)) == ("-", True, 0)
     assert orbit.maxima("x1")[0] == pytest.approx(machine.measure(["amplitude.without_block"])["amplitude.without_block"], rel=1e-12)

@@ -11,8 +11,8 @@ FAR = 4.0
 NOISE = 5e-6
 
 
-def slide() -> vi.Assembly:
-    return vi.Assembly(
+def slide() -> vi.Machine:
+    return vi.Machine(
         {
             "name": "Slide",
             "body": {"a": {"mass": 1.0, "start": {"s": "0.85 mm"}}},
@@ -105,7 +105,7 @@ def test_records_that_are_refused() -> None:
     with pytest.raises(ValueError, match=r"record\['a.s'\]\[1\]\[2\] = nan: allowed is"):
         vi.fit(slide(), {"a.s": (t, np.where(np.arange(len(s)) == 2, np.nan, s))}, free=["friction.f.force"])
     with pytest.raises(ValueError, match="epsilon"):
-        vi.fit(vi.Machine.from_groups(), {"box.s": (t, s)}, free=["epsilon"])
+        vi.fit(vi.PaperMachine.from_groups(), {"box.s": (t, s)}, free=["epsilon"])
     with pytest.raises(ValueError, match="'auto', 'none'"):
         vi.fit(slide(), {"a.s": (t, s)}, free=["friction.f.force"], segments="all")
 
@@ -131,7 +131,7 @@ def test_second_method_scipy_with_exact_derivatives_comes_to_the_same_point() ->
     t, s = made()
     free = ["spring.k.stiffness", "friction.f.force"]
 
-    def run(x: "np.ndarray") -> vi.AssemblyRun:
+    def run(x: "np.ndarray") -> vi.Run:
         return slide().replace(dict(zip(free, x))).simulate(times=t, derivatives=free)
 
     def jacobian(x: "np.ndarray") -> "np.ndarray":
@@ -146,14 +146,14 @@ def test_second_method_scipy_with_exact_derivatives_comes_to_the_same_point() ->
 
 @pytest.mark.xfail(reason="the fit ends in a wrong minimum beside the start: open", strict=True)
 def test_machine_of_the_core_by_its_twin() -> None:
-    machine = vi.Machine()
+    machine = vi.PaperMachine()
     t = np.linspace(0.0, 40.0, 400)
     run = machine.simulate(t=t)
     noise = 1e-4 * np.random.default_rng(6).standard_normal((2, len(t)))
     record = {"box_s": (t, run.s[:, 0] + noise[0]), "block.s": (t, run.s[:, 1] + noise[1])}
     begin = machine.replace(stop_gap=1.0005, stop_restitution=0.7498)
     found = vi.fit(begin, record, free=["stop_gap", "stop_restitution"])
-    assert isinstance(found, vi.MachineFit) and isinstance(found.machine, vi.Machine)
+    assert isinstance(found, vi.PaperFit) and isinstance(found.machine, vi.PaperMachine)
     for name in ("stop_gap", "stop_restitution"):
         error = found.errors[name]
         assert error is not None and abs(found.values[name] - getattr(machine, name)) < FAR * error < 0.01

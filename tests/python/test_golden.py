@@ -20,7 +20,7 @@ TWENTY_PERIODS = 5e-11
 
 def begun(time, numbers):
     """A start at a time."""
-    return {"time": time, **dict(zip(vi.Machine().columns, numbers))}
+    return {"time": time, **dict(zip(vi.PaperMachine().columns, numbers))}
 
 
 FIELDS = {
@@ -42,7 +42,7 @@ def rows(name):
 
 def machine(row):
     names = [*FIELDS, *(n for n in vi.SI_NAMES if n not in FIELDS.values())]
-    return vi.Machine(**{FIELDS.get(name, name): float(row[name]) for name in names if name in row})
+    return vi.PaperMachine(**{FIELDS.get(name, name): float(row[name]) for name in names if name in row})
 
 
 def state(row, prefix=""):
@@ -84,7 +84,7 @@ def test_every_chatter_ends_in_rest_and_lets_go_at_its_time():
 
 
 def test_standard_work_over_twenty_periods():
-    m = vi.Machine.from_groups(epsilon=0.1, kappa=0.75, f10=1.5, sigma1=0.0, gamma1=0.4, alpha23=0.2, sigma30=0.0, gamma3=0.4)
+    m = vi.PaperMachine.from_groups(epsilon=0.1, kappa=0.75, f10=1.5, sigma1=0.0, gamma1=0.4, alpha23=0.2, sigma30=0.0, gamma3=0.4)
     expected, impacts = rows("standard_double_periods.csv"), rows("standard_double_impacts.csv")
     run = m.simulate(start={"x2": 0.9, "v2": 0.5}, times=[float(row["t"]) for row in expected])
     np.testing.assert_allclose(np.hstack([run.s, run.v]), [state(row) for row in expected], rtol=0, atol=TWENTY_PERIODS)
@@ -96,7 +96,7 @@ def test_standard_work_over_twenty_periods():
 def test_special_points_in_thirty_digits():
     # The symmetric two-impact orbit of the default set along f10: tests/theory/orbits.py has the
     # digits.
-    branch = vi.Machine.from_groups(f10=1.5).orbit("U", symmetric=True).follow("f10", 0.5, 3.0)
+    branch = vi.PaperMachine.from_groups(f10=1.5).orbit("U", symmetric=True).follow("f10", 0.5, 3.0)
     special = dict(branch.special)
     assert special["BP"] == pytest.approx(2.039588865238, abs=1e-11)
     assert "GR" in special and branch.word in ("U", "L") and branch.symmetric

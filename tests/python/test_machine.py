@@ -1,205 +1,452 @@
-"""The machine as a value: names, text, equality, pickling, dependent parameters."""
+"""Described machines: bit-identical to the library and to the command line; refusals."""
 
-import copy
+import csv
+import io
 import pickle
-import warnings
+import re
+from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
+
 import vibro_impact as vi
 
-SEVERAL = [
-    vi.Machine(),
-    vi.Machine(box_m=12.0, box_k=48e3, stop_gap=0.0025, drive_frequency=63.1),
-    vi.Machine.from_groups(f10=1.5, kappa=0.75),
-    vi.Machine.from_groups(alpha23=0.5, epsilon=0.05),
-    vi.Machine.from_groups(beta2=0.3, epsilon=0.07, mu13=1.0).replace(epsilon=0.1),
-    vi.Machine(box_m=3.0, f10=0.3),
-    vi.Machine.from_groups(f10=0.3, epsilon=0.2).replace(block_m=1 / 3).replace(kappa=0.1),
-]
+EXAMPLES = Path(__file__).parents[2] / "examples" / "assembly"
+#: 1 - 1e-12: rounding of a sum of some hundred terms.
+ROUNDING = 1e-12
+#: Relative error of a settled motion.
+SETTLED = 1e-6
 
 
-@pytest.mark.parametrize("machine", SEVERAL, ids=repr)
-def test_text_pickle_and_copy_make_the_same_machine(machine):
-    pasted = eval(repr(machine), {"Machine": vi.Machine})
-    pickled = [pickle.loads(pickle.dumps(machine, protocol)) for protocol in range(2, 6)]
-    for other in [pasted, *pickled, copy.copy(machine), copy.deepcopy(machine)]:
-        assert other == machine and hash(other) == hash(machine) and repr(other) == repr(machine)
-        assert {n: getattr(other, n) for n in vi.GROUP_NAMES} == {n: getattr(machine, n) for n in vi.GROUP_NAMES}
-        # Which groups are held when a parameter changes is part of the value, too.
-        assert other.replace(epsilon=0.008) == machine.replace(epsilon=0.008)
+def damper():
+    return vi.Machine(EXAMPLES / "damper_with_buffer.toml")
 
 
-def test_parameters_have_the_names_of_the_fmu_with_underscores():
-    assert vi.SI_NAMES[0] == "box_m" and vi.SI_NAMES[-4] == "drive_phase" and len(vi.SI_NAMES) == 16
-    assert vi.SI_NAMES[-3:] == ("load_box", "load_block", "load_secondary")
-    assert {name for kind in vi.Machine.__mro__ for name in vars(kind).get("__annotations__", {})} >= set(vi.SI_NAMES + vi.GROUP_NAMES)
-    assert vi.Machine(m1=2.0, L=0.5) == vi.Machine(box_m=2.0, stop_gap=0.5)
-    assert vi.Machine.from_groups(**{"ε": 0.05}) == vi.Machine.from_groups(epsilon=0.05)
-    assert vi.Machine().m1 == 1.0
+OSCILLATOR = {
+    "name": "Oscillator",
+    "body": {"mass": {"mass": "2 kg", "start": {"s": 0.1}}},
+    "spring": {"mount": {"between": ["ground", "mass"], "stiffness": "800 N/m"}},
+    "load": {"force": {"on": "mass", "amplitude": 0.0, "frequency": "3.125 Hz"}},
+}
 
 
-def test_closed_form_of_the_groups():
-    m = vi.Machine(box_m=2.0, box_k=8.0, stop_gap=0.01, f10=1.25)
-    assert (m.box_m, m.box_k, m.stop_gap, m.f10) == (2.0, 8.0, 0.01, 1.25)
-    assert m.drive_amplitude == pytest.approx(1.25 * 8.0 * 0.01 * m.epsilon, rel=1e-15)
-    assert m.period == 2 * np.pi / m.drive_frequency
+def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
+    text = {
+        "name": "Ball",
+        "gravity": 10.0,
+        "body": {"ball": {"mass": 1.0, "gravity": 1.0}, "sled": {"mass": 1.0}},
+        "stop": {"floor": {"between": ["ground", "ball"], "gap": 5.0, "restitution": 0.5}},
+        "friction": {"f": {"between": ["ground", "sled"], "force": 0.0}},
+    }
+    machine = vi.Machine(text)
+    run = machine.simulate(1.5, samples=3, derivatives=["stop.floor.gap", "friction.f.force"])
+    # It meets the floor at h = 5 after sqrt(2 h/g) = 1 s with u = 10 m/s, and leaves it with u/2.
+    by_gap = run.derivative("ball.s", "stop.floor.gap")
+    assert not by_gap.mask.any() and np.abs(by_gap - [0.0, 0.0, 0.0, 0.75]).max() < ROUNDING
+    assert np.abs(run.event_derivative("stop.floor.gap") - [0.1]).max() < ROUNDING
+    assert run.derivative("ball.s", "friction.f.force").mask.all()
+    assert list(run.lost) == ["friction.f.force"] and "t = 0 s" in run.lost["friction.f.force"]
+    alone = machine.simulate(1.5, samples=3)
+    assert (alone.values == run.values).all() and (alone.energy == run.energy).all()
+    again = pickle.loads(pickle.dumps(run))
+    assert (again.derivative("ball.s", "stop.floor.gap") == by_gap).all()
+    with pytest.raises(ValueError, match="stop.floor.gap"):
+        machine.simulate(1.5, derivatives=["stop.flor.gap"])
+    with pytest.raises(ValueError, match="twice"):
+        machine.simulate(1.5, derivatives=["gravity", "gravity"])
+    with pytest.raises(TypeError, match="allowed"):
+        machine.simulate(1.5, derivatives="gravity")
+    for output in ("floor.impacts", "class"):
+        with pytest.raises(KeyError, match=f"{output}: has no derivative; allowed are ball.s"):
+            run.derivative(output, "stop.floor.gap")
+    with pytest.raises(ValueError, match="ball.s: no parameter has this name; valid are gravity, body.ball.mass"):
+        machine.simulate(1.5, derivatives=["ball.s"])
+    with pytest.raises(KeyError, match="stop.floor.gap"):
+        run.derivative("ball.s", "gravity")
+    with pytest.raises(KeyError, match="none were asked for"):
+        alone.derivative("ball.s", "gravity")
 
 
-def test_of_tied_groups_the_one_set_last_is_held():
-    weak = vi.Machine.from_groups(alpha23=0.5, epsilon=0.05)
-    assert weak.beta2 == 0.05 * 0.5 and weak.mu13 == 20.0
-    strong = vi.Machine.from_groups(beta2=0.3, mu13=1.0).replace(epsilon=0.05)
-    assert (strong.beta2, strong.mu13) == (0.3, 1.0)
-    # In one call later keywords count, as in successive calls.
-    assert vi.Machine.from_groups(beta2=0.3).replace(alpha23=0.5).replace(epsilon=0.05) == weak.replace(alpha23=0.5)
+def test_invariant_a_motion_goes_on_from_the_end_of_another(tmp_path):
+    machine = damper()
+    whole = machine.simulate(1.0, samples=20)
+    first = machine.simulate(0.5, samples=1)
+    path = first.end.save(tmp_path / "end.toml")
+    assert machine.start(path) == first.end == pickle.loads(pickle.dumps(first.end)) and len({first.end, machine.start(first.end)}) == 1
+    assert first.end.time == 0.5 and first.end["box.s"] == first["box.s"][-1] and "pump.v" in first.end
+    for start in (first.end, path, str(path), dict(first.end)):
+        second = machine.simulate(1.0, samples=10, start=start)
+        assert second.t[0] == 0.5 and np.abs(second.values - whole.values[10:]).max() < 1e-6
+    # What is not named is the machine's own.
+    assert np.array_equal(machine.simulate("500 ms", samples=1).values, first.values)
+    moved = machine.simulate(times=[0.2], start={"time": 0.2, "box.v": "5 cm/s"})
+    assert moved["box.v"][0] == 0.05 and moved["box.s"][0] == machine.simulate(times=[0.0])["box.s"][0]
+    with pytest.raises(KeyError, match="allowed are time, "):
+        first.end["boks.s"]
 
 
-def test_one_change_is_the_machine_made_so():
-    for f10 in np.linspace(0.5, 4, 17):
-        assert vi.Machine.from_groups(f10=1.5).replace(f10=f10) == vi.Machine.from_groups(f10=f10)
-    m = vi.Machine.from_groups(f10=1.5)
-    for i in range(100):
-        m = m.replace(f10=1 + i / 100).replace(stop_gap=1.0 + i)
-    assert len(repr(m)) < 500, "the text does not grow with the history"
+def test_closed_form_studies_begin_at_their_starts():
+    # Undamped, so that each motion keeps its amplitude: 0.6 m/s over 20/s are 3 cm.
+    free = vi.Machine({**OSCILLATOR, "load": {}})
+    starts = [{"mass.s": 0.01}, {"mass.s": 0.0, "mass.v": 0.6, "time": 3.0}]
+    of = {"section": 0.1, "settle": 20}
+    amplitudes = [0.01, 0.03]
+    for start, amplitude in zip(starts, amplitudes):
+        assert abs(free.measure(["amplitude.mass.s"], start=start, **of)["amplitude.mass.s"] - amplitude) < ROUNDING
+        (row,) = free.sweep(["amplitude.mass.s"], start=start, parameters={"body.mass.mass": [2.0]}, **of)
+        assert abs(row["amplitude.mass.s"] - amplitude) < ROUNDING
+        diagram = free.bifurcation("mass.s", start=start, anew=True, section=0.1, periods=(20, 20), **{"body.mass.mass": [2.0, 2.0001]})
+        assert abs(diagram.up.maxima[diagram.up.at == 0].max() - amplitude) < SETTLED
+    rows = vi.measure_many(free, ["amplitude.mass.s"], starts=starts, **of)
+    assert np.abs(np.array([row["amplitude.mass.s"] for row in rows]) - amplitudes).max() < ROUNDING
+    ends = vi.simulate_many(free, starts=starts, until=3.5)
+    assert abs(ends["mass.s"][1] - 0.03 * np.sin(20.0 * 0.5)) < ROUNDING
 
 
-def test_it_is_immutable():
-    m = vi.Machine()
-    for change in [lambda: setattr(m, "box_m", 2.0), lambda: setattr(m, "other", 1), lambda: delattr(m, "box_m")]:
-        with pytest.raises(AttributeError, match="immutable"):
-            change()
-    assert {m: 1}[vi.Machine()] == 1 and m != 1 and m != vi.Machine(box_m=2.0)
+def test_second_method_many_trajectories_are_single_ones_with_their_derivatives():
+    machines = [damper().replace({"stop.steel.gap": gap}) for gap in (4e-3, 5e-3)]
+    start, names = machines[0].simulate(0.3, samples=1).end, ["stop.steel.gap"]
+    times = np.linspace(0.3, 0.6, 7)
+    runs = vi.simulate_many(machines, starts=start, times=times, derivatives=names)
+    for machine, run in zip(machines, runs):
+        alone = machine.simulate(times=times, start=start, derivatives=names)
+        assert (run.values == alone.values).all() and (run.events == alone.events).all() and run.end == alone.end
+        assert run.machine == machine and (run.energy == alone.energy).all()
+        found, expected = (r.derivative("box.s", "stop.steel.gap") for r in (run, alone))
+        assert (found == expected).all() and np.abs(found[-1]) > 0.0
+    assert len(vi.simulate_many(machines[0], starts=[None, start], times=[0.7])) == 2
 
 
-def test_a_box_without_a_spring_has_no_groups():
-    free = vi.Machine(box_k=0.0)
-    assert eval(repr(free), {"Machine": vi.Machine}) == pickle.loads(pickle.dumps(free)) == free
-    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form needs box_k > 0"):
-        free.f10
-    for refused in [lambda: free.simulate(9), lambda: free.bifurcation(box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
-        with pytest.raises(ValueError, match="the dimensionless form needs box_k > 0"):
-            refused()
-    assert len(free.simulate(start={"x2": 0.5, "block_v": 1.0}, periods=200).impacts) > 0
-    assert free.replace(box_k=1.0) == vi.Machine(box_k=1.0) and free.steady().multiple_scales is None
+def test_closed_form_transition_of_an_oscillator_and_products_of_parts():
+    oscillator = vi.Machine(OSCILLATOR)
+    found = oscillator.transition(0.4, start={"time": 0.1, "mass.s": 0.2})
+    angle = 20.0 * 0.3
+    expected = [[np.cos(angle), np.sin(angle) / 20.0], [-20.0 * np.sin(angle), np.cos(angle)]]
+    assert found.states == ["mass.s", "mass.v"] and found.lost == {} and not found.matrix.mask.any()
+    assert np.abs(found.matrix - expected).max() < 20 * ROUNDING
+    assert dict(found.start) == {"time": 0.1, "mass.s": 0.2, "mass.v": 0.0} and found.end.time == 0.4
+    run = oscillator.simulate(times=[0.4], start={"time": 0.1, "mass.s": 0.2}, derivatives=["start.mass.v", "start.time"])
+    assert abs(run.derivative("mass.s", "start.mass.v")[0] - expected[0][1]) < ROUNDING
+    assert abs(run.derivative("mass.s", "start.time")[0] - 0.2 * 20.0 * np.sin(angle)) < 100 * ROUNDING
+    # Through impacts of the damper.
+    machine = damper()
+    whole = machine.transition(0.5, start=machine.simulate(0.2, samples=1).end)
+    first = machine.transition(0.33, start=whole.start)
+    second = machine.transition(0.5, start=first.end)
+    assert len(machine.simulate(0.5, start=whole.start).events) > 2
+    size = np.abs(second.matrix) @ np.abs(first.matrix)
+    assert np.abs(second.matrix @ first.matrix - whole.matrix).max() < 1e-8 * size.max()
+    assert machine.start(whole.start).save is not None and "[body.box]\ns = " in whole.start.toml
+    assert whole.start.toml.count("[body.box]") == 1
 
 
-DAMPER = dict(
-    box_m=12.0, box_k=48e3, box_c=30.0, block_m=0.6, secondary_m=1.2, secondary_k=4800.0, secondary_c=5.0, coupling_k=0.0,
-    stop_gap=0.05, stop_restitution=0.6, drive_amplitude=75.0, drive_frequency=62.8,
-)  # fmt: skip
+def test_invariant_a_transition_is_lost_where_the_start_touches():
+    ball = vi.Machine({
+        "name": "Ball", "gravity": 10.0, "body": {"ball": {"mass": 1.0, "gravity": 1.0}},
+        "stop": {"floor": {"between": ["ground", "ball"], "gap": 0.0, "restitution": 0.5}},
+    })
+    found = ball.transition(0.1, start={"ball.v": 1.0})
+    assert found.matrix.mask[:, 0].all() and "stop.floor" in found.lost["ball.s"] and "t = 0 s" in found.lost["ball.s"]
 
 
-def test_half_a_machine_warns_with_what_it_took():
-    with pytest.warns(vi.MixedParametersWarning, match=r"drive_amplitude = 0.15, .*stop_gap|stop_gap = 1.*drive_amplitude = 0.15"):
-        vi.Machine(box_m=12.0, box_k=48e3)
-    with pytest.warns(vi.MixedParametersWarning) as told:
-        vi.Machine(**{name: value for name, value in DAMPER.items() if name != "stop_gap"})
-    assert told[0].filename == __file__ and "stop_gap = 1" in str(told[0].message) and "box_m" not in str(told[0].message).split(":")[0]
-    with pytest.warns(vi.MixedParametersWarning, match="drive_amplitude = 0.15"):
-        vi.Machine(box_k=0.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        whole = vi.Machine(**DAMPER)
-        for silent in [
-            lambda: vi.Machine(), lambda: vi.Machine.from_groups(f10=1.5), lambda: whole.replace(stop_gap=0.04),
-            lambda: vi.Machine().replace(stop_gap=0.5), lambda: vi.Machine(load_block=-0.01), lambda: pickle.loads(pickle.dumps(whole)),
-        ]:  # fmt: skip
-            silent()
+def test_closed_form_a_dictionary_is_an_oscillator():
+    machine = vi.Machine(OSCILLATOR)
+    run = machine.simulate(2.0, samples=500)
+    assert run.columns[:3] == ["mass.s", "mass.v", "mass.a"] and list(run) == run.columns
+    assert np.abs(run["mass.s"] - 0.1 * np.cos(20.0 * run.t)).max() < ROUNDING
+    assert np.abs(run.energy["kinetic"] + run.energy["stored"] - 4.0).max() < ROUNDING
+    with pytest.raises(KeyError, match="mass.s"):
+        run["mas.s"]
 
 
-def test_constant_loads_are_parameters():
-    upright = vi.Machine(**DAMPER, load_block=-9.81 * 0.6)
-    assert upright != vi.Machine(**DAMPER) and upright.load_block == -9.81 * 0.6 and "load_block=-5.88" in repr(upright)
-    # A load that is set and one from samples agree up to rounding.
-    start = {"block_s": -0.02, "block_v": 0.3}
-    sampled = vi.Load("block", [0.0, 10.0], [-9.81 * 0.6] * 2)
-    own, other = upright.simulate(start=start, periods=10), vi.Machine(**DAMPER).simulate(start=start, periods=10, loads=[sampled])
-    assert len(own.impacts) == len(other.impacts) > 2
-    np.testing.assert_allclose(own.s, other.s, rtol=0, atol=1e-12)
-    # The mirror image of a motion is one under the opposite load, half a drive period later.
-    image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate(start={"block_s": 0.02, "block_v": -0.3}, periods=10)
-    np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
-    # Every study has it, as a parameter too; closed forms say why they have no answer.
-    diagram = upright.bifurcation(load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
-    assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
-    basins = upright.basins({"block.s": (-0.02, "20 mm", 3)}, v2=(-1, 1, 3), settle=10)
-    assert basins.names == ("x2", "v2") and not basins.mirror.any()
-    assert vi.simulate_many([upright], periods=5).s.shape == (1, 3)
-    assert upright.spectrum(periods=5, settle=5).impacts >= 0
-    steady = upright.steady()
-    assert steady.exact_orbit is None and steady.multiple_scales is None
-    assert all("load_block = -5.88" in steady.reasons[name] for name in ("exact_orbit", "multiple_scales", "strong_coupling"))
+def test_second_method_a_text_a_dictionary_and_a_file_are_one_machine(tmp_path):
+    machine = vi.Machine(OSCILLATOR)
+    text = vi.Machine(machine.toml)
+    path = tmp_path / "machine.toml"
+    path.write_text(machine.toml)
+    assert machine == text == vi.Machine(path) == vi.Machine(str(path)) == pickle.loads(pickle.dumps(machine))
+    assert len({machine, text}) == 1 and machine.name == "Oscillator"
+    heavier = machine.replace({"body.mass.mass": "8 kg", "spring.mount.stiffness": 400.0})
+    assert heavier != machine and heavier.parameters["body.mass.mass"] == 8.0
+    assert machine.parameters["body.mass.mass"] == 2.0 and machine.units["body.mass.mass"] == "kg"
 
 
-def test_invariant_many_measures_have_the_bits_of_one_by_one():
-    names = ["amplitude.x1", "rms.x2", "impacts", "power.input", "class", "exponent"]
-    machines = [vi.Machine.from_groups(f10=f10) for f10 in np.linspace(1.0, 4.0, 7)]
-    machines += [machines[0].replace(load_block=-0.004)]
-    many = vi.measure_many(machines, names, periods=8, settle=50)
-    assert [{name: row[name] for name in names} for row in many] == [machine.measure(names, periods=8, settle=50) for machine in machines]
-    starts = [{"x2": 0.5}, {"block_v": 0.7}]
-    table = vi.measure_many(machines[3], names[:3], starts=starts, periods=8, settle=5)
-    assert [{name: row[name] for name in names[:3]} for row in table] == [
-        machines[3].measure(names[:3], start=start, periods=8, settle=5) for start in starts
-    ]
-    with pytest.raises(ValueError, match="motion 1: .*block"):
-        vi.measure_many(machines[:2], names[:1], starts=[{"x2": 0.0}, {"x2": 1.5}], periods=2, settle=2)
-    with pytest.raises(TypeError, match="sequence of names"):
-        vi.measure_many(machines, "impacts")
+def test_samples_of_blocks_are_no_events():
+    run = vi.Machine(EXAMPLES / "servo.toml").simulate(0.5, samples=1)
+    kinds = set(run.events["kind"])
+    assert "sample" not in kinds and {"limit", "slip"} <= kinds
+
+
+def test_events_are_structured_and_many_machines_end_on_the_same_bits():
+    machine = damper()
+    run = machine.simulate(0.5, samples=1)
+    hits = run.events[run.events["kind"] == "impact"]
+    assert len(hits) > 3 and set(hits["element"]) == {"stop.steel"} and (hits["value"] > 0).all() and (hits["stops"] == 1).all()
+    assert (np.diff(run.events["t"]) >= 0).all()
+    machines = [machine.replace({"stop.steel.gap": gap}) for gap in (3e-3, 4e-3, 5e-3)]
+    ends = vi.simulate_many(machines, until=0.5)
+    assert ends.values.shape == (3, len(machine.columns))
+    for one, row in zip(machines, ends.values):
+        assert (one.simulate(times=[0.5]).values[-1] == row).all()
+    assert (ends["block.s"] == ends.values[:, ends.columns.index("block.s")]).all()
 
 
 def test_second_method_a_sweep_is_the_measures_of_all_combinations():
-    found = vi.Machine().sweep(["amplitude.x1", "class"], start={"v2": 1.0}, f10=[1.0, 1.5], kappa=[0.6, 0.7, 0.8], settle=20, periods=4)
-    assert [(row["f10"], row["kappa"]) for row in found] == [(f10, kappa) for f10 in (1.0, 1.5) for kappa in (0.6, 0.7, 0.8)]
-    for row in found:
-        machine = vi.Machine().replace(f10=row["f10"], kappa=row["kappa"])
-        assert machine.measure(["amplitude.x1"], start={"v2": 1.0}, settle=20, periods=4)["amplitude.x1"] == row["amplitude.x1"]
-    with pytest.raises(TypeError, match="f10: allowed is a list or an array"):
-        vi.Machine().sweep(["class"], f10=1.0)
+    axes = {"stop.steel.gap": ["4 mm", "5 mm"], "body.box.mass": [12.0, 13.0]}
+    found = damper().sweep(["amplitude.box.s"], axes, settle=5, periods=4, section=0.1)
+    assert [(row["stop.steel.gap"], row["body.box.mass"]) for row in found] == [(g, m) for g in (4e-3, 5e-3) for m in (12.0, 13.0)]
+    last = damper().replace({"stop.steel.gap": 5e-3, "body.box.mass": 13.0})
+    assert found[-1]["amplitude.box.s"] == last.measure(["amplitude.box.s"], settle=5, periods=4, section=0.1)["amplitude.box.s"]
 
 
-def test_a_symbol_that_another_name_has_in_small_letters_warns_with_both_units():
-    f10 = np.linspace(1.0, 1.5, 2)
-    for given in [lambda: vi.Machine().bifurcation(F10=f10, periods=(2, 2)), lambda: vi.Machine().replace(F10=0.2)]:
-        with pytest.warns(vi.SimilarNameWarning, match="`F10` is drive_amplitude, in N; `f10` is another") as told:
-            given()
-        assert told[0].filename == __file__
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        vi.Machine().bifurcation(f10=f10, periods=(2, 2))
-        vi.Machine().bifurcation(drive_amplitude=f10, periods=(2, 2))
-        assert vi.Machine().replace(L=0.5).stop_gap == 0.5
+def test_closed_form_exponent_of_an_oscillator():
+    # x'' + 4 x' + 400 x = 0 shrinks with e^-2t.
+    machine = vi.Machine({**OSCILLATOR, "spring": {"mount": {**OSCILLATOR["spring"]["mount"], "damping": "8 N s/m"}}})
+    assert abs(machine.measure(["exponent"])["exponent"] + 2.0) < 1e-10
+    # A word has one meaning: `lyapunov` of either machine gives a spectrum.
+    spectrum = machine.spectrum(periods=200)
+    assert spectrum.exponents.shape == (2,) and abs(spectrum.exponents + 2.0).max() < 1e-10 and spectrum.period == 1
+    assert spectrum.running.shape == (200, 2) and (spectrum.running[-1].sum() - spectrum.exponents.sum()) < 1e-10
 
 
-def test_a_motion_that_is_refused_is_told_in_its_row():
-    machine, names = vi.Machine(), ["impacts", "class"]
-    starts = [{"x2": 0.0}, {"x2": 1.5}, {"x2": 0.5}]
-    rows = list(vi.measure_many(machine, names, starts=starts, periods=2, settle=2, errors="row"))
-    for row, start in zip(rows[::2], starts[::2]):
-        assert {name: row[name] for name in names} == machine.measure(names, start=start, periods=2, settle=2) and row["error"] is None
-    assert rows[1]["impacts"] is rows[1]["class"] is None and "block" in rows[1]["error"]
-    with pytest.raises(ValueError, match="allowed is one of 'raise', 'row'"):
-        vi.measure_many(machine, names, starts=starts, errors="rows")
-    with pytest.raises(ValueError, match="impcts"):
-        vi.measure_many(machine, ["impcts"], starts=starts, errors="row")
+def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
+    machine = damper()
+    found = machine.measure(["power.shaker", "power.lost", "maximum.block.s", "class"], periods=12)
+    assert abs(found["power.shaker"] - found["power.lost"]) < SETTLED * found["power.lost"]
+    gaps = np.linspace(4e-3, 6e-3, 3)
+    diagram = machine.bifurcation("block.s", periods=(300, 12), **{"stop.steel.gap": gaps})
+    assert np.allclose(diagram.up.value, gaps) and diagram.up.kind[0] == found["class"]
+    first = diagram.up.maxima[diagram.up.at == 0]
+    assert abs(first.max() - found["maximum.block.s"]) < SETTLED * abs(found["maximum.block.s"])
+    ones = [machine.replace({"stop.steel.gap": g}) for g in gaps]
+    many = vi.measure_many(ones, ["amplitude.box.s"], periods=12, section=0.1)
+    assert [m["amplitude.box.s"] for m in many] == [
+        one.measure(["amplitude.box.s"], periods=12)["amplitude.box.s"] for one in ones
+    ]
 
 
-def test_loads_are_values():
-    load = vi.Load("box", [0.0, 1.0, 2.0], [0.0, 0.5, 0.0])
-    for other in [pickle.loads(pickle.dumps(load)), eval(repr(load), {"Load": vi.Load}), copy.deepcopy(load)]:
-        assert other == load and hash(other) == hash(load)
-    assert load != vi.Load("box", [0.0, 1.0, 2.0], [0.0, 0.5, 0.0], "cubic")
-    np.testing.assert_array_equal(load([-1.0, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0]), [0, 0, 0.25, 0.5, 0.25, 0, 0])
-    with pytest.raises(ValueError, match="read-only"):
-        load.t[0] = 1.0
+@pytest.mark.parametrize(
+    ("what", "error", "words"),
+    [
+        (lambda: vi.Machine({**OSCILLATOR, "bdy": {}}), ValueError, "bdy"),
+        (lambda: vi.Machine({**OSCILLATOR, "gravity": object()}), TypeError, "gravity"),
+        (lambda: vi.Machine("nowhere.toml"), ValueError, "nowhere.toml"),
+        (lambda: vi.Machine(3), TypeError, "path of a file"),
+        (lambda: damper().replace({"stop.stel.gap": 1e-3}), ValueError, "the nearest is `stop.steel.gap`"),
+        (lambda: damper().replace({"stop.steel.restitution": 1.5}), ValueError, "0 to 1"),
+        (lambda: damper().replace({"stop.steel.gap": "5 mN"}), ValueError, "in m, cm, mm, um, in"),
+        (lambda: damper().replace({"stop.steel.gap": "5"}), ValueError, "a number, which is in m, or a text with a unit"),
+        (lambda: damper().replace({"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
+        (lambda: damper().simulate(), TypeError, "allowed is one of until, periods and times"),
+        (lambda: damper().simulate(1.0, start={"bx.s": 1.0}), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().simulate(1.0, start={"box.s": "5"}), ValueError, "a number, which is in SI, or a text with a unit"),
+        (lambda: damper().simulate(1.0, start={"box.s": "5 N"}), ValueError, "in m, cm, mm, um, in"),
+        (lambda: damper().simulate(1.0, start={"box.s": np.nan}), ValueError, "box.s = nan: allowed is a finite number"),
+        (lambda: damper().simulate(1.0, start={3: 1.0}), TypeError, "3 is no name"),
+        (lambda: damper().simulate(1.0, start=3), TypeError, "start is of type int"),
+        (lambda: damper().simulate(1.0, start={"block.s": 1.0}), ValueError, "stop.steel.gap = 0.004: the start at t = 0.0 s violates it"),
+        (lambda: damper().measure(["class"], start={"block.s": 1.0}), ValueError, "the start at t = 0.0 s violates it"),
+        (lambda: damper().simulate(1.0, start={"time": 2.0}), ValueError, "until = 1.0: allowed is a finite number above 2"),
+        (lambda: damper().simulate(times=[0.5], start={"time": 2.0}), ValueError, "ascending finite times from 2 on"),
+        (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: cannot be read"),
+        (lambda: damper().transition(0.0), ValueError, "until = 0.0"),
+        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no number of a start has this name; the nearest is `box.v`"),
+        (lambda: vi.simulate_many([damper()], until=1.0, derivatives=["gravity"]), TypeError, "derivatives: allowed for described machines, with `times`"),
+        (lambda: vi.simulate_many([damper()], times=[1.0], derivatives=["grvity"]), ValueError, "the nearest is `gravity`"),
+        (lambda: vi.simulate_many([damper()] * 2, starts=[None] * 3, until=1.0), ValueError, "starts has 3 starts: allowed is one, or one for each of 2"),
+        (lambda: damper().simulate(-1.0), ValueError, "until"),
+        (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
+        (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
+        (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
+        (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: allowed is a pair"),
+        (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "stop.steel.gap[1] = 0.003 instead of 0.0025: allowed is"),
+        (lambda: damper().simulate("1 m"), ValueError, "until = '1 m': allowed is a number, which is in s"),
+        (lambda: damper().simulate("1"), ValueError, "until = '1': allowed is a number, which is in s, or a text with a unit"),
+        (lambda: vi.simulate_many([damper(), vi.Machine(OSCILLATOR)], until=1.0), ValueError, "columns"),
+        (lambda: vi.simulate_many([damper()], periods=10), TypeError, "of described machines allowed is `until`"),
+        (lambda: vi.simulate_many([vi.PaperMachine()], times=[1.0]), TypeError, "machines[0] is of type PaperMachine"),
+        (lambda: vi.simulate_many([vi.PaperMachine(), damper()]), TypeError, "machines[1] is of type Machine"),
+        (lambda: vi.measure_many([damper()], ["class"], starts=[0.0] * 6), TypeError, "starts"),
+        (lambda: vi.measure_many([vi.PaperMachine()], ["class"], section=1.0), TypeError, "section"),
+        (lambda: damper().sketch().save("damper.jpeg"), ValueError, ".svg or .png"),
+        (lambda: damper().fmu("damper.fmu", version=1), ValueError, "version"),
+        (lambda: setattr(damper(), "name", "x"), AttributeError, "immutable"),
+    ],
+)
+def test_bad_input_is_refused_by_name(what, error, words):
+    with pytest.raises(error, match=re.escape(words)):
+        what()
 
 
-def test_results_can_be_pickled():
-    m = vi.Machine()
-    for result in [m.simulate(periods=2), m.poincare(periods=2), m.steady(), m.orbit("UL"), m.spectrum(periods=5, settle=5)]:
-        again = pickle.loads(pickle.dumps(result))
-        assert repr(again) == repr(result)
-    theta = np.linspace(0, 6, 7)
-    orbit = m.orbit("UL")
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(orbit)).motion(theta), orbit.motion(theta))
+def test_a_jam_is_a_runtime_error_that_names_the_stops():
+    jam = vi.Machine(
+        'name = "Jam"\n[body.press]\nmotion = { rate = "1 m/s" }\n[body.block]\nmass = "1 kg"\n'
+        '[stop.front]\nbetween = ["block", "press"]\ngap = "0.2 m"\nrestitution = 0.5\n'
+        '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
+    )
+    with pytest.raises(RuntimeError, match="jammed at t = 0.3.*stop.front"):
+        jam.simulate(1.0)
+
+
+def test_a_design_that_cannot_go_on_is_told_in_its_row():
+    jam = vi.Machine(
+        'name = "Jam"\n[body.press]\nmotion = { rate = "1 m/s" }\n[body.block]\nmass = "1 kg"\n'
+        '[stop.front]\nbetween = ["block", "press"]\ngap = "0.2 m"\nrestitution = 0.5\n'
+        '[stop.wall]\nbetween = ["ground", "block"]\ngap = "0.1 m"\nrestitution = 0.0\n'
+    )
+    names = ["amplitude.block.s", "class"]
+    many = [jam.replace({"stop.wall.gap": 1e6}), jam]
+    good, bad = vi.measure_many(many, names, settle=1, periods=4, section=0.1, errors="row")
+    assert {name: good[name] for name in names} == many[0].measure(names, settle=1, periods=4, section=0.1) and good["error"] is None
+    assert bad["amplitude.block.s"] is bad["class"] is None and "jammed" in bad["error"]
+    with pytest.raises(RuntimeError, match="motion 1: .*jammed"):
+        vi.measure_many(many, names, settle=1, periods=4, section=0.1)
+    with pytest.raises(RuntimeError, match="^jammed"):
+        jam.measure(names, settle=1, periods=4, section=0.1)
+
+
+def test_numbers_are_in_si_and_texts_have_their_units():
+    machine = damper()  # its file says "4 mm"
+    assert machine.replace({"stop.steel.restitution": "0.5"}).parameters["stop.steel.restitution"] == 0.5
+    assert machine.replace({"stop.steel.gap": 3e-3}) == machine.replace({"stop.steel.gap": "3 mm"})
+    texts, numbers = (
+        machine.bifurcation("box.s", periods=(2, 2), **{"stop.steel.gap": gaps})
+        for gaps in (["3 mm", "4 mm", "5 mm"], [3e-3, 4e-3, 5e-3])
+    )
+    assert (texts.up.value == numbers.up.value).all() and (texts.up.maxima == numbers.up.maxima).all()
+
+
+#: Machines of which the tests in Rust have written motions, sketches and archives: every kind of element, records, rotation.
+NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_train"]
+
+
+def is_same(values, texts):
+    """Whether numbers are those of a table of the command line, bit for bit."""
+    return values.tobytes() == np.array([float(text) for text in texts]).tobytes()
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_second_method_a_motion_has_the_bits_of_the_command_line(native, name):
+    machine = vi.Machine(EXAMPLES / f"{name}.toml")
+    expected = native["assemblies"][name]
+    rows = list(csv.reader(io.StringIO(expected["states"])))
+    until = expected["until"]
+    run = machine.simulate(until, samples=len(rows) - 2)
+    assert rows[0] == ["time", *run.columns]
+    columns = list(zip(*rows[1:]))
+    assert is_same(run.t, columns[0])
+    for column, texts in zip(run.columns, columns[1:]):
+        assert is_same(run[column], texts), column
+    events = list(csv.DictReader(io.StringIO(expected["events"])))
+    assert len(events) > 3 and is_same(run.events["t"], [event["time"] for event in events])
+    for field in ("kind", "element"):
+        assert list(run.events[field]) == [event[field] for event in events]
+    assert is_same(run.events["value"], [event["value"] or 0.0 for event in events])
+    ends = vi.simulate_many([machine] * 3, until=until)
+    assert (ends.values == machine.simulate(times=[until]).values).all()
+
+
+@pytest.mark.parametrize("name", NATIVE)
+def test_second_method_archives_and_sketch_have_the_bytes_of_the_packager(native, name, tmp_path):
+    machine = vi.Machine(EXAMPLES / f"{name}.toml")
+    for version, path in native["assemblies"][name]["archives"].items():
+        written = machine.fmu(tmp_path / f"{version}.fmu", version=int(version))
+        assert written.read_bytes() == Path(path).read_bytes()
+    sketch = machine.sketch()
+    assert sketch._repr_svg_() == sketch.svg == native["assemblies"][name]["sketch"]
+    assert sketch.save(tmp_path / "a.svg").read_text(encoding="utf-8") == sketch.svg
+    assert sketch.save(tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    body = next(column for column in machine.columns if column.endswith(".s"))
+    assert f">{body[:-2]}<" in sketch.svg and repr(sketch) == f"Sketch({machine.name!r})"
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_second_method_the_fmu_of_a_changed_machine_moves_as_simulate_says(version, tmp_path):
+    machine = damper().replace({"stop.steel.gap": "5.5 mm"})
+    archive = machine.fmu(tmp_path, version)  # in a folder it has the machine's name
+    assert archive == tmp_path / {2: "DamperWithBuffer.fmu", 3: "DamperWithBuffer-FMI3.fmu"}[version]
+    step, steps = 2.0**-10, 512  # sums of a power of two are exact, whoever makes them
+    rows = fmpy.simulate_fmu(
+        str(archive), stop_time=step * steps, output_interval=step, output=["box.s", "buffer.f"], fmi_type="CoSimulation"
+    )
+    run = machine.simulate(times=rows["time"])
+    assert len(rows) == steps + 1 and (run["box.s"] == rows["box.s"]).all() and (run["buffer.f"] == rows["buffer.f"]).all()
+
+
+def test_an_fmu_of_any_name_is_written_where_one_is_and_nothing_where_it_cannot(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert vi.Machine(OSCILLATOR).fmu() == Path("Oscillator-FMI3.fmu") and (tmp_path / "Oscillator-FMI3.fmu").is_file()
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OSError, match="file"):
+        vi.Machine(OSCILLATOR).fmu(tmp_path / "file" / "x.fmu")
+
+
+def test_a_diagram_of_a_machine_with_a_step_starts_each_value_anew() -> None:
+    machine = vi.Machine(
+        """
+name = "Step"
+[body.a]
+mass = 1.0
+[spring.k]
+between = ["ground", "a"]
+stiffness = 100.0
+damping = 4.0
+[load.drive]
+on = "a"
+amplitude = 1.0
+frequency = 1.0
+[load.step]
+on = "a"
+steps = [[200.0, 10.0]]
+"""
+    )
+    values = np.linspace(100.0, 120.0, 3)
+    with pytest.raises((RuntimeError, ValueError), match="anew=True"):
+        machine.bifurcation("a.s", periods=(40, 4), **{"spring.k.stiffness": values})
+    found = machine.bifurcation("a.s", anew=True, periods=(40, 4), **{"spring.k.stiffness": values})
+    assert list(found.up.kind) == ["1T"] * 3
+    assert not found.hysteresis.any() and list(found.down.kind) == ["refused"] * 3
+
+
+def test_a_named_parameter_moves_all_that_follows_from_it():
+    machine = vi.Machine(EXAMPLES / "play_by_one_number.toml")
+    assert machine.replace(backlash="0.2 mm").parameters["backlash"] == 2e-4
+
+    def end(backlash):
+        return machine.replace(backlash=backlash).simulate(0.05)["wheel.s"][-1]
+
+    step = 1e-9  # of 0.1 mm: the differences have six digits
+    slope = (end(1e-4 + step) - end(1e-4 - step)) / (2 * step)
+    found = machine.simulate(0.05, derivatives=["backlash"]).derivative("wheel.s", "backlash")[-1]
+    assert abs(found - slope) < 1e-4 * abs(slope)
+    with pytest.raises(ValueError, match=r"stop\.drive_flank\.gap: follows from `backlash`.*allowed is `backlash`"):
+        machine.replace({"stop.drive_flank.gap": 1e-4})
+
+
+def test_closed_form_a_matrix_body_takes_arrays_and_sparse_matrices() -> None:
+    """Two masses of 2 kg between walls, 200 N/m of stiffness where both move alike: cos 10 t."""
+
+    class Sparse:
+        """What this package asks of a sparse matrix of SciPy."""
+
+        def __init__(self, dense: np.ndarray) -> None:
+            self.dense = dense
+
+        def toarray(self) -> np.ndarray:
+            return self.dense
+
+    mass, stiffness = np.diag([2.0, 2.0]), np.array([[300.0, -100.0], [-100.0, 300.0]])
+
+    def machine(mass: object, stiffness: object) -> vi.Machine:
+        nodes = {"left": 0, "both": np.array([1.0, 1.0])}
+        pair = {"mass": mass, "stiffness": stiffness, "nodes": nodes, "start": {"q": np.array([0.1, 0.1])}}
+        return vi.Machine({"name": "Pair", "matrix": {"pair": pair}})
+
+    run = machine(mass, Sparse(stiffness)).simulate(1.0, samples=10)
+    assert np.abs(run["pair.both.s"] - 0.2 * np.cos(10.0 * run.t)).max() < 1e-12
+    assert machine(mass, stiffness) == machine(mass.tolist(), stiffness.tolist())
+    sparse = pytest.importorskip("scipy.sparse")
+    for kind in (sparse.csr_matrix, sparse.coo_array):
+        assert machine(kind(mass), kind(stiffness)) == machine(mass, stiffness)

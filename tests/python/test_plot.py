@@ -18,7 +18,7 @@ OSCILLATOR = {
     "load": {"shaker": {"on": "box", "amplitude": "2 N", "frequency": "3 Hz"}},
 }
 
-M = vi.Machine.from_groups(f10=1.5)
+M = vi.PaperMachine.from_groups(f10=1.5)
 
 
 @pytest.fixture(autouse=True)
@@ -60,7 +60,7 @@ def test_lines_are_the_results_numbers_in_the_bodies_colours():
 
 
 def test_lengths_of_a_small_gap_are_in_mm():
-    damper = vi.Machine(
+    damper = vi.PaperMachine(
         box_m=12.0, box_k=48e3, box_c=30.0, block_m=1.2, secondary_m=1.0, secondary_k=1e3, secondary_c=1.0, coupling_k=0.0,
         stop_gap=0.015, stop_restitution=0.6, drive_amplitude=75.0, drive_frequency=62.8, drive_phase=0.0,
     )  # fmt: skip
@@ -108,7 +108,7 @@ DAMPER = ROOT / "examples" / "assembly" / "damper_with_buffer.toml"
 
 
 def test_a_machine_of_ones_own_is_drawn_with_its_numbers_and_units():
-    damper = vi.Assembly(DAMPER)
+    damper = vi.Machine(DAMPER)
     run = damper.simulate(0.3)
     axes = plot.history(run)
     for line, name in zip(axes.lines, ("box.s", "block.s", "pump.s")):
@@ -131,7 +131,7 @@ def test_a_machine_of_ones_own_is_drawn_with_its_numbers_and_units():
 
 
 def test_orbits_basins_and_sections_of_a_machine_of_ones_own_are_drawn_with_their_numbers():
-    machine = vi.Assembly(OSCILLATOR)
+    machine = vi.Machine(OSCILLATOR)
     branch = machine.orbit().follow("load.shaker.frequency", "2.5 Hz", "5 Hz", of="amplitude.box.s")
     axes = plot.branch(branch)
     drawn = np.concatenate([line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 1])
@@ -151,13 +151,13 @@ def test_orbits_basins_and_sections_of_a_machine_of_ones_own_are_drawn_with_thei
 
 
 def test_other_results_are_refused_with_the_kinds_that_are_drawn():
-    run = vi.Assembly(DAMPER).simulate(0.01)
+    run = vi.Machine(DAMPER).simulate(0.01)
     for function, kinds in {
-        plot.history: "Run or AssemblyRun", plot.portrait: "Run or AssemblyRun", plot.section: "Section or AssemblySection",
-        plot.bifurcation: "Diagram or AssemblyDiagram", plot.basins: "Basins or AssemblyBasins",
-        plot.branch: "Branch or AssemblyBranch",
+        plot.history: "Run or PaperRun", plot.portrait: "Run or PaperRun", plot.section: "Section or PaperSection",
+        plot.bifurcation: "Diagram or PaperDiagram", plot.basins: "Basins or PaperBasins",
+        plot.branch: "Branch or PaperBranch",
     }.items():  # fmt: skip
-        wrong = run if "Run" not in kinds else vi.Machine()
+        wrong = run if "Run" not in kinds else vi.PaperMachine()
         with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: allowed is {kinds}$"):
             function(wrong)
     with pytest.raises(TypeError, match="axes is of type str: allowed is Axes"):

@@ -30,7 +30,7 @@ LONG = {
     "bifurcation": lambda m, **more: m.bifurcation(f10=np.linspace(0.5, 4, 2000), periods=(100, 100), **more),
     "basins": lambda m, **more: m.basins(v2=(-2, 2, 200), x1=(-1, 1, 2000), **more),
 }
-LONG_OF_ASSEMBLY = {
+LONG_OF_DESCRIBED = {
     "simulate": lambda a, **more: a.simulate(1000.0, samples=1_000_000, **more),
     "many": lambda a, **more: vi.simulate_many([a] * 20_000, until=20.0, **more),
     "measure": lambda a, **more: vi.measure_many([a] * 20_000, ["class"], **more),
@@ -50,13 +50,13 @@ def signals():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
-@pytest.mark.parametrize("call", [*LONG, *(f"assembly {name}" for name in LONG_OF_ASSEMBLY)])
+@pytest.mark.parametrize("call", [*LONG, *(f"described {name}" for name in LONG_OF_DESCRIBED)])
 def test_a_signal_ends_a_long_call_at_once(call, signals):
-    name = call.removeprefix("assembly ")
+    name = call.removeprefix("described ")
     if name == call:
-        work, machine = LONG[name], vi.Machine.from_groups(f10=2.8)
+        work, machine = LONG[name], vi.PaperMachine.from_groups(f10=2.8)
     else:
-        work, machine = LONG_OF_ASSEMBLY[name], vi.Assembly(DAMPER)
+        work, machine = LONG_OF_DESCRIBED[name], vi.Machine(DAMPER)
     delays = []
     # The least time of three, as another process may hold the processor when the signal comes.
     for _ in range(3):
@@ -84,7 +84,7 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
 INTERRUPTED = """
 import os, signal, sys, threading
 import vibro_impact as vi
-machine, names = (vi.Machine(), ["impacts"]) if sys.argv[1] == "machine" else (vi.Assembly(sys.argv[1]), ["amplitude.box.s"])
+machine, names = (vi.PaperMachine(), ["impacts"]) if sys.argv[1] == "machine" else (vi.Machine(sys.argv[1]), ["amplitude.box.s"])
 only = dict(periods=20) if sys.argv[1] == "machine" else dict(until=0.5)
 # The vectors of machines end together, some thousands.
 least = 30_000 if sys.argv[1:] == ["machine", "ends"] else 4
@@ -121,7 +121,7 @@ def test_a_signal_leaves_what_is_found(machine, call):
 
 
 def test_other_threads_run_while_one_computes():
-    machine, ticks = vi.Machine(), 0
+    machine, ticks = vi.PaperMachine(), 0
     thread = threading.Thread(target=lambda: machine.simulate(periods=30_000, per_period=4))
     thread.start()
     while thread.is_alive():
@@ -131,41 +131,41 @@ def test_other_threads_run_while_one_computes():
 
 
 def test_threads_find_what_one_finds():
-    machines = [vi.Machine.from_groups(f10=f10) for f10 in (0.6, 1.5, 2.8, 3.6)]
+    machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in (0.6, 1.5, 2.8, 3.6)]
     found = {}
 
     def run(machine):
         diagram = machine.bifurcation(kappa=np.linspace(0.3, 0.8, 6), periods=(20, 20))
         found[machine] = (machine.simulate(periods=50).end, diagram.up.maxima)
 
-    def run_assembly(machine):
+    def run_described(machine):
         diagram = machine.bifurcation("box.s", periods=(20, 20), **{GAP: np.linspace(0.01, 0.1, 6)})
         found[machine] = (machine.simulate(5.0).values, diagram.up.maxima)
 
-    assemblies = [vi.Assembly(DAMPER).replace({"body.block.mass": m}) for m in (0.3, 0.5)]
+    assemblies = [vi.Machine(DAMPER).replace({"body.block.mass": m}) for m in (0.3, 0.5)]
     threads = [threading.Thread(target=run, args=[m]) for m in machines]
-    threads += [threading.Thread(target=run_assembly, args=[m]) for m in assemblies]
+    threads += [threading.Thread(target=run_described, args=[m]) for m in assemblies]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     together = dict(found)
     for machine in [*machines, *assemblies]:
-        (run_assembly if machine in assemblies else run)(machine)
+        (run_described if machine in assemblies else run)(machine)
         for a, b in zip(found[machine], together[machine]):
             np.testing.assert_array_equal(a, b)
 
 
 def _end(machine):
-    if isinstance(machine, vi.Assembly):
+    if isinstance(machine, vi.Machine):
         return vi.simulate_many([machine] * 8, until=1.0).values[0][:3]
     return vi.simulate_many([machine] * 40, periods=20).s[0]
 
 
 @pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
 def test_processes_made_in_any_way(method):
-    machines = [vi.Machine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
-    machines += [vi.Assembly(DAMPER).replace({GAP: gap}) for gap in (0.004, 0.05)]
+    machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
+    machines += [vi.Machine(DAMPER).replace({GAP: gap}) for gap in (0.004, 0.05)]
     expected = [_end(m) for m in machines]  # the parent has its threads
     with multiprocessing.get_context(method).Pool(2) as pool:
         found = pool.map_async(_end, machines).get(timeout=120)
@@ -173,25 +173,25 @@ def test_processes_made_in_any_way(method):
 
 
 def test_progress_is_shown_and_its_errors_end_the_call(capsys, monkeypatch):
-    vi.Machine().bifurcation(f10=np.linspace(1, 2, 30), periods=(20, 20), progress=True)
+    vi.PaperMachine().bifurcation(f10=np.linspace(1, 2, 30), periods=(20, 20), progress=True)
     done, total = map(int, re.findall(r"(\d+)/(\d+)", capsys.readouterr().err)[-1])
     assert done == total > 1
     # Without tqdm.
     monkeypatch.setitem(__import__("sys").modules, "tqdm.auto", None)
-    vi.Machine().simulate(periods=100, progress=True)
+    vi.PaperMachine().simulate(periods=100, progress=True)
     assert "100 %" in capsys.readouterr().err
 
     def refuse(done, total):
         raise KeyError("stop")
 
     with pytest.raises(KeyError):
-        vi._native.simulate(vi.Machine()._system, [0.0] * 6, 0.0, np.arange(10.0), [], refuse)
+        vi._native.paper_simulate(vi.PaperMachine()._system, [0.0] * 6, 0.0, np.arange(10.0), [], refuse)
 
 
 #: Instants whose motion does not fit into the memory that the process may have.
 TOO_MANY = """
 import resource, sys, numpy as np, vibro_impact as vi
-machine = vi.Machine() if sys.argv[1] == "machine" else vi.Assembly(sys.argv[1])
+machine = vi.PaperMachine() if sys.argv[1] == "machine" else vi.Machine(sys.argv[1])
 resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
 try:
     machine.simulate(times=np.linspace(0.0, 1.0, 20_000_000))

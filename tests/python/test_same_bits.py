@@ -23,13 +23,13 @@ def same(run, expected):
 
 
 def test_library_motion_with_impacts(native):
-    run = vi.Machine.from_groups(f10=1.5, kappa=0.75).simulate(periods=50, per_period=20)
+    run = vi.PaperMachine.from_groups(f10=1.5, kappa=0.75).simulate(periods=50, per_period=20)
     same(run, native["standard"])
     assert len(run.impacts) > 90
 
 
 def test_library_motion_with_rest_and_release(native):
-    run = vi.Machine.from_groups(f10=4.5, kappa=0.1).simulate(periods=30, per_period=7)
+    run = vi.PaperMachine.from_groups(f10=4.5, kappa=0.1).simulate(periods=30, per_period=7)
     same(run, native["resting"])
     assert len(run.rests) > 5 and len(run.releases) > 5
 
@@ -39,11 +39,11 @@ def test_library_motion_under_loads(native):
         vi.Load("box", [1.0, 2.0, 4.5, 9.0], [0.0, 0.5, -0.25, 0.0]),
         vi.Load("block", [3.0, 5.0, 6.0], [0.1, -0.2, 0.05], "cubic"),
     ]
-    same(vi.Machine.from_groups(f10=1.5, kappa=0.75).simulate(periods=3, per_period=40, loads=loads), native["loaded"])
+    same(vi.PaperMachine.from_groups(f10=1.5, kappa=0.75).simulate(periods=3, per_period=40, loads=loads), native["loaded"])
 
 
 def test_library_batch(native):
-    machines = [vi.Machine.from_groups(f10=f10) for f10 in native["many"]["f10"]]
+    machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in native["many"]["f10"]]
     ends = vi.simulate_many(machines, periods=100)
     np.testing.assert_array_equal(ends.states, native["many"]["ends"])
     # A motion's bits depend on nothing but itself.
@@ -52,7 +52,7 @@ def test_library_batch(native):
 
 def test_library_bifurcation_diagram(native):
     expected = native["bifurcation"]
-    diagram = vi.Machine().bifurcation(f10=np.linspace(0.5, 4, 41), periods=(60, 40), exponents=100, of="x1")
+    diagram = vi.PaperMachine().bifurcation(f10=np.linspace(0.5, 4, 41), periods=(60, 40), exponents=100, of="x1")
     for direction, rows in ((diagram.up, expected["up"]), (diagram.down, expected["down"])):
         np.testing.assert_array_equal(direction.value, [row["value"] for row in rows])
         assert direction.kind.tolist() == [row["kind"] for row in rows]
@@ -66,7 +66,7 @@ def test_library_bifurcation_diagram(native):
 
 
 def test_library_basins(native):
-    found = vi.Machine.from_groups(f10=2.5).basins(v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), settle=200)
+    found = vi.PaperMachine.from_groups(f10=2.5).basins(v2=(-1.5, 1.25, 8), x2=(-1.5, 1.25, 6), settle=200)
 
     def word(number, mirror):
         return "Outside" if number < 0 else f"{'Mirror' if mirror else 'Attractor'}({number})"
@@ -78,7 +78,7 @@ def test_library_basins(native):
 
 
 def test_library_exponents(native):
-    found = vi.Machine.from_groups(f10=3.6).spectrum(periods=120, settle=50)
+    found = vi.PaperMachine.from_groups(f10=3.6).spectrum(periods=120, settle=50)
     np.testing.assert_array_equal(found.exponents, native["exponents"])
     assert found.exponents[0] > 0.01 and found.running.shape == (120, 7)
 
@@ -102,21 +102,21 @@ def test_fmu_at_steps_that_are_binary_fractions(version):
         output=[*STATES, "impacts.upper", "impacts.lower"],
         fmi_type="CoSimulation",
     )
-    run = vi.Machine(drive_amplitude=0.15, stop_restitution=0.6).simulate(start={"block_v": 0.3}, times=rows["time"])
+    run = vi.PaperMachine(drive_amplitude=0.15, stop_restitution=0.6).simulate(start={"block_v": 0.3}, times=rows["time"])
     np.testing.assert_array_equal(np.hstack([run.s, run.v]), np.stack([rows[name] for name in STATES], axis=1))
     assert len(run.impacts) == rows["impacts.upper"][-1] + rows["impacts.lower"][-1] > 100
 
 
 def test_fmu_at_other_steps():
     rows = fmpy.simulate_fmu(str(vi.fmu_path()), stop_time=600.0, output_interval=0.3, output=STATES, fmi_type="CoSimulation")
-    run = vi.Machine().simulate(start=[0.0] * 6, times=rows["time"])
+    run = vi.PaperMachine().simulate(start=[0.0] * 6, times=rows["time"])
     found = np.stack([rows[name] for name in STATES], axis=1)
     np.testing.assert_allclose(np.hstack([run.s, run.v]), found, rtol=0, atol=SAME)
 
 
 def test_arrays_own_their_memory(native):
-    run = vi.Machine().simulate(periods=2)
-    section = vi.Machine().poincare(periods=2)
-    ends = vi.simulate_many(vi.Machine(), periods=2)
+    run = vi.PaperMachine().simulate(periods=2)
+    section = vi.PaperMachine().poincare(periods=2)
+    ends = vi.simulate_many(vi.PaperMachine(), periods=2)
     for array in [run.t, run.s, run.v, run.energy, run.impacts, section.s, section.phase, ends.t, ends.s]:
         assert array.flags.owndata and array.flags.c_contiguous and array.flags.writeable

@@ -14,8 +14,8 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 from vibro_impact import plot
 
-DAMPER = vi.Assembly(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
-PAPERS = vi.Machine.from_groups(f10=1.5)
+DAMPER = vi.Machine(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
+PAPERS = vi.PaperMachine.from_groups(f10=1.5)
 STEEL = "stop.steel.gap"
 #: Largest page of a result and longest text, bytes.
 PAGE, TEXT = 50_000, 1500
@@ -47,7 +47,7 @@ def test_results_show_a_small_picture_and_their_numbers():
     for machine in (PAPERS, DAMPER):
         xml.etree.ElementTree.fromstring(machine._repr_svg_())
         assert len(repr(machine)) < 200
-    assert vi.Machine().replace(drive_frequency=0.0)._repr_svg_() is None
+    assert vi.PaperMachine().replace(drive_frequency=0.0)._repr_svg_() is None
 
 
 def test_a_picture_has_the_extremes_of_the_numbers():
@@ -93,7 +93,7 @@ def test_what_is_not_installed_is_named_with_its_command(module, method, monkeyp
         getattr(DAMPER.simulate(0.01), method)()
 
 
-@pytest.mark.parametrize("machine", [PAPERS, DAMPER], ids=["Machine", "Assembly"])
+@pytest.mark.parametrize("machine", [PAPERS, DAMPER], ids=["PaperMachine", "Machine"])
 def test_every_picture_takes_both_kinds_and_returns_its_axes(machine):
     name = "f10" if machine is PAPERS else STEEL
     value = machine.parameters[name]

@@ -37,24 +37,24 @@ def arguments(method):
 
 
 def test_both_have_the_same_methods_but_for_the_table():
-    only = public(vi.Machine) ^ public(vi.Assembly)
+    only = public(vi.PaperMachine) ^ public(vi.Machine)
     assert only <= gaps(), "missing in the table"
-    assert public(vi.AnyMachine) == public(vi.Machine) & public(vi.Assembly)
+    assert public(vi.AnyMachine) == public(vi.PaperMachine) & public(vi.Machine)
 
 
 @pytest.mark.parametrize("name", sorted(public(vi.AnyMachine)))
 def test_methods_have_the_same_arguments_but_for_the_table(name):
-    of = [getattr(kind, name) for kind in (vi.AnyMachine, vi.Machine, vi.Assembly)]
+    of = [getattr(kind, name) for kind in (vi.AnyMachine, vi.PaperMachine, vi.Machine)]
     if isinstance(of[0], property):
         assert all(isinstance(one, property) for one in of)
         return
-    base, machine, assembly = map(arguments, of)
-    only = set(machine) ^ set(assembly)
+    base, machine, described = map(arguments, of)
+    only = set(machine) ^ set(described)
     assert only <= gaps(), "missing in the table"
     # Shared arguments have one kind, and stand in one order.
-    shared = [argument for argument in machine if argument in assembly]
-    assert shared == [argument for argument in assembly if argument in machine] == list(base)
-    assert all(machine[argument] == assembly[argument] == base[argument] for argument in shared)
+    shared = [argument for argument in machine if argument in described]
+    assert shared == [argument for argument in described if argument in machine] == list(base)
+    assert all(machine[argument] == described[argument] == base[argument] for argument in shared)
 
 
 def test_the_table_lists_nothing_that_both_have():
@@ -62,20 +62,20 @@ def test_the_table_lists_nothing_that_both_have():
     assert not (gaps() - {"section", "start", "branches"}) & both
 
 
-def test_second_method_the_paper_s_machine_moves_as_its_assembly():
-    machine = vi.Machine.from_groups(f10=1.5).replace({"load.block": -0.004, "drive.phase": "30 deg"})
-    own, other = machine.simulate(periods=5, per_period=8), machine.assembly().simulate(periods=5, per_period=8)
+def test_second_method_the_paper_s_machine_moves_as_the_described_one():
+    machine = vi.PaperMachine.from_groups(f10=1.5).replace({"load.block": -0.004, "drive.phase": "30 deg"})
+    own, other = machine.simulate(periods=5, per_period=8), machine.described().simulate(periods=5, per_period=8)
     for name in machine.columns:
         np.testing.assert_allclose(own[name], other[name], rtol=0, atol=ROUNDING)
     assert own.events["kind"].tolist() == other.events["kind"].tolist() and len(own.events) > 5
     assert own.events["element"].tolist() == other.events["element"].tolist()
     np.testing.assert_allclose(own.events["value"], other.events["value"], rtol=0, atol=1e-9)
-    assert machine.period == machine.assembly().period and "stop.upper" in machine.toml and machine.sketch().svg.startswith("<svg")
+    assert machine.period == machine.described().period and "stop.upper" in machine.toml and machine.sketch().svg.startswith("<svg")
 
 
-@pytest.mark.parametrize("machine", [vi.Machine.from_groups(f10=1.5), vi.Assembly(DAMPER)], ids=["Machine", "Assembly"])
+@pytest.mark.parametrize("machine", [vi.PaperMachine.from_groups(f10=1.5), vi.Machine(DAMPER)], ids=["PaperMachine", "Machine"])
 def test_a_study_is_written_in_one_way(machine):
-    gap = "stop.gap" if isinstance(machine, vi.Machine) else "stop.steel.gap"
+    gap = "stop.gap" if isinstance(machine, vi.PaperMachine) else "stop.steel.gap"
     value = machine.replace({gap: "5 mm"}).parameters[gap if gap in machine.parameters else "stop_gap"]
     assert value == 0.005 and machine.replace({gap: 5e-3}) == machine.replace({gap: "5 mm"})
     run = machine.simulate(periods=3, per_period=10)
@@ -98,7 +98,7 @@ def test_a_study_is_written_in_one_way(machine):
 
 
 def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
-    machine = vi.Machine.from_groups(f10=1.5)
+    machine = vi.PaperMachine.from_groups(f10=1.5)
     (branch,) = machine.response("f10", 1.4, 1.6, seeds=3, settle=300)
     orbit = machine.orbit(settle=300)
     at = np.interp(1.5, *zip(*sorted(zip(branch.value, (maxima[0] for maxima in branch.maxima)))))
@@ -108,19 +108,19 @@ def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
 
 def test_wrong_types_name_those_that_are_accepted():
     for call, words in [
-        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed are Assembly and Machine"),
-        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or Assembly"),
-        (lambda: vi.Machine().basins([1]), "ranges is of type list: allowed is a dictionary"),
+        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed are Machine and PaperMachine"),
+        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or PaperMachine"),
+        (lambda: vi.PaperMachine().basins([1]), "ranges is of type list: allowed is a dictionary"),
     ]:
         with pytest.raises(TypeError, match=words):
             call()
 
 
-@pytest.mark.parametrize("machine", [vi.Machine.from_groups(f10=1.5), vi.Assembly(DAMPER)], ids=["Machine", "Assembly"])
+@pytest.mark.parametrize("machine", [vi.PaperMachine.from_groups(f10=1.5), vi.Machine(DAMPER)], ids=["PaperMachine", "Machine"])
 def test_words_mean_the_same_of_both(machine):
     axes = Figure().add_subplot()
     assert machine.measure(["amplitude.box.s"])["amplitude.box.s"] > 0.0
-    table = machine.sweep(["amplitude.box.s"], {"stop.gap" if isinstance(machine, vi.Machine) else "stop.steel.gap": ["20 mm"]}, settle=9, periods=9)
+    table = machine.sweep(["amplitude.box.s"], {"stop.gap" if isinstance(machine, vi.PaperMachine) else "stop.steel.gap": ["20 mm"]}, settle=9, periods=9)
     assert table.units["amplitude.box.s"] == "m" and table["amplitude.box.s"].shape == (1,)
     run = machine.simulate("20 ms", samples=8)
     assert run.t[-1] == 0.02
@@ -134,23 +134,52 @@ def test_words_mean_the_same_of_both(machine):
     # Without a word the orbit has the period that is asked for, or none is returned.
     assert machine.orbit(period=f"{orbit.periods}T").periods == orbit.periods
     with pytest.raises(ValueError, match="period|no orbit"):
-        machine.orbit(period="7T", tries=1)
+        machine.orbit(period="2T", tries=1)
     again = pickle.loads(pickle.dumps(orbit))
     assert repr(again) == repr(orbit) and (np.asarray(again.multipliers) == orbit.multipliers).all()
     assert pickle.loads(pickle.dumps(machine.sketch())).svg == machine.sketch().svg
 
 
 def test_invariant_an_orbit_from_another_process_is_solved_for_again():
-    orbit = vi.Assembly(DAMPER).orbit()
+    orbit = vi.Machine(DAMPER).orbit()
     again = pickle.loads(pickle.dumps(orbit))
     assert again.measure("amplitude.box.s") == pytest.approx(orbit.measure("amplitude.box.s"), rel=ROUNDING)
     assert again.follow("load.shaker.frequency", 9.5, 10.5).word == orbit.word
 
 
 def test_second_method_periods_of_a_branch_are_those_of_the_drive():
-    machine = vi.Machine.from_groups(f10=1.5)
+    machine = vi.PaperMachine.from_groups(f10=1.5)
     frequency = machine.drive_frequency
     branch = machine.orbit("UL").follow("drive_frequency", 0.99 * frequency, 1.01 * frequency)
     np.testing.assert_allclose(branch.period, branch.periods * 2 * np.pi / branch.value, rtol=ROUNDING)
     steady = machine.orbit("UL").follow("f10", 1.4, 1.6)
     assert (steady.period == machine.period).all() and steady.period.shape == steady.value.shape
+
+
+def test_names_of_version_0_3_are_those_of_described_machines_and_say_the_new_ones():
+    run = vi.Machine(DAMPER).simulate(0.1)
+    olds = {"Assembly": run.machine, "AssemblyRun": run, "AssemblyOrbit": vi.Machine(DAMPER).orbit()}
+    for old, made in olds.items():
+        new = type(made).__name__
+        with pytest.warns(DeprecationWarning, match=rf"vi\.{old} is now vi\.{new}; the old name works until 0\.5"):
+            assert isinstance(made, getattr(vi, old))
+    for old, new in vi._OLD_NAMES.items():
+        with pytest.warns(DeprecationWarning):
+            assert getattr(vi, old) is getattr(vi, new) and new in vi.__all__
+    machine = vi.PaperMachine.from_groups(f10=1.5)
+    with pytest.warns(DeprecationWarning, match=r"assembly\(\) is now described\(\)"):
+        assert machine.assembly() == machine.described()
+
+
+def test_the_papers_arguments_of_machine_name_the_class_that_takes_them():
+    for call, words in [
+        (lambda: vi.Machine(gap="4 mm"), r"write vi\.PaperMachine\(gap='4 mm'\)"),
+        (lambda: vi.Machine(), r"write vi\.PaperMachine\(\)"),
+        (lambda: vi.Machine(DAMPER, kappa=0.5), r"write vi\.PaperMachine\(kappa=0\.5\)"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            call()
+    with pytest.raises(AttributeError, match=r"write vi\.PaperMachine\.from_groups\(\.\.\.\)"):
+        vi.Machine.from_groups(f10=1.5)
+    with pytest.raises(AttributeError, match="has no attribute 'from_group'"):
+        vi.Machine.from_group()

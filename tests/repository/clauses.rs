@@ -102,7 +102,7 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     let (mut wrong, mut cited, mut named) = (Vec::new(), 0, 0);
     for (path, text) in all() {
         let place = shown(&path);
-        let text = if place == "docs/design.md" { standing_apart(&text) } else { text };
+        let text = if place == "docs/fmu.md" { standing_apart(&text) } else { text };
         let flowing = flowing(&text);
         let mut found = cited_clauses(&flowing);
         for (folder, version) in [("crates/doors/src/fmi2/abi", "2.0"), ("crates/doors/src/fmi3/abi", "3.0")]
@@ -130,7 +130,7 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     assert_eq!(problems(&expected[1], &listed).len(), 2);
 }
 
-/// The design page, with the standard's name inserted before each clause of the section that omits
+/// The page of FMUs, with the standard's name inserted before each clause of the section that omits
 /// it.
 fn standing_apart(page: &str) -> String {
     let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");

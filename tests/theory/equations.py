@@ -341,8 +341,15 @@ class Equation:
 
 
 @lru_cache(maxsize=None)
-def page() -> str:
+def whole() -> str:
+    """The page with its last section, whose formulas are rules of studies and have other numbers."""
     return PAGE.read_text(encoding="utf-8")
+
+
+@lru_cache(maxsize=None)
+def page() -> str:
+    """The sections of numbered equations, and the table of them."""
+    return whole().split("\n## 17. ")[0]
 
 
 @lru_cache(maxsize=None)

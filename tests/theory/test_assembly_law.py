@@ -616,7 +616,7 @@ def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
 
 def test_law_34_backwards_over_flights_and_an_event() -> None:
     """A sum of a value at the end and of an event's time, of the motion of (A35)."""
-    mp.dps = 60
+    mp.dps = 45
     r = random.Random(33)
     for _ in range(2):
         (a, a_by), (b, b_by), (jump, _) = moving(r, 3, 3), moving(r, 3, 3), moving(r, 3, 3)

@@ -30,12 +30,12 @@ const MOST: usize = 100_000;
 /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a name is
 /// unknown, a cell is not a finite number, a row and the header have different lengths, or the file
 /// has no design or too many.
-pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs> {
+pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs<Name>> {
     let text = read_text(path)?;
     parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })
 }
 
-fn parse(text: &str, set: &ParameterSet) -> std::result::Result<Designs, String> {
+fn parse(text: &str, set: &ParameterSet) -> std::result::Result<Designs<Name>, String> {
     let (table, mut rows) = (Table::read(text), Vec::new());
     let headings = table.names();
     let name = |own: &Heading| {

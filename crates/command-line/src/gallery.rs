@@ -1,13 +1,13 @@
 //! The gallery's machines as files to start from (`vibro new`).
 
-use crate::part_folder::write_whole;
+use crate::whole_file::write_whole;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// A machine of the gallery.
 #[derive(Debug)]
 pub struct Example {
-    /// The word for it.
+    /// The name of its file and of its page in the gallery.
     pub name: &'static str,
     /// Its file.
     pub text: &'static str,
@@ -16,10 +16,10 @@ pub struct Example {
 }
 
 macro_rules! examples {
-    ($($name:literal $file:literal $($beside:literal)*,)+) => {
+    ($($name:literal $($beside:literal)*,)+) => {
         &[$(Example {
             name: $name,
-            text: include_str!(concat!("../../../examples/assembly/", $file, ".toml")),
+            text: include_str!(concat!("../../../examples/assembly/", $name, ".toml")),
             beside: &[$(($beside, include_str!(concat!("../../../examples/assembly/", $beside))),)*],
         },)+]
     };
@@ -27,36 +27,57 @@ macro_rules! examples {
 
 /// All of them, in the gallery's order.
 pub static EXAMPLES: &[Example] = examples! {
-    "damper" "damper_with_buffer",
-    "gears" "gear_backlash",
-    "brake" "brake_squeal",
-    "clutches" "msl_coupled_clutches",
-    "valve-train" "valve_train" "cam_lift.csv",
-    "conveyor" "vibratory_conveyor",
-    "pipe" "pipe_supports",
-    "drill" "percussion_drill",
-    "servo" "servo",
-    "relay" "relay_bounce",
-    "beads" "bead_column",
-    "blocks" "two_blocks",
-    "paper" "paper_machine",
-    "cantilever" "cantilever" "cantilever_mass.mtx" "cantilever_stiffness.mtx",
-    "mesh" "gear_mesh",
-    "joint" "iwan_joint",
-    "shock" "shaken_rig" "shaken_rig.csv",
-    "run-up" "run_up",
+    "damper_with_buffer",
+    "gear_backlash",
+    "brake_squeal",
+    "msl_coupled_clutches",
+    "valve_train" "cam_lift.csv",
+    "vibratory_conveyor",
+    "pipe_supports",
+    "percussion_drill",
+    "servo",
+    "relay_bounce",
+    "bead_column",
+    "two_blocks",
+    "paper_machine",
+    "cantilever" "cantilever_mass.mtx" "cantilever_stiffness.mtx",
+    "gear_mesh",
+    "iwan_joint",
+    "shaken_rig" "shaken_rig.csv",
+    "run_up",
 };
 
+/// Names of version 0.3 that this version still understands, with the names of the machines.
+const OLD_NAMES: [(&str, &str); 16] = [
+    ("damper", "damper_with_buffer"),
+    ("gears", "gear_backlash"),
+    ("brake", "brake_squeal"),
+    ("clutches", "msl_coupled_clutches"),
+    ("valve-train", "valve_train"),
+    ("conveyor", "vibratory_conveyor"),
+    ("pipe", "pipe_supports"),
+    ("drill", "percussion_drill"),
+    ("relay", "relay_bounce"),
+    ("beads", "bead_column"),
+    ("blocks", "two_blocks"),
+    ("paper", "paper_machine"),
+    ("mesh", "gear_mesh"),
+    ("joint", "iwan_joint"),
+    ("shock", "shaken_rig"),
+    ("run-up", "run_up"),
+];
+
 impl Example {
-    /// The machine with a name.
+    /// The machine with a name of this version or of version 0.3.
     ///
     /// # Errors
     /// [`Error::Refused`] for another name, with all of them.
     pub fn find(name: &str) -> Result<&'static Self> {
-        EXAMPLES.iter().find(|example| example.name == name).ok_or_else(|| {
+        let new = OLD_NAMES.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new);
+        EXAMPLES.iter().find(|example| example.name == new).ok_or_else(|| {
             let names: Vec<&str> = EXAMPLES.iter().map(|example| example.name).collect();
             let problem =
-                format!("no machine of the gallery has this name; allowed are {}", names.join(", "));
+                format!("no machine of the gallery has this name; expected one of {}", names.join(", "));
             Error::Refused { what: format!("new {name}"), problem }
         })
     }

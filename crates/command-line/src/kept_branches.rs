@@ -33,10 +33,10 @@ impl PartStore for Behind<'_> {
     }
 }
 
-/// Paths of branches as parts: eight bytes with the path's number, and its text.
+/// Paths of branches as parts: eight bytes with the path's number, and its own bytes.
 pub struct PathsInParts<'a> {
     parts: Behind<'a>,
-    there: HashMap<u64, String>,
+    there: HashMap<u64, Vec<u8>>,
     next: AtomicUsize,
 }
 
@@ -45,8 +45,8 @@ impl<'a> PathsInParts<'a> {
     pub fn new(parts: Behind<'a>) -> Self {
         let stored: Vec<Vec<u8>> = (0..).map_while(|index| parts.load(index)).collect();
         let path = |bytes: &Vec<u8>| {
-            let (key, text) = bytes.split_first_chunk()?;
-            Some((u64::from_le_bytes(*key), String::from_utf8(text.to_vec()).ok()?))
+            let (key, path) = bytes.split_first_chunk()?;
+            Some((u64::from_le_bytes(*key), path.to_vec()))
         };
         let next = AtomicUsize::new(stored.len());
         Self { parts, there: stored.iter().filter_map(path).collect(), next }
@@ -54,14 +54,14 @@ impl<'a> PathsInParts<'a> {
 }
 
 impl KeptPaths for PathsInParts<'_> {
-    fn find(&self, key: u64) -> Option<String> {
+    fn find(&self, key: u64) -> Option<Vec<u8>> {
         self.there.get(&key).cloned()
     }
 
-    fn keep(&self, key: u64, text: &str) {
+    fn keep(&self, key: u64, bytes: &[u8]) {
         let index = self.next.fetch_add(1, Ordering::Relaxed);
         // A path that is not kept is followed anew.
-        let _ = self.parts.save(index, &[&key.to_le_bytes()[..], text.as_bytes()].concat());
+        let _ = self.parts.save(index, &[&key.to_le_bytes()[..], bytes].concat());
     }
 }
 
@@ -91,13 +91,13 @@ mod tests {
         store.save(1, b"a part of the diagram").unwrap();
         let parts = Behind { store: &store, first: 2 };
         let first = PathsInParts::new(parts);
-        first.keep(u64::MAX, "plain");
+        first.keep(u64::MAX, b"plain");
         let second = PathsInParts::new(parts);
-        assert_eq!((second.find(u64::MAX).as_deref(), second.find(1)), (Some("plain"), None));
-        second.keep(1, "closed");
+        assert_eq!((second.find(u64::MAX).as_deref(), second.find(1)), (Some(&b"plain"[..]), None));
+        second.keep(1, b"closed");
         let third = PathsInParts::new(parts);
         let found = [u64::MAX, 1].map(|key| third.find(key));
-        assert_eq!(found, ["plain", "closed"].map(|text| Some(text.to_owned())));
+        assert_eq!(found, ["plain", "closed"].map(|path| Some(path.into())));
         assert_eq!(store.0.lock().unwrap().keys().copied().collect::<Vec<_>>(), [1, 2, 3]);
     }
 }

@@ -13,6 +13,7 @@
 //! | [`design_file`] | designs of a sweep from a CSV file |
 //! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
+//! | [`whole_file`] | files that are complete or absent |
 
 pub mod design_file;
 mod error;
@@ -29,5 +30,6 @@ pub mod special_points;
 pub mod studies;
 pub mod subject;
 pub mod table;
+pub mod whole_file;
 
 pub use error::{Error, Result};

@@ -129,12 +129,12 @@ pub fn template(groups: bool) -> String {
          # reconstruction of the paper's machine, not its own data.\n",
     );
     let names: Vec<Name> = if groups {
-        text.push_str("# Dimensionless groups. The machine in SI: vibro template --si\n\n[groups]\n");
+        text.push_str("# Dimensionless groups. The machine in SI: vibro paper template --si\n\n[groups]\n");
         GROUPS.iter().map(Name::Group).collect()
     } else {
         text.push_str(
             "# A number is in the unit told; another unit goes with it in quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
-             # \"350 g\", \"10 Hz\". Dimensionless groups: vibro template --groups\n\n[si]\n",
+             # \"350 g\", \"10 Hz\". Dimensionless groups: vibro paper template --groups\n\n[si]\n",
         );
         physical_parameters().map(Name::Si).collect()
     };

@@ -8,9 +8,9 @@
 
 use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
+use crate::whole_file::{WRITING, write_whole};
 use crate::{Error, Result};
 use std::fs::{File, TryLockError};
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock};
 use vibro_studies::parts::PartStore;
@@ -19,8 +19,6 @@ const MANIFEST: &str = "manifest.toml";
 const LOCK: &str = "lock";
 /// Ending of a part's file.
 const PART: &str = "part";
-/// Ending of a file that is being written.
-const WRITING: &str = "writing";
 
 /// Content of a folder with respect to a study.
 #[derive(Clone, Debug, PartialEq)]
@@ -260,32 +258,6 @@ fn other_format(folder: &Path, format: u32) -> Error {
         PartFolder::kept(folder)
     );
     Error::Config { path: folder.into(), problem }
-}
-
-/// Writes a file atomically: even after a power failure it is either complete or absent.
-///
-/// # Errors
-/// [`Error::File`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    write_whole_by(path, |file| file.write_all(bytes).map_err(Error::file("writing", path)))
-}
-
-/// Writes a file atomically, as [`write_whole`], from pieces that `fill` writes.
-///
-/// # Errors
-/// [`Error::File`] if the file cannot be written; the errors of `fill`.
-pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
-    // The whole name is kept: files that differ only in their ending may be written at the same
-    // time.
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.{WRITING}", std::process::id()));
-    let beside = path.with_file_name(name);
-    let failed = || Error::file("writing", &beside);
-    let mut file = BufWriter::new(File::create(&beside).map_err(failed())?);
-    fill(&mut file)?;
-    file.flush().map_err(failed())?;
-    file.get_ref().sync_all().map_err(failed())?;
-    std::fs::rename(&beside, path).map_err(Error::file("writing", path))
 }
 
 #[cfg(test)]

@@ -7,19 +7,19 @@ mod statements;
 
 pub use statement::{Statement, Verdict};
 
-use super::long_study::{LongStudy, StudyKind};
+use super::long_study::{LongStudy, OverSweep, StudyKind};
 use super::studies::{self, DiagramOrbits, Study};
 use crate::part_folder::PartFolder;
 use crate::table::TextTable;
 use crate::{Error, Result};
 use std::path::Path;
 use vibro_orbits::paper::TreeOptions;
-use vibro_studies::paper::basin::{self, InitialValueRange};
+use vibro_studies::basin::BasinRequest;
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::{Method, PAIRS, ParameterAxis};
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, ParameterSet, find_group};
 use vibro_studies::parts::{NoStore, Task};
 
@@ -100,15 +100,9 @@ impl Plan {
         let options = SpectrumOptions { periods, ..SpectrumOptions::default() };
         let sweep = |name: &str, range, count| -> Result<LongStudy> {
             let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-            let sweep = Sweep {
-                axis,
-                discard,
-                keep,
-                exponents: Some(options),
-                of: Displacement::X2,
-                start: StartRule::default(),
-            };
-            Ok(LongStudy::new(name, StudyKind::Sweep { sweep, at: Vec::new(), orbits: None }, set))
+            let sweep =
+                Sweep { exponents: Some(options), ..Sweep::new(axis, Displacement::X2, (discard, keep)) };
+            Ok(LongStudy::new(name, StudyKind::Diagram { request: sweep, over: OverSweep::default() }, set))
         };
         let cells = if quick { 40 } else { 200 };
         let initial = |range: &str| Ok::<_, Error>(range.parse::<InitialValueRange>()?.cells(cells));
@@ -121,7 +115,7 @@ impl Plan {
             fine: sweep("figure-14-fine", (1.9, 4.0), if quick { 106 } else { 1051 })?,
             basin: LongStudy::new(
                 "basin",
-                StudyKind::Basin(basin::BasinRequest { x, y, discard, start: basin::in_the_middle() }),
+                StudyKind::Basin(BasinRequest { x, y, discard, start: in_the_middle() }),
                 &there,
             ),
             basin_set: there,
@@ -171,7 +165,8 @@ impl Plan {
         done(false);
         all.push(studies::strong_case(&ParameterSet::strong()?)?);
         done(false);
-        all.extend(self.basin.run(&Task { store: basin, done, ..Task::ALL })?.into_iter().flatten());
+        let basins = self.basin.run(&Task { store: basin, done, ..Task::ALL })?;
+        all.extend(basins.into_iter().flatten().map(|study| study.with_set(&self.basin_set)));
         let statements = statements::all(&statement::Findings {
             set,
             coarse: &coarse.1,
@@ -228,8 +223,8 @@ impl Plan {
         let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;
         overlay.remarks.push("the maxima are those of figure-14.csv".into());
         let all = vec![
-            studies::sweep(set, sweep, coarse, "figure-14")?,
-            studies::sweep(set, fine_sweep, fine, "figure-14-fine")?,
+            studies::diagram(set, sweep, coarse, "figure-14")?,
+            studies::diagram(set, fine_sweep, fine, "figure-14-fine")?,
             match orbits {
                 Ok(orbits) => orbits.study(set, sweep, coarse, ORBITS)?,
                 // A machine whose orbits are not determined by phases, such as one with a free

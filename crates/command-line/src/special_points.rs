@@ -10,20 +10,18 @@
 //! ```
 
 mod of_file;
+mod of_paper;
 
 pub use of_file::PointOfFile;
+pub use of_paper::SpecialPoint;
 
 use crate::{Error, Result, table};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use vibro_orbits::paper::{Label, LocusStart, OrbitWord};
-use vibro_studies::paper::{Name, number};
+use vibro_orbits::Label;
 
 /// Tolerance of a value in units of its last digit: one half, and a little more for ties.
 const LAST_DIGIT: f64 = 0.51;
-
-/// Labels that only points of described machines have.
-const FURTHER: [&str; 3] = ["ST", "CC", "SA"];
 
 /// Rows of a table of special points, as `FILE`, `FILE:ROW`, `FILE:LABEL` or `FILE:LABEL@VALUE`.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,18 +36,27 @@ pub struct Selection {
 enum ChosenRows {
     All,
     Row(usize),
-    Kind { label: Option<&'static str>, value: Option<String> },
+    Kind { label: Option<Label>, value: Option<String> },
 }
 
-/// A special point with its row, counted from 1.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SpecialPoint {
-    /// The row.
-    pub row: usize,
-    /// The parameter along whose branch it lies.
-    pub along: Name,
-    /// Where a curve starts. The second parameter is not in the table; it has the machine's value.
-    pub start: LocusStart,
+/// A special point of a table of a machine.
+pub trait PointOfTable: Sized {
+    /// The row, counted from 1.
+    fn row(&self) -> usize;
+
+    /// The type of the point.
+    fn label(&self) -> Label;
+
+    /// The parameter's value.
+    fn value(&self) -> f64;
+
+    /// The point with its events in words.
+    fn told(&self) -> String;
+
+    /// The point of a row from which a curve can start; `None` where no orbit that a motion leads
+    /// to lies beside it.
+    #[doc(hidden)]
+    fn read(row: &PointRow, label: Label) -> Result<Option<Self>>;
 }
 
 impl FromStr for Selection {
@@ -73,8 +80,7 @@ impl FromStr for Selection {
         } else {
             let (label, value) = choice.split_once('@').map_or((choice, None), |(l, v)| (l, Some(v)));
             let label = label.trim();
-            let mut labels = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
-            let known = labels.find(|name| name.eq_ignore_ascii_case(label));
+            let known = Label::STARTS.into_iter().find(|own| own.name().eq_ignore_ascii_case(label));
             // A colon may belong to the path.
             if known.is_none() && !(label.is_empty() && value.is_some()) {
                 return if Path::new(text).exists() { Ok(all()) } else { Err(form()) };
@@ -86,31 +92,25 @@ impl FromStr for Selection {
 }
 
 impl Selection {
-    /// The chosen points of the table, with the machine's value `held` of the second parameter.
+    /// The chosen points of the table over a parameter. `number` reads a value of the parameter.
     ///
     /// # Errors
     /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if no
     /// curve starts from the row, or if no row meets the choice. If rows have the chosen label but
     /// not the chosen value, the error names the nearest row.
-    pub fn points(&self, along: Name, held: f64) -> Result<Vec<SpecialPoint>> {
-        let table = Table::read(&self.path)?;
-        let rows = table.rows();
-        if let Some(other) = rows.first().map(|row| row.along()).transpose()?.filter(|own| *own != along) {
-            return Err(rows[0].other_parameter(other.name(), along.name()));
-        }
-        let seen =
-            |p: &SpecialPoint| Seen { row: p.row, label: p.start.label.name(), value: p.start.values[0] };
-        self.chosen(&rows, &|row| row.point(along, held), &seen, &|text| Ok(number(along, text)?))
-    }
-
-    /// The points that the rows of the choice are read as.
-    fn chosen<P>(
+    pub fn points<P: PointOfTable>(
         &self,
-        rows: &[PointRow],
-        read: &dyn Fn(&PointRow) -> Result<Option<P>>,
-        seen: &dyn Fn(&P) -> Seen,
+        along: &str,
         number: &dyn Fn(&str) -> Result<f64>,
     ) -> Result<Vec<P>> {
+        let table = Table::read(&self.path)?;
+        let rows = table.rows();
+        if let Some(first) = rows.first()
+            && first.cell("parameter")? != along
+        {
+            let own = first.cell("parameter")?;
+            return Err(first.wrong(format!("has points over {own}, but the first --vary is of {along}")));
+        }
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let (label, value) = match &self.rows {
             ChosenRows::Row(number) => {
@@ -118,9 +118,8 @@ impl Selection {
                     .get(number - 1)
                     .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
                 let label = row.cell("label")?;
-                let starts = Label::STARTS.into_iter().map(Label::name).chain(FURTHER);
-                let starts: Vec<&str> = starts.collect();
-                return Ok(vec![read(row)?.ok_or_else(|| {
+                let starts = Label::STARTS.map(Label::name);
+                return Ok(vec![row.point()?.ok_or_else(|| {
                     wrong(match starts.contains(&label) {
                         true => format!(
                             "row {number} is {label} without an orbit beside it that a motion leads to: no \
@@ -133,32 +132,26 @@ impl Selection {
             ChosenRows::All => (None, None),
             ChosenRows::Kind { label, value } => (*label, value.as_deref()),
         };
-        let all = rows.iter().map(read).collect::<Result<Vec<_>>>()?;
+        let all = rows.iter().map(PointRow::point).collect::<Result<Vec<Option<P>>>>()?;
         let mut found: Vec<P> =
-            all.into_iter().flatten().filter(|p| label.is_none_or(|label| seen(p).label == label)).collect();
-        let what = label.unwrap_or("point from which a curve starts");
+            all.into_iter().flatten().filter(|p| label.is_none_or(|label| p.label() == label)).collect();
+        let what = label.map_or("point from which a curve starts", Label::name);
         if found.is_empty() {
             return Err(wrong(format!("has no {what}")));
         }
         if let Some(text) = value {
             let wanted = number(text)?;
             let room = last_digit(text, wanted);
-            let distance = |p: &P| (seen(p).value - wanted).abs();
-            let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(seen);
+            let distance = |p: &P| (p.value() - wanted).abs();
+            let nearest = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = nearest.map(|p| (p.row(), p.value()));
             found.retain(|p| distance(p) <= room);
-            if let (true, Some(Seen { row, value, .. })) = (found.is_empty(), nearest) {
+            if let (true, Some((row, value))) = (found.is_empty(), nearest) {
                 return Err(wrong(format!("has no {what} at {text}; the nearest is row {row} at {value}")));
             }
         }
         Ok(found)
     }
-}
-
-/// What a choice sees of a point.
-struct Seen {
-    row: usize,
-    label: &'static str,
-    value: f64,
 }
 
 /// A table as it was read.
@@ -194,7 +187,7 @@ fn last_digit(text: &str, value: f64) -> f64 {
 }
 
 /// A row of a table.
-struct PointRow<'a> {
+pub struct PointRow<'a> {
     number: usize,
     record: &'a csv::StringRecord,
     header: &'a csv::StringRecord,
@@ -204,10 +197,6 @@ struct PointRow<'a> {
 impl PointRow<'_> {
     fn wrong(&self, problem: String) -> Error {
         Error::Config { path: self.path.into(), problem }
-    }
-
-    fn other_parameter(&self, own: &str, along: &str) -> Error {
-        self.wrong(format!("has points over {own}, but the first --vary is of {along}"))
     }
 
     fn cell(&self, name: &str) -> Result<&str> {
@@ -221,30 +210,18 @@ impl PointRow<'_> {
         finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is no number", self.number)))
     }
 
-    fn along(&self) -> Result<Name> {
-        Ok(Name::find(self.cell("parameter")?)?)
-    }
-
     /// The point; `None` for a row from which no curve starts: an end of the range, a branch that
     /// was not followed further, or a marked value.
-    fn point(&self, along: Name, held: f64) -> Result<Option<SpecialPoint>> {
-        let name = self.cell("label")?;
-        let Some(label) = Label::STARTS.into_iter().find(|l| l.name() == name) else { return Ok(None) };
-        let phases =
-            self.cell("phases")?.split_whitespace().map(|x| self.number(x)).collect::<Result<Vec<_>>>()?;
-        let closing: i8 = if self.cell("closing")? == "-" { -1 } else { 1 };
-        let period: Option<u32> = self.cell("period")?.parse().ok();
-        let half = period.and_then(|period| if closing < 0 { Some(period) } else { period.checked_mul(2) });
-        let half = half.ok_or_else(|| self.wrong(format!("row {}: no period", self.number)))?;
-        let word = OrbitWord::new(self.cell("word")?, closing, half)?;
-        let values = [self.number(self.cell("value")?)?, held];
-        Ok(Some(SpecialPoint { row: self.number, along, start: LocusStart { label, word, phases, values } }))
+    fn point<P: PointOfTable>(&self) -> Result<Option<P>> {
+        let label = Label::find(self.cell("label")?).filter(|label| Label::STARTS.contains(label));
+        label.map_or(Ok(None), |label| P::read(self, label))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use vibro_studies::paper::{Name, number};
 
     #[test]
     fn selections_are_read_as_they_are_written() {
@@ -252,8 +229,8 @@ mod tests {
         let kind = |label, value: Option<&str>| ChosenRows::Kind { label, value: value.map(str::to_owned) };
         assert_eq!(rows("a.csv"), ChosenRows::All);
         assert_eq!(rows("a.csv:3"), ChosenRows::Row(3));
-        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some("LP"), None));
-        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some("PD"), Some("2.3041")));
+        assert_eq!(rows("C:/b/a.csv:lp"), kind(Some(Label::Fold), None));
+        assert_eq!(rows("a.csv:PD@2.3041"), kind(Some(Label::PeriodDoubling), Some("2.3041")));
         assert_eq!(rows("a.csv:@10.65 Hz"), kind(None, Some("10.65 Hz")));
         for text in ["a.csv:0", "a.csv:XX", "a.csv:XX@2", "a.csv:"] {
             assert!(text.parse::<Selection>().is_err(), "{text}");

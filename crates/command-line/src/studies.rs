@@ -1,6 +1,8 @@
 //! The studies of the command line: each makes tables and a figure from a machine.
 
 mod basin;
+mod branches;
+mod curves;
 mod design_sweep;
 mod diagram;
 mod diagram_orbits;
@@ -8,6 +10,7 @@ mod fit;
 mod gradient;
 mod isoperiodic;
 mod locus;
+mod orbit;
 mod orbits;
 mod panels;
 mod paper;
@@ -15,19 +18,21 @@ mod response;
 mod section;
 mod spectrum;
 
-pub use basin::{assembly_basins, check_assembly_basins};
+pub use basin::{ShownBasins, basins, check_basins};
+pub use curves::{CurveStart, LocusCurve};
 pub use design_sweep::{design_sweep, write_tables as write_design_tables};
-pub use diagram::{assembly_diagram, assembly_exponent};
+pub use diagram::{ShownDiagram, diagram};
 pub use diagram_orbits::{assembly_diagram_orbits, diagram_branches, diagram_family};
 pub use fit::{assembly_fit, fit_json};
 pub use gradient::add_gradient;
-pub use isoperiodic::{POINT_IN_TABLE, check_isoperiodic, isoperiodic};
-pub use locus::{CurveOfFile, assembly_loci};
-pub use orbits::{assembly_orbit, assembly_orbits};
+pub use isoperiodic::{POINT_IN_TABLE, ShownPlane, check_isoperiodic, isoperiodic};
+pub use locus::assembly_loci;
+pub use orbit::assembly_orbit;
+pub use orbits::assembly_orbits;
 pub use paper::*;
 pub use response::assembly_response;
 pub use section::{SectionAxes, assembly_section};
-pub use spectrum::assembly_spectrum;
+pub use spectrum::{assembly_exponent, assembly_spectrum};
 
 use crate::Result;
 use crate::table::TextTable;
@@ -87,7 +92,7 @@ impl Study {
     }
 
     /// The study with its own parameters.
-    fn with_set(self, set: &ParameterSet) -> Self {
+    pub(crate) fn with_set(self, set: &ParameterSet) -> Self {
         Self { set: Some(Box::new(set.clone())), ..self }
     }
 

@@ -259,8 +259,6 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     for arguments in [
         &["check", &damper, "--set", "stop.steel.gap=3"][..],
         &["--set", "stop.steel.gap=3", "check", &damper],
-        &["assembly", "--set", "stop.steel.gap=3", "check", &damper],
-        &["--set", "stop.steel.gap=3", "assembly", "check", &damper],
     ] {
         let (told, noted) = both(&out, arguments);
         assert_eq!(told, with_unit);

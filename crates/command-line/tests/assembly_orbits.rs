@@ -1,4 +1,4 @@
-//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/orbits-of-your-machine.md against
+//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/machine-studies.md against
 //! closed forms, tables and refusals.
 
 #[path = "common/mod.rs"]
@@ -40,14 +40,14 @@ fn texts(svg: &str) -> Vec<&str> {
 
 #[test]
 fn closed_form_of_the_page_and_its_picture() {
-    let guide = Guide::read("orbits-of-your-machine.md");
-    let said = guide.perform("orbits-of-your-machine", &[]);
+    let guide = Guide::read("machine-studies.md");
+    let said = guide.perform("machine-studies", &[]);
     assert!(
         said[0].contains("events: impact right, impact left") && said[0].contains("stable"),
         "{}",
         said[0]
     );
-    let home = Path::new(env!("CARGO_TARGET_TMPDIR")).join("orbits-of-your-machine");
+    let home = Path::new(env!("CARGO_TARGET_TMPDIR")).join("machine-studies");
 
     // Two impacts a period at the speed of flight V.
     let (a, d, omega, r): (f64, f64, f64, f64) = (1e-3, 3e-3, TAU * 25.0, 0.4 / 1.6);
@@ -77,7 +77,7 @@ fn closed_form_of_the_page_and_its_picture() {
     assert!(ends.len() == 2 && (ends[0] - ends[1]).abs() == 25.0, "{ends:?}");
 
     let drawn = std::fs::read_to_string(home.join("all/orbits.svg")).unwrap();
-    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/orbits-of-your-machine/rattle.svg");
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/machine-studies/rattle.svg");
     if std::env::var("VIBRO_IMPACT_UPDATE").is_ok_and(|v| v == "1") {
         std::fs::write(&kept, &drawn).unwrap();
     }

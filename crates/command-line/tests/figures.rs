@@ -13,7 +13,6 @@ use vibro_studies::paper::bifurcation::{Sweep, diagram};
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::parts::Task;
 
@@ -273,14 +272,7 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
         let f10 = Name::find("f10").unwrap();
         let options = SpectrumOptions { periods: 210, ..SpectrumOptions::default() };
         let axis = ParameterAxis::new(f10, (1.0, 2.4), 8).unwrap();
-        let sweep = Sweep {
-            axis,
-            discard: 50,
-            keep: 20,
-            exponents: Some(options),
-            of: Displacement::X1,
-            start: StartRule::default(),
-        };
+        let sweep = Sweep { exponents: Some(options), ..Sweep::new(axis, Displacement::X1, (50, 20)) };
         let found = diagram(&set, &sweep, &Task::ALL).unwrap().unwrap();
         let all = [
             studies::steady(&set).unwrap(),
@@ -291,7 +283,7 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
             studies::histories_of(&set, f10, 0.6).unwrap().0,
             studies::frequency(&set, (-1.0, 1.0), (&[1.0, 1.5], &[0.5, 1.0]), None).unwrap(),
             studies::force(&set, (0.5, 2.0), (&[0.4], &[-0.4]), Some(Displacement::X1)).unwrap(),
-            studies::sweep(&set, &sweep, &found, "sweep").unwrap(),
+            studies::diagram(&set, &sweep, &found, "sweep").unwrap(),
             studies::overlay(&set, &sweep, &found, "overlay").unwrap(),
             studies::portraits(&set, f10, &found, &[1.2, 2.2]).unwrap(),
             studies::running(&set, f10, &[1.5], 20, &options, "running").unwrap(),

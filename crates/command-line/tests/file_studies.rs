@@ -165,7 +165,7 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
 
     for (words, named) in [
         (&["--start", "box.s=0:1"][..], "1 ranges of --start: allowed are two"),
-        (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different numbers"),
+        (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different initial values"),
         (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
         (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "from < to"),
         (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "allowed are 1 to 5000 cells"),

@@ -29,7 +29,7 @@ fn refused(out: &Path, arguments: &[&str]) -> String {
 /// Runs in the default folder of a working folder.
 fn by_default(home: &Path, arguments: &[&str]) -> String {
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    let output = vibro.args(arguments).current_dir(home).output().expect("vibro runs");
+    let output = vibro.arg("paper").args(arguments).current_dir(home).output().expect("vibro runs");
     assert!(output.status.success(), "{arguments:?}: {}", outcome(&output).1);
     String::from_utf8(output.stdout).expect("text")
 }
@@ -41,7 +41,7 @@ fn a_run_with_other_parameters_is_refused_and_keeps_the_parts_of_the_first() {
     let error = refused(&out, &[&BASIN[..], &["--set", "kappa=0.6"]].concat());
     for word in [
         "basin.parts: holds ",
-        "begun by: vibro basin --resolution 16 --discard 60 (version ",
+        "begun by: vibro paper basin --resolution 16 --discard 60 (version ",
         "kappa: 0.75 there, 0.6 here",
         "stop.restitution: 0.75 there, 0.6 here",
         "another --out",
@@ -125,7 +125,7 @@ fn manifests_say_what_a_result_was_computed_from() {
     assert_eq!(manifest["version"].as_str(), Some(env!("CARGO_PKG_VERSION")));
     assert_eq!(manifest["study"].as_str(), Some("response-force"));
     let line = manifest["invocation"]["command_line"].as_str();
-    assert_eq!(line, Some("vibro response --kind force --set kappa=0.7"));
+    assert_eq!(line, Some("vibro paper response --kind force --set kappa=0.7"));
     let (si, groups) = (manifest["si"].as_table().unwrap(), manifest["groups"].as_table().unwrap());
     assert_eq!((si.len(), groups.len()), (13, 10));
     assert_eq!((si["stop.restitution"].as_float(), groups["kappa"].as_float()), (Some(0.7), Some(0.7)));
@@ -173,7 +173,7 @@ fn ctrl_c_says_what_is_kept_and_which_command_goes_on() {
     assert_eq!((code, output.status.signal()), (Some(130), None), "{error}");
     let count = format!("interrupted: {} of ", parts(&out, LONGER[0]).len());
     assert!(error.starts_with(&count) && error.contains("parts of `basin` are kept in"), "{count}: {error}");
-    let line = format!("vibro {} --out {}", LONGER.join(" "), out.display());
+    let line = format!("vibro paper {} --out {}", LONGER.join(" "), out.display());
     assert!(error.trim_end().ends_with(&line), "{line}: {error}");
     drawn(&out, &LONGER);
     drawn(&whole, &LONGER);

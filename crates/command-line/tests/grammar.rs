@@ -243,7 +243,7 @@ fn loads_have_one_grammar_in_every_command() {
     for command in ["sweep", "bifurcation", "lyapunov", "basin", "isoperiodic", "orbits", "orbit"] {
         let (code, error) = refused(&[command, "--load", "box=record.csv"]);
         assert!(
-            code == 2 && error.contains("--load box=record.csv") && error.contains("`vibro run`"),
+            code == 2 && error.contains("--load box=record.csv") && error.contains("`vibro paper run`"),
             "{command}: {error}"
         );
     }
@@ -262,10 +262,11 @@ fn loads_have_one_grammar_in_every_command() {
 fn help_says_what_the_model_has_not() {
     for command in ["", "run", "sweep", "bifurcation", "basin", "isoperiodic", "orbits", "steady", "template"]
     {
-        let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
+        let words = ["paper", command, "--help"];
+        let arguments: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
         let text = drawn(&folder("grammar-help"), &arguments);
         for limit in ["Three bodies", "rigid", "one coefficient of restitution", "No friction"] {
-            assert!(text.contains(limit), "vibro {command} --help lacks `{limit}`");
+            assert!(text.contains(limit), "vibro paper {command} --help lacks `{limit}`");
         }
     }
 }
@@ -273,7 +274,7 @@ fn help_says_what_the_model_has_not() {
 #[test]
 fn defaults_of_the_python_package_are_those_of_the_command_line() {
     let default_of = |command: &str, option: &str| -> String {
-        let help = drawn(&folder("grammar-defaults"), &[command, "--help"]);
+        let help = drawn(&folder("grammar-defaults"), &["paper", command, "--help"]);
         let own =
             help.split(&format!("--{option} <")).nth(1).unwrap_or_else(|| panic!("{command} --{option}"));
         own.split("[default: ").nth(1).unwrap().split([']', ';']).next().unwrap().into()
@@ -288,13 +289,21 @@ fn defaults_of_the_python_package_are_those_of_the_command_line() {
         let found = signature(file, function);
         assert!(found.contains(&words), "{function}: {words} in {found}");
     };
-    for (file, function) in [("_machine.py", "measure"), ("_many.py", "measure_many")] {
+    for (file, function) in [("_paper_machine.py", "measure"), ("_many.py", "measure_many")] {
         is_default(file, function, format!("periods: int = {}", default_of("sweep", "periods")));
         is_default(file, function, format!("settle: int = {}", default_of("sweep", "discard")));
     }
     let (discard, keep) = (default_of("bifurcation", "discard"), default_of("bifurcation", "keep"));
-    is_default("_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
-    is_default("_machine.py", "basins", format!("settle: int = {}", default_of("basin", "discard")));
-    is_default("_machine.py", "spectrum", format!("periods: int = {}", default_of("lyapunov", "periods")));
-    is_default("_machine.py", "spectrum", format!("settle: int = {}", default_of("lyapunov", "discard")));
+    is_default("_paper_machine.py", "bifurcation", format!("periods: tuple[int, int] = ({discard}, {keep})"));
+    is_default("_paper_machine.py", "basins", format!("settle: int = {}", default_of("basin", "discard")));
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("periods: int = {}", default_of("lyapunov", "periods")),
+    );
+    is_default(
+        "_paper_machine.py",
+        "spectrum",
+        format!("settle: int = {}", default_of("lyapunov", "discard")),
+    );
 }

@@ -1,4 +1,4 @@
-//! The commands of docs/recipes.md, as they stand there, against closed forms and the library.
+//! The commands of the recipes of docs/paper-machine.md, as they stand there, against closed forms and the library.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -44,7 +44,7 @@ fn differences(last: &[f64], simulator: &Simulator) -> [f64; 3] {
 /// Two flanks of one speed a period: the part is thrown from each to the other.
 #[test]
 fn golden_what_coding_assistants_are_told() {
-    let guide = Guide::read("../AGENTS.md");
+    let guide = Guide::at("../../AGENTS.md");
     let said = guide.perform("agents", &[]);
     assert!(said[0].contains("Rattle"), "{}", said[0]);
     let impacts = guide::texts("agents", "run/events.csv").iter().filter(|row| row[1] == "impact").count();
@@ -55,7 +55,7 @@ fn golden_what_coding_assistants_are_told() {
 
 #[test]
 fn closed_form_of_the_recipes() {
-    let guide = Guide::read("recipes.md");
+    let guide = Guide::read("paper-machine.md");
     guide.perform("recipes", &[]);
 
     // Without the block: the linear oscillator.

@@ -28,14 +28,42 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
     }
     // Without a second name it is in the present folder; a record beside it is not overwritten.
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    assert!(vibro.args(["new", "damper"]).current_dir(&out).output().unwrap().status.code() == Some(2));
-    let (code, told) = refused(&["new", "valve-train", &out.join("other.toml").display().to_string()]);
+    assert!(
+        vibro.args(["new", "damper_with_buffer"]).current_dir(&out).output().unwrap().status.code()
+            == Some(2)
+    );
+    let (code, told) = refused(&["new", "valve_train", &out.join("other.toml").display().to_string()]);
     assert!(code == 2 && told.contains("cam_lift.csv") && !out.join("other.toml").exists(), "{told}");
     let (code, told) = refused(&["new", "dampr"]);
     assert!(
-        code == 2 && told.contains("new dampr") && told.contains("allowed are damper, gears, brake"),
+        code == 2
+            && told.contains("new dampr")
+            && told.contains("expected one of damper_with_buffer, gear_backlash, brake_squeal"),
         "{told}"
     );
+}
+
+/// A machine has one name: of its page, of its file, and in it, where words begin with capitals.
+#[test]
+fn machines_of_the_gallery_have_the_name_of_their_page_and_names_of_version_0_3_say_it() {
+    let out = folder("new-old-names");
+    fs::create_dir_all(&out).unwrap();
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    for example in EXAMPLES {
+        let words = example.name.split('_').map(|word| word[..1].to_uppercase() + &word[1..]);
+        let own = format!("name = \"{}\"", words.collect::<String>());
+        assert!(example.text.lines().any(|line| line == own), "{}: expected {own}", example.name);
+        assert!(fs::exists(format!("{root}/docs/gallery/{}.md", example.name)).unwrap(), "{}", example.name);
+    }
+    for (old, new) in [("damper", "damper_with_buffer"), ("run-up", "run_up"), ("shock", "shaken_rig")] {
+        let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let done = vibro.args(["new", old]).current_dir(&out).output().unwrap();
+        let expected =
+            format!("note: `vibro new {old}` is now `vibro new {new}`; the old name works until 0.5\n");
+        assert!(done.status.success() && String::from_utf8(done.stderr).unwrap() == expected);
+        let example = EXAMPLES.iter().find(|example| example.name == new).unwrap();
+        assert!(fs::read_to_string(out.join(format!("{old}.toml"))).unwrap() == example.text);
+    }
 }
 
 #[test]

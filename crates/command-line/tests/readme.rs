@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the pages call the program. `docs/recipes.md` and `docs/design-a-damper.md` call it `vibro`;
+/// How the pages call the program. The recipes of `docs/paper-machine.md` and `docs/design-a-damper.md` call it `vibro`;
 /// `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.
-const ELSEWHERE: &str = "reproduce --quick";
+const ELSEWHERE: &str = "paper reproduce --quick";
 /// The pages show the program's 17 commands, and some of them twice.
 const AT_LEAST: usize = 17;
 
 /// README.md and the pages in docs/.
 fn pages() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the workspace");
     let docs = std::fs::read_dir(root.join("docs")).expect("docs can be read");
     let docs = docs.map(|entry| entry.expect("an entry").path());
     let mut pages: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
@@ -56,6 +56,7 @@ fn every_vibro_command_of_the_pages_works() {
                 vibro.args(arguments.split_whitespace()).current_dir(&folder).output().expect("vibro runs");
             let said = String::from_utf8_lossy(&output.stderr);
             assert!(output.status.success(), "{}: {line}: {said}", page.display());
+            assert!(!said.contains("the old spelling"), "{}: {line}: {said}", page.display());
         }
     }
     assert!(count >= AT_LEAST, "the pages show {count} commands");

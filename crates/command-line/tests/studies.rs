@@ -12,12 +12,12 @@ use vibro::studies;
 use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
+use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins};
 use vibro_studies::paper::attractor::{MotionClass, Relation, observe};
-use vibro_studies::paper::basin::{self, Destination, InitialValueAxis, InitialValueRange};
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group, lyapunov};
 use vibro_studies::parts::Task;
 
@@ -26,8 +26,7 @@ const SETTLED: f64 = 2e-6;
 
 fn sweep(range: (f64, f64), count: usize, exponents: Option<lyapunov::SpectrumOptions>) -> (Sweep, Diagram) {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), range, count).unwrap();
-    let sweep =
-        Sweep { axis, discard: 300, keep: 60, exponents, of: Displacement::X2, start: StartRule::default() };
+    let sweep = Sweep { exponents, ..Sweep::new(axis, Displacement::X2, (300, 60)) };
     let all = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap();
     (sweep, all.unwrap())
 }
@@ -113,7 +112,7 @@ fn second_method_hysteresis_and_mirror_images() {
 #[test]
 fn figures_show_what_their_tables_hold() {
     let (sweep, found) = sweep((2.3, 3.6), 27, None);
-    let study = studies::sweep(&ParameterSet::basic(), &sweep, &found, "sweep").unwrap();
+    let study = studies::diagram(&ParameterSet::basic(), &sweep, &found, "sweep").unwrap();
     let figure = study.figure.as_ref().unwrap();
     let shape = figure.panels[0].layers.iter().find(|l| matches!(l.shape, Shape::Cells { .. })).unwrap();
     let Shape::Cells { x, y, columns, cells, .. } = &shape.shape else { unreachable!() };
@@ -142,7 +141,7 @@ fn figures_show_what_their_tables_hold() {
     assert!(!filled.iter().any(|f| *f), "a cell that no row of the table accounts for");
 }
 
-fn initial(range: &str, cells: usize) -> InitialValueAxis {
+fn initial(range: &str, cells: usize) -> StartAxis {
     range.parse::<InitialValueRange>().unwrap().cells(cells)
 }
 
@@ -151,8 +150,8 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.48).unwrap();
     let p = set.parameters();
     let (x, y) = (initial("x1=-1:1", 6), initial("v2=-2:2", 5));
-    let request = basin::BasinRequest { x, y, discard: 300, start: basin::in_the_middle() };
-    let found = basin::basin(p, &request, &Task::ALL).unwrap().unwrap();
+    let request = BasinRequest { x: x.clone(), y: y.clone(), discard: 300, start: in_the_middle() };
+    let found = basins(&set, &request, &Task::ALL).unwrap().unwrap();
     assert_eq!(found.cells.len(), 30);
     let both = found.shares(0);
     assert!(both[0] > 0.0 && both[1] > 0.0, "a pair of mirror images: {both:?}");
@@ -165,15 +164,15 @@ fn second_method_cells_of_a_basin_by_direct_simulation() {
         simulator.advance_to(300.0 * p.period()).unwrap();
         let ends = observe(&mut simulator).unwrap();
         let (number, relation) = match destination {
-            Destination::Attractor(n) => (*n, Relation::Same),
-            Destination::Mirror(n) => (*n, Relation::Mirror),
+            BasinCell::Attractor(n) => (*n, Relation::Same),
+            BasinCell::Mirror(n) => (*n, Relation::Mirror),
             other => panic!("cell {i}: {other:?}"),
         };
         assert_eq!(found.attractors[usize::from(number)].attractor.relation(&ends), relation, "cell {i}");
     }
-    let outside = basin::BasinRequest { x: initial("x2=-3:3", 6), ..request };
-    let found = basin::basin(p, &outside, &Task::ALL).unwrap().unwrap();
-    assert_eq!(found.cells.iter().filter(|g| **g == Destination::Outside).count(), 20);
+    let outside = BasinRequest { x: initial("x2=-3:3", 6), ..request };
+    let found = basins(&set, &outside, &Task::ALL).unwrap().unwrap();
+    assert_eq!(found.cells.iter().filter(|g| **g == BasinCell::Outside).count(), 20);
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -246,7 +245,7 @@ const ASSEMBLY_SWEEP: [&str; 14] = [
     "sweep",
     DAMPER,
     "--vary",
-    "stop.steel.gap=4mm:6mm:40",
+    "stop.steel.gap=4mm:6mm:20",
     "--vary",
     "body.block.mass=0.2kg:0.5kg:15",
     "--output",
@@ -256,7 +255,7 @@ const ASSEMBLY_SWEEP: [&str; 14] = [
     "--periods",
     "2",
     "--again",
-    "2000",
+    "200",
 ];
 // Three parts of at most 32 motions.
 const ASSEMBLY_PLANE: [&str; 10] = [

@@ -230,6 +230,7 @@ mod tests {
             assert!(problem.starts_with(text), "{problem}");
         }
         assert_eq!(life.check_step(1.0 + 1e-10, 1.0, 1.0), Ok(()));
+        assert_eq!(life.check_step(1.0, 1.0 + 1e-12, 1.0), Ok(()));
     }
 
     /// Damaged bytes may say any phase. One that the interface type does not have would leave an
@@ -254,6 +255,8 @@ mod tests {
     fn experiments_that_cannot_be_are_refused_by_name() {
         for (tolerance, start, stop, text) in [
             (Some(-1.0), 0.0, None, "tolerance = -1"),
+            (Some(f64::NAN), 0.0, None, "tolerance = NaN"),
+            (None, 0.0, Some(f64::NAN), "stopTime = NaN"),
             (None, f64::INFINITY, None, "startTime = inf"),
             (None, 1.0, Some(0.5), "stopTime = 0.5: allowed is a finite number not before startTime"),
         ] {

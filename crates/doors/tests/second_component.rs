@@ -10,6 +10,8 @@ mod bouncing_ball;
 mod calls;
 #[path = "second_component/host.rs"]
 mod host;
+#[path = "second_component/logging.rs"]
+mod logging;
 #[path = "second_component/looked_into.rs"]
 mod looked_into;
 #[path = "second_component/random_calls.rs"]

@@ -2,7 +2,7 @@
 //!
 //! Columns, FMU variables, checks and sketches ask here for what every element has (name, section
 //! of the file, elongation, quantities, signals), so that they name no kind of element.
-//! `docs/adding-an-element.md` lists what a further kind needs.
+//! `CONTRIBUTING.md` lists what a further kind needs.
 
 mod inputs;
 

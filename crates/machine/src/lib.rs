@@ -2,7 +2,7 @@
 //! each, springs and dashpots, rigid links, rigid and compliant stops, Coulomb friction and loads.
 //!
 //! ```text
-//! file → description → system → law (impacts, selection) → mode → flow → motion → energy
+//! file → description → system → law (impacts, selection) → linear → flow → motion → energy
 //! ```
 //!
 //! `docs/assembly-law.md` states the law, `docs/machine-file.md` the grammar of the file.

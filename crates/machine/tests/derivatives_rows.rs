@@ -1,5 +1,5 @@
-//! Derivatives of parts that other tests leave out: a body of matrices, two contacts that turn at
-//! one instant, and a sample at a start that an impact changes.
+//! Derivatives of parts that other tests leave out: a body of matrices, and a sample at a start
+//! that an impact changes.
 
 use crate::common::*;
 use vibro_machine::Differentiated;
@@ -33,22 +33,6 @@ fn closed_form_a_load_on_a_body_of_matrices() {
         let quantity = all.iter().find(|q| q.name == name).unwrap().quantity;
         assert_near(&[motion.derivative(quantity, 0).unwrap()], &[exact]);
     }
-}
-
-#[test]
-fn second_method_blocks_that_turn_at_one_instant_have_the_derivatives_that_each_has_alone() {
-    let block = |name: &str| {
-        format!(
-            "[body.{name}]\nmass = 1.0\nstart = {{ s = 1.0 }}\n[spring.{name}]\nbetween = [\"ground\", \"{name}\"]\n\
-             stiffness = 100.0\n[friction.{name}]\nbetween = [\"ground\", \"{name}\"]\nforce = 4.0\n"
-        )
-    };
-    // Both turn at the times kπ/10.
-    let end = 1.0;
-    let alone = derivatives(&format!("name = \"A\"\n{}", block("a")), "spring.a.stiffness", end);
-    let both = format!("name = \"B\"\n{}{}", block("a"), block("b"));
-    assert_near(&derivatives(&both, "spring.a.stiffness", end), &[alone[0], 0.0, alone[1], 0.0]);
-    assert_near(&derivatives(&both, "spring.b.stiffness", end), &[0.0, alone[0], 0.0, alone[1]]);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Two zeros of a test within one step, between ends at which it has the same sign.
 
 use super::bifurcation::{Bracket, Test};
-use super::path::Follower;
-use super::position::Position;
+use super::position::{Examined, Position};
+use super::step::Follower;
 
 /// Part of the test's least value at the ends below which its predicted extremum may hide a pair of
 /// zeros: half of the value leaves room for an error of the parabola.
@@ -19,11 +19,11 @@ impl Follower<'_> {
     pub fn hidden(
         &self,
         test: Test,
-        (earlier, before): &(Position, f64),
-        [last, next]: [&Position; 2],
+        (earlier, before): &(Position<Examined>, f64),
+        [last, next]: [&Position<Examined>; 2],
         arc: f64,
     ) -> Vec<Bracket> {
-        let of = |at: &Position| test.of(at, last);
+        let of = |at: &Position<Examined>| test.of(at, last);
         let ends = [of(last), of(next)];
         let least = ends[0].abs().min(ends[1].abs());
         // Arc and value of three positions, of which the last found come last.

@@ -1,53 +1,43 @@
-//! Paths as texts, from which an interrupted growth of branches goes on.
+//! Paths as bytes, from which an interrupted growth of branches goes on.
 //!
-//! A path is found again by its departure, so that the text holds numbers alone: how it ends, and
-//! of each point the parameter, the period, the stability, the special point, the multipliers and
-//! the unknowns. Numbers are exact.
+//! A path is found again by its departure, so that the bytes hold its points and its end alone.
 
-use super::branch::{Kind, OrbitPoint, Special};
-use super::orbit::{Orbit, Stability};
-use super::path::{Departure, Path, PathEnd, follow};
-use crate::label::Label;
+use super::branch::OrbitPoint;
+use super::conditions::Condition;
+use super::orbit::Orbit;
+use super::path::{self, PathEnd};
+use super::step::{Departure, follow};
 use crate::obstacle::Obstacle;
 use crate::path_options::PathOptions;
-use nalgebra::{Complex, DVector};
-use std::fmt::Write;
+use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Where followed paths are kept. Failures to keep or to find one are no errors: the path is
 /// followed anew.
 pub trait KeptPaths: Sync {
-    /// The text of a path.
-    fn find(&self, key: u64) -> Option<String>;
-    /// Keeps the text of a path.
-    fn keep(&self, key: u64, text: &str);
+    /// The bytes of a path.
+    fn find(&self, key: u64) -> Option<Vec<u8>>;
+    /// Keeps the bytes of a path.
+    fn keep(&self, key: u64, bytes: &[u8]);
 }
 
 /// Keeps nothing.
 impl KeptPaths for () {
-    fn find(&self, _: u64) -> Option<String> {
+    fn find(&self, _: u64) -> Option<Vec<u8>> {
         None
     }
 
-    fn keep(&self, _: u64, _: &str) {}
+    fn keep(&self, _: u64, _: &[u8]) {}
 }
 
-const KINDS: [Kind; 12] = [
-    Kind::As(Label::Fold),
-    Kind::As(Label::BranchPoint),
-    Kind::As(Label::PeriodDoubling),
-    Kind::As(Label::NeimarkSacker),
-    Kind::As(Label::Grazing),
-    Kind::As(Label::EndPoint),
-    Kind::As(Label::NoConvergence),
-    Kind::As(Label::UserValue),
-    Kind::As(Label::Chatter),
-    Kind::Stick,
-    Kind::Crossing,
-    Kind::Saturation,
-];
-const STABILITIES: [Stability; 4] =
-    [Stability::Stable, Stability::Unstable, Stability::Neutral, Stability::Undecided];
+type Path = path::Path<Condition>;
+
+/// A path whose end at a condition is the condition's place among those of its last orbit.
+#[derive(Serialize, Deserialize)]
+struct KeptPath {
+    points: Vec<OrbitPoint>,
+    end: PathEnd<usize>,
+}
 
 /// The path of a departure: kept, or followed and kept.
 pub(super) fn path(
@@ -56,19 +46,19 @@ pub(super) fn path(
     kept: &dyn KeptPaths,
 ) -> Result<Path, Obstacle> {
     let key = key(departure, options);
-    if let Some(path) = kept.find(key).and_then(|text| read(departure, &text)) {
+    if let Some(path) = kept.find(key).and_then(|bytes| read(departure, &bytes)) {
         return Ok(path);
     }
     let path = follow(departure, options)?;
-    if let Some(text) = written(departure, &path) {
-        kept.keep(key, &text);
+    if let Some(bytes) = written(departure, &path) {
+        kept.keep(key, &bytes);
     }
     Ok(path)
 }
 
 /// A number by machine, parameter, word, departure and options.
 fn key(departure: &Departure, options: &PathOptions) -> u64 {
-    let Departure { problem, u, direction, step, special } = departure;
+    let Departure { of: problem, u, direction, step, special } = departure;
     let family = &problem.family;
     let mut hasher = DefaultHasher::new();
     let machine = (&family.machine.description, &family.parameter, family.range);
@@ -77,72 +67,32 @@ fn key(departure: &Departure, options: &PathOptions) -> u64 {
     hasher.finish()
 }
 
-/// The text of a path; `None` for an end that it does not tell.
-fn written(departure: &Departure, path: &Path) -> Option<String> {
-    let mut text = match &path.end {
-        PathEnd::Plain => "plain\n".to_owned(),
-        PathEnd::Closed => "closed\n".to_owned(),
-        PathEnd::Broken(condition) => {
-            let orbit = orbit(departure, path.points.last()?)?;
-            let place = orbit.conditions().iter().position(|own| own.0 == *condition)?;
-            format!("broken {place}\n")
-        }
+/// The bytes of a path; `None` for an end that they do not tell.
+fn written(departure: &Departure, path: &Path) -> Option<Vec<u8>> {
+    let place = |condition: &Condition| {
+        orbit(departure, path.points.last()?)?.conditions().iter().position(|own| own.0 == *condition)
     };
-    for point in &path.points {
-        let special = point.special.as_ref();
-        let (kind, element) = special.map_or(("", ""), |own| (own.kind.name(), own.element.as_str()));
-        // Writing to a text cannot fail.
-        let _ =
-            write!(text, "{:?}\t{:?}\t{}\t{kind}\t{element}\t", point.value, point.period, point.stability);
-        point.multipliers.iter().for_each(|m| _ = write!(text, "{:?} {:?} ", m.re, m.im));
-        text.push('\t');
-        point.u.iter().for_each(|x| _ = write!(text, "{x:?} "));
-        text.push('\n');
-    }
-    Some(text)
+    let end = match &path.end {
+        PathEnd::Plain => PathEnd::Plain,
+        PathEnd::Closed => PathEnd::Closed,
+        PathEnd::At(condition) => PathEnd::At(place(condition)?),
+    };
+    postcard::to_stdvec(&KeptPath { points: path.points.clone(), end }).ok()
 }
 
 fn orbit(departure: &Departure, point: &OrbitPoint) -> Option<Orbit> {
-    let problem = departure.problem.clone();
-    let place = problem.place(&point.u).ok()?;
-    Orbit::at(problem, place, point.u.clone()).ok()
+    let place = departure.of.place(&point.u).ok()?;
+    Orbit::at(departure.of.clone(), place, point.u.clone()).ok()
 }
 
-/// The path of a text; `None` for a text that is damaged or of other unknowns.
-fn read(departure: &Departure, text: &str) -> Option<Path> {
-    let (end, lines) = text.split_once('\n')?;
-    let points: Vec<OrbitPoint> = lines.lines().map(point).collect::<Option<_>>()?;
-    let last = points.last()?;
-    if !text.ends_with('\n') || points.iter().any(|point| point.u.len() != departure.u.len()) {
-        return None;
-    }
+/// The path of bytes; `None` for bytes that are damaged or of other unknowns.
+fn read(departure: &Departure, bytes: &[u8]) -> Option<Path> {
+    let KeptPath { points, end } = postcard::from_bytes(bytes).ok()?;
+    let last = points.last().filter(|_| points.iter().all(|point| point.u.len() == departure.u.len()))?;
     let end = match end {
-        "plain" => PathEnd::Plain,
-        "closed" => PathEnd::Closed,
-        broken => {
-            let place: usize = broken.strip_prefix("broken ")?.parse().ok()?;
-            PathEnd::Broken(orbit(departure, last)?.conditions().get(place)?.0)
-        }
+        PathEnd::Plain => PathEnd::Plain,
+        PathEnd::Closed => PathEnd::Closed,
+        PathEnd::At(place) => PathEnd::At(orbit(departure, last)?.conditions().get(place)?.0),
     };
     Some(Path { points, end })
-}
-
-fn point(line: &str) -> Option<OrbitPoint> {
-    let cells: Vec<&str> = line.split('\t').collect();
-    let [value, period, stability, kind, element, multipliers, u] = cells[..] else { return None };
-    let numbers =
-        |text: &str| -> Option<Vec<f64>> { text.split_whitespace().map(|x| x.parse().ok()).collect() };
-    let pairs = numbers(multipliers)?;
-    let kind = match kind {
-        "" => None,
-        name => Some(KINDS.into_iter().find(|kind| kind.name() == name)?),
-    };
-    Some(OrbitPoint {
-        value: value.parse().ok()?,
-        period: period.parse().ok()?,
-        multipliers: pairs.chunks_exact(2).map(|pair| Complex::new(pair[0], pair[1])).collect(),
-        stability: STABILITIES.into_iter().find(|own| own.to_string() == stability)?,
-        special: kind.map(|kind| Special { kind, element: element.to_owned() }),
-        u: DVector::from_vec(numbers(u)?),
-    })
 }

@@ -19,6 +19,17 @@ const SAME: f64 = 1e-6;
 const ALONG: f64 = 1e-13;
 
 impl Branch {
+    /// The events of all its orbits.
+    pub fn word(&self) -> &Word {
+        &self.of.word
+    }
+
+    /// The orbit of one of its points; `None` where it cannot be computed again.
+    pub fn orbit(&self, point: &OrbitPoint) -> Option<Orbit> {
+        let place = self.of.place(&point.u).ok()?;
+        Orbit::at(self.of.clone(), place, point.u.clone()).ok()
+    }
+
     /// Whether an orbit of this family lies on the branch.
     pub fn passes(&self, orbit: &Orbit) -> bool {
         // The machine's own motion follows a run, whatever contacts its first impact leaves closed.
@@ -38,7 +49,7 @@ impl Branch {
 
     /// Orbits of the branch at a value of the parameter, from the points on either side.
     pub fn orbits_at(&self, value: f64) -> Vec<Orbit> {
-        let Ok(place) = self.problem.family.place(value) else { return Vec::new() };
+        let Ok(place) = self.of.family.place(value) else { return Vec::new() };
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.points.windows(2) {
             let [a, b] = [&pair[0], &pair[1]];
@@ -49,8 +60,8 @@ impl Branch {
             if found.iter().any(|own| (&own.u - &u).norm() < SAME) {
                 continue;
             }
-            let place = self.problem.family.place(value).ok();
-            let orbit = place.and_then(|place| Orbit::at(self.problem.clone(), place, u).ok());
+            let place = self.of.family.place(value).ok();
+            let orbit = place.and_then(|place| Orbit::at(self.of.clone(), place, u).ok());
             found.extend(orbit.filter(Orbit::is_certified));
         }
         found
@@ -58,13 +69,13 @@ impl Branch {
 
     /// The unknowns of the orbit at a value of the parameter between two neighbouring points.
     fn between(&self, place: &Place, [a, b]: [&OrbitPoint; 2], value: f64) -> Option<DVector<f64>> {
-        let (last, at) = (self.problem.size(), value / self.problem.family.unit());
+        let (last, at) = (self.of.size(), value / self.of.family.unit());
         let (chord, way) = (&b.u - &a.u, b.value - a.value);
         let part = if way == 0.0 { 0.5 } else { (value - a.value) / way };
         let mut guess = &a.u + &chord * part;
         guess[last] = at;
         let near = NEAR * part.min(1.0 - part) * chord.norm() + SAME;
-        newton(&self.problem, place, &guess).ok().filter(|u| (u - &guess).norm() <= near).or_else(|| {
+        newton(&self.of, place, &guess).ok().filter(|u| (u - &guess).norm() <= near).or_else(|| {
             let mut u = self.on_chord([a, b], &chord, at)?;
             u[last] = at;
             Some(u)
@@ -75,8 +86,8 @@ impl Branch {
     /// Next to a turn in the parameter Newton's method at the value finds the branch that is
     /// crossed there: points in planes across the chord are those of the piece.
     fn on_chord(&self, [a, b]: [&OrbitPoint; 2], chord: &DVector<f64>, at: f64) -> Option<DVector<f64>> {
-        let (last, along) = (self.problem.size(), chord.normalize());
-        let point = |part: f64| correct(&self.problem, &(&a.u + chord * part), &along).map(|at| at.u);
+        let (last, along) = (self.of.size(), chord.normalize());
+        let point = |part: f64| correct(&self.of, &(&a.u + chord * part), &along).map(|at| at.u);
         let ends = (a.u[last] - at, b.u[last] - at);
         point(zero(&|part| Ok(point(part)?[last] - at), 1.0, ends, ALONG)?).ok()
     }

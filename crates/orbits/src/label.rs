@@ -25,18 +25,33 @@ pub enum Label {
     /// CH: an impact with speed zero after which the block stays on its stop. Beyond this point the
     /// motion chatters.
     Chatter,
+    /// ST: a friction begins or ceases to stick, or slips once more.
+    Stick,
+    /// CC: two events of different elements change places.
+    Crossing,
+    /// SA: an output of a block comes to a limit or leaves it, at a sample or between.
+    Saturation,
 }
 
 impl Label {
     /// Labels at which a curve in two parameters may start.
-    pub const STARTS: [Self; 6] = [
+    pub const STARTS: [Self; 9] = [
         Self::Fold,
         Self::BranchPoint,
         Self::PeriodDoubling,
         Self::NeimarkSacker,
         Self::Grazing,
         Self::Chatter,
+        Self::Stick,
+        Self::Crossing,
+        Self::Saturation,
     ];
+
+    /// The label with two letters.
+    pub fn find(name: &str) -> Option<Self> {
+        let others = [Self::EndPoint, Self::NoConvergence, Self::UserValue];
+        Self::STARTS.into_iter().chain(others).find(|label| label.name() == name)
+    }
 
     /// The two letters of the label.
     pub fn name(self) -> &'static str {
@@ -50,6 +65,9 @@ impl Label {
             Self::NoConvergence => "MX",
             Self::UserValue => "UZ",
             Self::Chatter => "CH",
+            Self::Stick => "ST",
+            Self::Crossing => "CC",
+            Self::Saturation => "SA",
         }
     }
 }

@@ -5,8 +5,9 @@ use super::bifurcation::{Bracket, Ends, Test};
 use super::branch::{OrbitPoint, Special};
 use super::conditions::Condition;
 use super::orbit::Orbit;
-use super::path::Follower;
-use super::position::{Position, doubling};
+use super::path::Follow;
+use super::position::{Examined, Position, doubling};
+use super::step::Follower;
 use crate::curve::zero;
 use crate::curve::{CurvePoint, axis, correct, gradient, meet};
 use crate::obstacle::Obstacle;
@@ -36,14 +37,18 @@ const SHORT_ARC: f64 = 1e-2;
 /// Most steps towards such a zero.
 const MOST_SECANTS: usize = 3;
 
+/// A condition that ceases to hold in a step, with its arc, and the position there where it is not
+/// solved for.
+type Broken = (Condition, f64, Option<Position<Examined>>);
+
 impl Follower<'_> {
     /// The end of the parameter's range, if a step passes it, with its arc.
     pub fn boundary(
         &self,
-        last: &Position,
-        next: &Position,
+        last: &Position<Examined>,
+        next: &Position<Examined>,
         arc: f64,
-    ) -> Result<Option<(Position, f64)>, Obstacle> {
+    ) -> Result<Option<(Position<Examined>, f64)>, Obstacle> {
         let (from, to) = self.problem.family.range;
         let value = self.problem.value(&next.u);
         let end = if value > to {
@@ -62,7 +67,12 @@ impl Follower<'_> {
     }
 
     /// The point of the curve at a value of the parameter, near a guess.
-    fn at_value(&self, last: &Position, mut guess: DVector<f64>, value: f64) -> Result<CurvePoint, Obstacle> {
+    fn at_value(
+        &self,
+        last: &Position<Examined>,
+        mut guess: DVector<f64>,
+        value: f64,
+    ) -> Result<CurvePoint, Obstacle> {
         let index = self.problem.size();
         let goal = value / self.problem.family.unit();
         guess[index] = goal;
@@ -76,7 +86,7 @@ impl Follower<'_> {
 
     /// The end of the parameter's range where a step would lead beyond it, with its arc: values
     /// beyond may not be allowed.
-    pub fn boundary_ahead(&self, last: &Position, step: f64) -> Option<(Position, f64)> {
+    pub fn boundary_ahead(&self, last: &Position<Examined>, step: f64) -> Option<(Position<Examined>, f64)> {
         let (from, to) = self.problem.family.range;
         let (index, unit) = (self.problem.size(), self.problem.family.unit());
         let (value, rate) = (last.u[index] * unit, last.tangent[index] * unit);
@@ -92,7 +102,11 @@ impl Follower<'_> {
 
     /// The doubling at which this branch is born, if a step passes it, with its part of the step:
     /// both halves of the orbit are equal there, and past it the branch runs back along itself.
-    pub fn birth(&self, last: &Position, next: &Position) -> Result<Option<(Position, f64)>, Obstacle> {
+    pub fn birth(
+        &self,
+        last: &Position<Examined>,
+        next: &Position<Examined>,
+    ) -> Result<Option<(Position<Examined>, f64)>, Obstacle> {
         let Some(half) = self.problem.half() else { return Ok(None) };
         let [before, after] = [&last.u, &next.u].map(|u| self.problem.halves(u));
         let (before, after) = (before?, after?);
@@ -120,14 +134,14 @@ impl Follower<'_> {
     /// where it is not solved for.
     pub fn broken(
         &self,
-        last: &Position,
-        next: &Position,
+        last: &Position<Examined>,
+        next: &Position<Examined>,
         arc: f64,
         leaves: bool,
-    ) -> Result<Option<(Condition, f64, Option<Position>)>, Obstacle> {
-        let mut first: Option<(Condition, f64, Option<Position>)> = None;
-        for (condition, after) in next.conditions.iter().filter(|(own, value)| own.fails(*value)) {
-            let before = value_of(&last.conditions, *condition).unwrap_or(1.0);
+    ) -> Result<Option<Broken>, Obstacle> {
+        let mut first: Option<Broken> = None;
+        for (condition, after) in next.tests.conditions.iter().filter(|(own, value)| own.fails(*value)) {
+            let before = value_of(&last.tests.conditions, *condition).unwrap_or(1.0);
             if condition.fails(before) {
                 // It has just begun to fail, or the branch leaves the point at which it does.
                 if leaves {
@@ -147,7 +161,8 @@ impl Follower<'_> {
                 Some(at) => (at, None),
                 // Two events that vanish together leave singular equations.
                 None => {
-                    let of = |at: &Position| value_of(&at.conditions, *condition).unwrap_or(1.0);
+                    let of =
+                        |at: &Position<Examined>| value_of(&at.tests.conditions, *condition).unwrap_or(1.0);
                     let (at, own) = self.between_points(last, arc, (before, *after), &of)?;
                     (at, Some(own))
                 }
@@ -168,8 +183,8 @@ impl Follower<'_> {
     /// begin, with the arc between.
     pub fn bifurcations(
         &self,
-        earlier: Option<&(Position, f64)>,
-        last: &Position,
+        earlier: Option<&(Position<Examined>, f64)>,
+        last: &Position<Examined>,
         at_end: &Ends,
     ) -> Result<Vec<OrbitPoint>, Obstacle> {
         let mut found: Vec<(f64, OrbitPoint)> = Vec::new();
@@ -214,7 +229,7 @@ impl Follower<'_> {
         let special = Some(Special::of(test.label()));
         let ends = (test.of(last, last), test.of(next, last));
         if test == Test::Crossing {
-            let crossing = |at: &Position| Test::Crossing.of(at, last);
+            let crossing = |at: &Position<Examined>| Test::Crossing.of(at, last);
             let (at, near) = self.between_points(last, *arc, ends, &crossing)?;
             // Interpolated, and refined on its own condition.
             let position = match self.problem.crossing(&near.u, *arc) {
@@ -235,14 +250,14 @@ impl Follower<'_> {
     /// interpolated from points on both sides.
     fn between_points(
         &self,
-        last: &Position,
+        last: &Position<Examined>,
         arc: f64,
         ends: (f64, f64),
-        test: &dyn Fn(&Position) -> f64,
-    ) -> Result<(f64, Position), Obstacle> {
+        test: &dyn Fn(&Position<Examined>) -> f64,
+    ) -> Result<(f64, Position<Examined>), Obstacle> {
         // Secant steps that keep away from the ends.
         let mut near = arc * (ends.0 / (ends.0 - ends.1)).clamp(0.1, 0.9);
-        let mut nodes: Vec<(f64, Position)> = Vec::new();
+        let mut nodes: Vec<(f64, Position<Examined>)> = Vec::new();
         for _ in 0..MOST_SECANTS {
             nodes.clear();
             for k in NODES {
@@ -260,7 +275,7 @@ impl Follower<'_> {
             }
         }
         let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
-        let of = |value: &dyn Fn(&Position) -> f64| {
+        let of = |value: &dyn Fn(&Position<Examined>) -> f64| {
             let values: Vec<f64> = nodes.iter().map(|(_, at)| value(at)).collect();
             interpolated(&times, &values, near)
         };

@@ -4,7 +4,7 @@
 mod equations;
 
 use self::equations::{Condition, Locus};
-use super::branch::{Branch, Kind, Special};
+use super::branch::{Branch, Special};
 use super::conditions;
 use super::orbit::Orbit;
 use super::place::Family;
@@ -16,7 +16,7 @@ use crate::curve::{axis, correct, tangent};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::path_options::PathOptions;
-use crate::two_parameters::{LocusEnd, both_ways};
+use crate::two_parameters::{LocusEnd, LocusPoint, both_ways};
 use nalgebra::DVector;
 use vibro_machine::Start;
 use vibro_studies::{Error, Result};
@@ -51,35 +51,14 @@ pub struct LocusStart {
     u: DVector<f64>,
 }
 
-/// A point of a curve over two parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocusPoint {
-    /// The two parameters, SI.
-    pub values: [f64; 2],
-    /// The orbit's period, s.
-    pub period: f64,
-    /// For Neimark-Sacker points the angle of the multipliers, rad.
-    pub angle: Option<f64>,
-    /// Type of end, if the point is one.
-    pub end: Option<LocusEnd>,
-}
-
-impl Kind {
-    /// Kinds of special points at which curves over two parameters begin.
-    pub fn starts() -> impl Iterator<Item = Self> {
-        let further = [Self::Stick, Self::Crossing, Self::Saturation];
-        Label::STARTS.into_iter().map(Self::As).chain(further)
-    }
-}
-
 impl Branch {
     /// The start of a curve from one of its points; `None` for a point that is not special, an end
     /// of the range and an end of the following.
     pub fn locus_start(&self, point: usize) -> Option<LocusStart> {
         let at = self.points.get(point)?;
         let special = at.special.clone()?;
-        let is_start = Kind::starts().any(|kind| kind == special.kind);
-        is_start.then(|| LocusStart { special, problem: self.problem.clone(), u: at.u.clone() })
+        let is_start = Label::STARTS.contains(&special.label);
+        is_start.then(|| LocusStart { special, problem: self.of.clone(), u: at.u.clone() })
     }
 
     /// An orbit of the branch beside one of its points, to which a motion from its
@@ -130,9 +109,9 @@ impl LocusStart {
         let start = found.filter(is_there).and_then(|k| branch.locus_start(k));
         let other = || (0..branch.points.len()).filter(is_there).find_map(|k| branch.locus_start(k));
         start.or_else(other).ok_or_else(|| {
-            let Special { kind, element } = special;
+            let Special { label, element, .. } = special;
             let nearest = found.map_or(String::new(), |k| format!("; the nearest is at {}", branch.points[k].value));
-            let what = format!("{} {element}", kind.name());
+            let what = format!("{} {element}", label.name());
             let problem = format!(
                 "the branch has no point {} at {} = {value}{nearest}; allowed is a row of the table of this machine",
                 what.trim(),
@@ -206,9 +185,7 @@ impl LocusStart {
     /// in the word that does not list it, where several words meet.
     fn normal(&self) -> std::result::Result<(Self, Condition), Obstacle> {
         let special = self.special.clone();
-        let Kind::As(
-            label @ (Label::Fold | Label::BranchPoint | Label::PeriodDoubling | Label::NeimarkSacker),
-        ) = special.kind
+        let (Label::Fold | Label::BranchPoint | Label::PeriodDoubling | Label::NeimarkSacker) = special.label
         else {
             let touch = self.touch()?;
             let is_listed =
@@ -221,7 +198,7 @@ impl LocusStart {
             });
         };
         let (problem, u) = self.problem.reduced(&self.u)?;
-        let condition = Condition::of(label, &problem, &u)?;
+        let condition = Condition::of(special.label, &problem, &u)?;
         Ok((Self { special, problem, u }, condition))
     }
 

@@ -9,6 +9,7 @@ use super::word::Word;
 use crate::curve::Equations;
 use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_machine::Start;
 use vibro_machine::mode::Watch;
@@ -34,7 +35,7 @@ const BRIEF_SLIP: f64 = 1e-6;
 const SWEEPS: usize = 200;
 
 /// Whether an orbit attracts its neighbourhood.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stability {
     /// All multipliers that are not 1 by theory lie within the unit circle.
     Stable,

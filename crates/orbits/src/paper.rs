@@ -8,15 +8,15 @@
 //!
 //! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases, `orbit`
 //!   Newton's method and the certificate that no other impact occurs.
-//! - `family`, `curve` and `path` follow orbits along a parameter; `special` and `grazing` locate
-//!   bifurcations and touches by equations that are regular there; `switching` starts branches at
-//!   them.
+//! - `family` and `path` take the steps for which the follower of all machines' branches
+//!   (`crate::path`) asks; `special` and `grazing` locate bifurcations and touches by equations that
+//!   are regular there; `switching` starts branches at them.
 //! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
 //!   a special point in two parameters.
 //!
 //! Two properties must survive every change. The result depends neither on the number of threads
 //! nor on interruptions: batches have a constant size (`grower`), and finished parts of a tree are
-//! kept bit for bit (`stored`). And the equations of motion and the impact law are those of the
+//! kept bit for bit (`crate::stored`). And the equations of motion and the impact law are those of the
 //! closed forms (`vibro_impact::steady`), never those of the simulator, which is the oracle of the
 //! tests (docs/design.md, "What stands once").
 //!
@@ -43,22 +43,21 @@ mod search;
 mod seeds;
 mod settled;
 mod special;
-mod stored;
 mod switching;
 mod system;
 mod trace;
 mod tree;
 mod tree_options;
-mod word;
 
 #[cfg(test)]
 mod tests;
 
-pub use crate::{Label, LocusEnd, PathOptions};
-pub use branch::{Branch, OrbitPoint, Special};
+pub use crate::stop_word::OrbitWord;
+pub use crate::{Label, LocusEnd, LocusPoint, OrbitPoint, PathOptions, Special};
+pub use branch::Branch;
 pub use coverage::{Covering, TreeOrbit};
 pub use family::{Family, Span};
-pub use locus::{LocusPoint, LocusStart, locus};
+pub use locus::{LocusStart, locus};
 pub use orbit::Orbit;
 pub use ranges::{Doubling, RangeEnd, StableRange, doubling_ratios, doubling_sequences};
 pub use search::search;
@@ -68,4 +67,3 @@ pub use system::{ConstantLoads, System};
 pub use trace::{branch, tree, tree_in_parts};
 pub use tree::Tree;
 pub use tree_options::TreeOptions;
-pub use word::OrbitWord;

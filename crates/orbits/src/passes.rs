@@ -12,7 +12,7 @@ const REPETITION: f64 = 1e-6;
 impl Problem {
     /// The point with the same numbers in the equations of the word passed `times` times. Requires
     /// a point with an orbit.
-    pub fn repeated(
+    pub(super) fn repeated(
         &self,
         place: &Place,
         u: &DVector<f64>,
@@ -41,18 +41,18 @@ impl Problem {
     }
 
     /// The equations of half the word, where its halves have the same events.
-    pub fn half(&self) -> Option<Self> {
+    pub(super) fn half(&self) -> Option<Self> {
         self.part(2)
     }
 
     /// The equations of a part of the word, where it has the same events `times` times.
-    pub fn part(&self, times: u32) -> Option<Self> {
+    pub(super) fn part(&self, times: u32) -> Option<Self> {
         Some(Self { word: self.word.part(times)?, ..self.clone() })
     }
 
     /// The difference of an orbit's halves: the event times of the second half less those of the
     /// first, half a period later, in radians.
-    pub fn halves(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+    pub(super) fn halves(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
         let place = self.place(u)?;
         let Numbers { times, period, .. } = self.numbers(&place, u);
         let (half, radian) = (times.len() / 2, self.radian(&place));
@@ -60,7 +60,7 @@ impl Problem {
     }
 
     /// The point of half the word at the mean of both halves of a point's times.
-    pub fn halved(&self, half: &Self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
+    pub(super) fn halved(&self, half: &Self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
         let place = self.place(u)?;
         let numbers = self.numbers(&place, u);
         let cycle = self.cycle(&place, u)?;
@@ -78,7 +78,7 @@ impl Problem {
 
     /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
     /// shorter one several times.
-    pub fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
+    pub(super) fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
         if let Some(once) = self.once(u)? {
             return Ok(once);
         }

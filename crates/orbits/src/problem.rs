@@ -31,16 +31,16 @@ const EXACT: f64 = 1e-9;
 
 /// The equations of a word's orbits.
 #[derive(Clone, Debug)]
-pub(super) struct Problem {
-    pub family: Arc<Family>,
-    pub word: Word,
-    pub units: Units,
+pub struct Problem {
+    pub(super) family: Arc<Family>,
+    pub(super) word: Word,
+    pub(super) units: Units,
     /// Neutral directions of the state (q, q').
-    pub neutral: Vec<Vec<f64>>,
+    pub(super) neutral: Vec<Vec<f64>>,
     /// The state's place along each.
-    pub fixed: Vec<f64>,
+    pub(super) fixed: Vec<f64>,
     /// Time of the start of a word without events, s.
-    pub origin: f64,
+    pub(super) origin: f64,
 }
 
 /// Units of the unknowns.
@@ -76,23 +76,23 @@ pub(super) struct Residual {
 
 impl Problem {
     /// Number of unknowns beside the parameter.
-    pub fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.first_time() + self.word.free().len() + self.neutral.len()
     }
 
     /// Place of the first event's time that is not fixed among the unknowns, and of its functional
     /// among the equations.
-    pub fn first_time(&self) -> usize {
+    pub(super) fn first_time(&self) -> usize {
         self.units.state.len() * self.word.nodes().len()
     }
 
     /// The parameter's value at a point.
-    pub fn value(&self, u: &DVector<f64>) -> f64 {
+    pub(super) fn value(&self, u: &DVector<f64>) -> f64 {
         u[self.size()] * self.family.unit()
     }
 
     /// The machine at a point.
-    pub fn place(&self, u: &DVector<f64>) -> Result<Place, Obstacle> {
+    pub(super) fn place(&self, u: &DVector<f64>) -> Result<Place, Obstacle> {
         Ok(self.family.place(self.value(u))?)
     }
 
@@ -107,7 +107,7 @@ impl Problem {
     }
 
     /// The numbers of a point.
-    pub fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
+    pub(super) fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
         let (first, radian, free) = (self.first_time(), self.radian(place), self.word.free());
         let scaled = |node: &[f64]| node.iter().zip(&self.units.state).map(|(x, unit)| unit * x).collect();
         let states = u.as_slice()[..first].chunks(self.units.state.len().max(1)).map(scaled).collect();
@@ -154,7 +154,7 @@ impl Problem {
     }
 
     /// The point with given numbers.
-    pub fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
+    pub(super) fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
         let radian = self.radian(place);
         let scaled = |state: &Vec<f64>| -> Vec<f64> {
             state.iter().zip(&self.units.state).map(|(x, unit)| x / unit).collect()
@@ -168,7 +168,7 @@ impl Problem {
     }
 
     /// The motion at a point.
-    pub fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
+    pub(super) fn cycle(&self, place: &Place, u: &DVector<f64>) -> Result<Cycle, Obstacle> {
         let Numbers { states, times, period, .. } = self.numbers(place, u);
         let end = self.end(place, times[0], period);
         Ok(Cycle::follow(place, &self.word, &states, (&times, end), false)?.0)
@@ -176,7 +176,7 @@ impl Problem {
 
     /// Values of the equations, with their derivatives by all unknowns but the parameter on
     /// request.
-    pub fn residual(
+    pub(super) fn residual(
         &self,
         place: &Place,
         u: &DVector<f64>,
@@ -292,7 +292,7 @@ impl Problem {
     }
 
     /// The neutral directions of a machine, as changes of a state.
-    pub fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
+    pub(super) fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
         let system = place.assembly.system();
         let mut all = Neutral::of(system).states();
         // What blocks keep does not change along them.

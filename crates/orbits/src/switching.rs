@@ -3,10 +3,10 @@
 use super::branch::{Branch, Special};
 use super::conditions::Condition;
 use super::orbit::Orbit;
-use super::path::Departure;
 use super::problem::Problem;
 use super::seed::{Seed, seed};
 use super::sides::{Side, other_side};
+use super::step::Departure;
 use crate::curve::{Equations, correct, least_vectors, tangent};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
@@ -30,7 +30,7 @@ pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departu
     let matrix = doubled.residual(&place, &u, true)?.matrix.ok_or(Obstacle::NoConvergence)?;
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let special = Some(Special::of(Label::PeriodDoubling));
-    Ok(Departure { direction: direction.push(0.0), problem: doubled, u, step: SWITCH_STEP, special })
+    Ok(Departure { direction: direction.push(0.0), of: doubled, u, step: SWITCH_STEP, special })
 }
 
 /// The departures, in both directions, of the branch that crosses another one along `along`.
@@ -47,7 +47,7 @@ pub(super) fn at_crossing(
     matrix.set_row(last, &along.normalize().transpose());
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
     let departure = |direction: DVector<f64>| Departure {
-        problem: problem.clone(),
+        of: problem.clone(),
         u: u.clone(),
         direction,
         step: SWITCH_STEP,
@@ -77,13 +77,13 @@ pub(super) fn at_touch(
     };
     let sign = if side(1.0)? >= side(-1.0)? { 1.0 } else { -1.0 };
     let special = Some(special.clone());
-    Ok(Departure { problem: other, u: at, direction: direction * sign, step: SWITCH_STEP, special })
+    Ok(Departure { of: other, u: at, direction: direction * sign, step: SWITCH_STEP, special })
 }
 
 /// Orbits with other words beyond a special point, by the machine's own motion from the orbit
 /// there.
 pub(super) fn beyond(branch: &Branch, u: &DVector<f64>) -> Vec<Orbit> {
-    let problem = &branch.problem;
+    let problem = &branch.of;
     let mut found: Vec<Orbit> = Vec::new();
     for sign in [-1.0, 1.0] {
         let near = BEYOND.iter().find_map(|way| {

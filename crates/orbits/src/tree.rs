@@ -1,13 +1,16 @@
 //! Branches grown from settled motions: each is followed in both directions, and at its special
 //! points further ones begin.
 
-use super::branch::{Branch, Kind, Special};
+use super::branch::{Branch, Special};
+use super::conditions::Condition;
 use super::kept::{KeptPaths, path as followed};
 use super::orbit::Orbit;
-use super::path::{Departure, Follower, Path, PathEnd};
+use super::path::{Follow, PathEnd};
 use super::place::Family;
 use super::problem::Problem;
+use super::step::{Departure, Follower};
 use super::switching;
+use super::traced::{self, Order, Traced};
 use crate::curve::{CurvePoint, Equations, is_degenerate, tangent};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
@@ -24,6 +27,8 @@ const FIRST_STEP: f64 = 1e-2;
 /// Steps from a special point at which the branch that begins there is compared with known ones:
 /// the longer one may lead beyond the end of a short branch.
 const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
+/// Distance of a fold from a crossing at which it is the turn of the side branch.
+const TURN: f64 = 1e-4;
 /// Branches followed side by side: a number that does not depend on the machine's threads, so that
 /// the branches found do not either.
 const BATCH: usize = 4;
@@ -66,6 +71,9 @@ enum StartKind {
     Departures(Vec<Departure>),
 }
 
+/// A branch with its ends, in the order of its points.
+type Grown = std::result::Result<(Branch, [PathEnd<Condition>; 2]), Obstacle>;
+
 /// The departures of a branch in both directions from an orbit.
 fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     let (problem, u) = (&orbit.problem, &orbit.u);
@@ -75,7 +83,7 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     let axis = crate::curve::axis(u.len(), u.len() - 1);
     let direction = tangent(problem, u, &axis)?;
     let departure = |direction: DVector<f64>| Departure {
-        problem: problem.clone(),
+        of: problem.clone(),
         u: u.clone(),
         direction,
         step: FIRST_STEP,
@@ -120,46 +128,49 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
 }
 
 /// The branch of a start, with its ends in the order of its points.
-fn trace(
-    start: &StartKind,
-    options: &PathOptions,
-    kept: &dyn KeptPaths,
-) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+fn trace(start: &StartKind, options: &PathOptions, kept: &dyn KeptPaths) -> Grown {
+    let both;
     let departures = match start {
         StartKind::Orbit(orbit) => match both_ways(orbit) {
             Err(Obstacle::Singular) => return alone(orbit),
-            found => found?.to_vec(),
+            found => {
+                both = found?;
+                &both[..]
+            }
         },
-        StartKind::Departures(departures) => departures.clone(),
+        StartKind::Departures(departures) => departures,
     };
-    let paths: Vec<Path> =
-        departures.iter().map(|d| followed(d, options, kept)).collect::<std::result::Result<_, _>>()?;
-    let problem = departures[0].problem.clone();
-    let mut paths = paths.into_iter();
-    let (first, second) = (paths.next(), paths.next());
-    match (first, second) {
-        (Some(first), _) if matches!(first.end, PathEnd::Closed) => {
-            let empty = Path { points: vec![first.points[0].clone()], end: PathEnd::Plain };
-            Ok(Branch::joined(problem, empty, first))
+    let order = Order { is_back_first: true, are_pieces: false };
+    let traced = traced::trace(departures, &order, |departure| followed(departure, options, kept))?;
+    let problem = departures.first().ok_or(Obstacle::NoConvergence)?.of.clone();
+    Ok(branch_of(problem, traced))
+}
+
+/// The branch of points that were traced. The side branch of a crossing turns there: its fold is
+/// the crossing.
+fn branch_of(problem: Problem, traced: Traced<Condition>) -> (Branch, [PathEnd<Condition>; 2]) {
+    let Traced { mut points, closed, began_at, ends } = traced;
+    let crossings = points.iter().filter(|p| p.label() == Some(Label::BranchPoint));
+    let crossings: Vec<DVector<f64>> = crossings.map(|p| p.u.clone()).collect();
+    for point in points.iter_mut().filter(|p| p.label() == Some(Label::Fold)) {
+        if crossings.iter().any(|u| (u - &point.u).norm() < TURN) {
+            point.special = None;
         }
-        (Some(back), Some(on)) => Ok(Branch::joined(problem, back, on)),
-        (Some(on), None) => {
-            let empty = Path { points: vec![on.points[0].clone()], end: PathEnd::Plain };
-            Ok(Branch::joined(problem, empty, on))
-        }
-        _ => Err(Obstacle::NoConvergence),
     }
+    let (id, parent, depth, began_at) = (0, None, 0, Some(began_at));
+    let periods = problem.word.periods;
+    (Branch { id, parent, depth, periods, points, closed, began_at, of: problem }, ends)
 }
 
 /// The branch of an orbit through which none passes alone.
-fn alone(orbit: &Orbit) -> std::result::Result<(Branch, [PathEnd; 2]), Obstacle> {
+fn alone(orbit: &Orbit) -> Grown {
     let (problem, u) = (&orbit.problem, orbit.u.clone());
     let tangent = crate::curve::axis(u.len(), u.len() - 1);
     let follower = Follower { problem };
     let at = follower.look(CurvePoint { u, tangent, steps: 1 })?;
-    let point = follower.point(&at, Some(Special::of(Label::NoConvergence)));
-    let path = || Path { points: vec![point.clone()], end: PathEnd::Plain };
-    Ok(Branch::joined(problem.clone(), path(), path()))
+    let points = vec![follower.point(&at, Some(Special::of(Label::NoConvergence)))];
+    let ends = [PathEnd::Plain, PathEnd::Plain];
+    Ok(branch_of(problem.clone(), Traced { points, closed: false, began_at: 0, ends }))
 }
 
 /// Branches as far as they have grown.
@@ -304,7 +315,7 @@ impl Grower<'_> {
 
     /// Queues what begins at the special points of a branch; from a branch that is a point, with
     /// the parent of the branch.
-    fn switch(&mut self, branch: &Branch, ends: &[PathEnd; 2], parent: Option<(usize, usize)>) {
+    fn switch(&mut self, branch: &Branch, ends: &[PathEnd<Condition>; 2], parent: Option<(usize, usize)>) {
         let goes_on = branch.depth < self.options.depth;
         let mut add = |point: usize, depth: u32, kind: StartKind| {
             let parent = parent.or(Some((branch.id, point)));
@@ -315,17 +326,17 @@ impl Grower<'_> {
         for (k, point) in branch.points.iter().enumerate().filter(|_| goes_on) {
             let Some(special) = &point.special else { continue };
             let is_end = k == 0 || k == last;
-            match special.kind {
-                Kind::As(Label::PeriodDoubling) if !is_end => {
-                    if let Ok(departure) = switching::at_doubling(&branch.problem, &point.u) {
+            match special.label {
+                Label::PeriodDoubling if !is_end => {
+                    if let Ok(departure) = switching::at_doubling(&branch.of, &point.u) {
                         add(k, further, StartKind::Departures(vec![departure]));
                     }
                 }
-                Kind::As(Label::BranchPoint) if !is_end => {
+                Label::BranchPoint if !is_end => {
                     let along = &branch.points[k + 1].u - &branch.points[k - 1].u;
                     // The point from which the branch itself began is not taken again.
                     let began = k > 0 && branch.began_at == Some(k);
-                    if let Ok(both) = switching::at_crossing(&branch.problem, &point.u, &along)
+                    if let Ok(both) = switching::at_crossing(&branch.of, &point.u, &along)
                         && !began
                     {
                         add(k, further, StartKind::Departures(both.to_vec()));
@@ -335,18 +346,18 @@ impl Grower<'_> {
             }
         }
         for (end, point) in ends.iter().zip([0, last]) {
-            let PathEnd::Broken(condition) = end else { continue };
+            let PathEnd::At(condition) = end else { continue };
             let at = &branch.points[point];
             let Some(special) = &at.special else { continue };
             // At a touch of a rigid stop branches part; elsewhere the curve goes on with other
             // events.
-            let Ok(place) = branch.problem.place(&at.u) else { continue };
+            let Ok(place) = branch.of.place(&at.u) else { continue };
             let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
             if parts && !goes_on {
                 continue;
             }
             let depth = if parts { further } else { branch.depth };
-            match switching::at_touch(&branch.problem, &at.u, *condition, special) {
+            match switching::at_touch(&branch.of, &at.u, *condition, special) {
                 Ok(departure) => add(point, depth, StartKind::Departures(vec![departure])),
                 Err(_) => {
                     for orbit in switching::beyond(branch, &at.u) {

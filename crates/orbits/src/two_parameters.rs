@@ -88,6 +88,21 @@ impl Border<f64> {
     }
 }
 
+/// A point of a curve in two parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusPoint {
+    /// The two parameters, SI or groups.
+    pub values: [f64; 2],
+    /// The orbit's period, s.
+    pub period: f64,
+    /// Phases of the drive at the impacts of the paper's machine, rad.
+    pub phases: Vec<f64>,
+    /// For Neimark-Sacker points the angle of the multipliers, rad.
+    pub angle: Option<f64>,
+    /// Type of end, if the point is one.
+    pub end: Option<LocusEnd>,
+}
+
 /// End of a curve in two parameters, or a special point of two conditions on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocusEnd {

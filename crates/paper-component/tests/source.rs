@@ -11,17 +11,17 @@ use std::path::Path;
 const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
 
 #[test]
-fn unsafe_code_stands_in_the_tests_alone() {
+fn unsafe_code_stands_in_the_doors_alone() {
+    // The C interface is exported by the doors' macros.
     let with = with_unsafe_code(PACKAGE);
-    // Callers of the interface, which the doors' macros export.
-    assert!(with.len() == 7 && with.iter().all(|name| name.contains("/tests")), "{with:?}");
+    assert!(with.is_empty(), "{with:?}");
 }
 
 #[test]
 fn neither_version_imports_the_other() {
     for (version, other) in [("fmi2", "fmi3"), ("fmi3", "fmi2")] {
         let files = sources(PACKAGE, version);
-        assert!(files.len() > 4, "{version}: {}", files.len());
+        assert!(files.len() >= 3, "{version}: {}", files.len());
         for (name, text) in files {
             assert!(!text.contains(&format!("{other}::")), "{name} imports {other}");
         }

@@ -1,33 +1,27 @@
-//! Basins of attraction of described machines: where the motions from a plane of starts settle, and
-//! on which attractors.
-//!
-//! Attractors with a period are told apart by their class, their period and their states at the
-//! section, as in a [diagram](super::diagram). Of two motions without a period nothing decides
-//! whether they are one attractor: all of one class count as one. Places of rest are not numbered:
-//! friction may hold a body anywhere in a range.
+//! Basins of attraction over two numbers of the starts: where the motions from a plane of starts
+//! settle, and the attractors that coexist.
 
-use super::timescales::{runs_on, runs_on_beyond, settle};
-use super::{Machine, Section, Settled, settled};
+mod described;
+
+pub use described::SettledAttractor;
+
+use crate::axis::{check_cells, parts_of_plane, rows_of_part};
+use crate::class::{MotionClass, Relation};
+use crate::design_sweep::{DesignMachine, Plain};
 use crate::error::{Error, Result};
-use crate::paper::plane::check_cells;
 use crate::parts::Task;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-use vibro_machine::{Assembly, Error as MotionError, Motion, Start};
-
-/// Motions of a part, rounded up to whole rows.
-const MOTIONS: usize = 32;
-/// Most attractors that are numbered.
-const MOST: usize = u16::MAX as usize;
+use std::ops::Range;
 
 /// Axis of a plane of starts: a number of a start at the centres of `count` cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartAxis {
-    /// The number's name: `time`, `block.s`, `block.v`.
+    /// The number's name: `time`, `block.s`, `block.v`; of the paper's machine `x1` or `v2`, in
+    /// units of L or L ω10.
     pub name: String,
-    /// Lower end, SI.
+    /// Lower end; SI but for the paper's machine.
     pub from: f64,
-    /// Upper end, SI.
+    /// Upper end.
     pub to: f64,
     /// Number of cells.
     pub count: usize,
@@ -42,14 +36,16 @@ impl StartAxis {
 
 /// Request of a study of basins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BasinRequest {
+#[serde(bound = "")]
+pub struct BasinRequest<M: DesignMachine> {
     /// Horizontal axis.
     pub x: StartAxis,
     /// Vertical axis.
     pub y: StartAxis,
     /// The numbers of the starts that are on no axis.
-    pub start: Start,
-    /// Returns discarded; fewer where the motion has settled.
+    pub start: M::Start,
+    /// Returns or drive periods discarded before a motion is observed. A motion that is undecided
+    /// then is followed further.
     pub discard: u32,
 }
 
@@ -58,30 +54,37 @@ pub struct BasinRequest {
 pub enum BasinCell {
     /// To the attractor of this number.
     Attractor(u16),
+    /// To the mirror image of the attractor of this number.
+    Mirror(u16),
     /// Nowhere: the start violates a rigid stop.
     Outside,
     /// The class was not decided.
     NotSettled,
+    /// Chaotic or on a torus; the attractor was not decided.
+    Undecided,
     /// The motion cannot go on, or never returns to the section.
     Ended,
     /// The motion came to rest, from where it never returns to the section.
     Rest,
 }
 
-/// An attractor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BasinAttractor {
-    /// Class, period, contacts.
-    pub settled: Settled,
-    /// A start on it, or near it where it has no period.
-    pub start: Start,
+/// Attractor that starts of a plane reach.
+pub trait BasinAttractor: Plain {
+    /// Whether shares are of all starts, and not only of the starts inside the stops.
+    const SHARES_OF_ALL: bool;
+    /// Class of the motions.
+    fn class(&self) -> MotionClass;
+    /// Relation of another attractor to this one.
+    fn relation(&self, other: &Self) -> Relation;
+    /// Joins the means of another motion on this attractor, or on its mirror image.
+    fn pool(&mut self, other: &Self, mirrored: bool);
 }
 
 /// Basins over a plane of starts.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Basins {
-    /// The attractors, in the order in which the cells meet them.
-    pub attractors: Vec<BasinAttractor>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Basins<A> {
+    /// The attractors, in the order in which the cells reach them.
+    pub attractors: Vec<A>,
     /// Cells, row by row of constant y from the lowest.
     pub cells: Vec<BasinCell>,
     /// Why the first motion that ended did.
@@ -91,31 +94,53 @@ pub struct Basins {
     pub rest: Vec<[f64; 2]>,
 }
 
-/// Where a motion led.
-enum Led {
-    Attractor(BasinAttractor),
-    /// Coordinates of the bodies at rest.
-    Rest(Vec<f64>),
+impl<A> Default for Basins<A> {
+    fn default() -> Self {
+        Self { attractors: Vec::new(), cells: Vec::new(), ended: None, rest: Vec::new() }
+    }
 }
 
-/// Largest way, relative to the way from the start, that a body at rest goes in the time for which
-/// a return was awaited.
-const AT_REST: f64 = 1e-9;
+/// Machine whose basins can be studied.
+pub trait BasinMachine: DesignMachine {
+    /// Attractor of its motions.
+    type Attractor: BasinAttractor;
+    /// What all parts read.
+    type Shared: Sync;
+    /// Workspace reused from part to part; it does not change results.
+    type BasinWorkspace: Default;
+    /// Motions in a part, rounded up to whole rows.
+    const IN_BASIN_PART: usize;
 
-impl BasinRequest {
-    /// Checks what every start depends on.
+    /// Checks what every start depends on, and makes what all parts read.
     ///
     /// # Errors
-    /// [`Error::Refusal`] for an unknown name and for a body whose coordinate follows from others;
+    /// Starts and names that the machine does not have.
+    fn check_basin(&self, request: &BasinRequest<Self>) -> Result<Self::Shared>;
+
+    /// The cells of some rows, with the attractors that they reach.
+    ///
+    /// # Errors
+    /// [`Error::TooManyAttractors`]; what the machine refuses, except for single starts.
+    fn rows_of_basin(
+        &self,
+        request: &BasinRequest<Self>,
+        rows: Range<usize>,
+        with: (&Self::Shared, &mut Self::BasinWorkspace),
+    ) -> Result<Basins<Self::Attractor>>;
+}
+
+impl<M: BasinMachine> BasinRequest<M> {
+    /// Checks what every start depends on, and makes what all parts read.
+    ///
+    /// # Errors
     /// [`Error::Form`] for two axes of one number, a range that is empty or not finite, and no
-    /// cells; [`Error::TooMany`]; [`Error::Described`] for a machine without a section, and for one
-    /// that does not repeat after the discarded returns.
-    pub fn check(&self, machine: &Machine) -> Result<()> {
+    /// cells; [`Error::TooMany`]; as [`BasinMachine::check_basin`].
+    pub fn check(&self, machine: &M) -> Result<M::Shared> {
         let (x, y) = (&self.x, &self.y);
         if x.name == y.name {
             return Err(Error::Form {
                 text: x.name.clone(),
-                expected: "two different numbers of a start, e.g. block.s and block.v",
+                expected: "two different initial values, e.g. block.s and block.v",
             });
         }
         for axis in [x, y] {
@@ -124,37 +149,14 @@ impl BasinRequest {
                 return Err(Error::Form { text, expected: "from < to, both finite, and at least 1 cell" });
             }
         }
+        // The parts are put together beside the whole plane.
         check_cells("cells of the plane", (x.count, y.count), 2 * size_of::<BasinCell>())?;
-        let assembly = Assembly::new(machine.description.clone())?;
-        for (i, j) in [(0, 0), (x.count - 1, y.count - 1)] {
-            self.at(machine, i, j)?.state(&assembly)?;
-        }
-        let section = Section::of(&machine.description, &machine.section)?;
-        match runs_on_beyond(&machine.description, &section, self.start.time, self.discard) {
-            None => Ok(()),
-            Some(why) => Err(Error::Described {
-                problem: format!(
-                    "{why}: only what repeats has attractors; allowed are changes within what is discarded (--discard)"
-                ),
-            }),
-        }
+        machine.check_basin(self)
     }
 
-    /// Number of parts.
+    /// Number of parts, each of one or more whole rows.
     pub fn count(&self) -> usize {
-        self.y.count.div_ceil(self.rows_of_part())
-    }
-
-    fn rows_of_part(&self) -> usize {
-        MOTIONS.div_ceil(self.x.count.max(1))
-    }
-
-    /// The start of a cell.
-    fn at(&self, machine: &Machine, i: usize, j: usize) -> Result<Start> {
-        let mut start = self.start.clone();
-        start.set(&machine.description, &self.x.name, self.x.value(i))?;
-        start.set(&machine.description, &self.y.name, self.y.value(j))?;
-        Ok(start)
+        parts_of_plane((self.x.count, self.y.count), M::IN_BASIN_PART)
     }
 }
 
@@ -162,119 +164,80 @@ impl BasinRequest {
 /// depends neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`BasinRequest::check`]; [`Error::TooManyAttractors`].
-pub fn basins(machine: &Machine, request: &BasinRequest, task: &Task) -> Result<Option<Basins>> {
-    request.check(machine)?;
-    let assembly = Arc::new(Assembly::new(machine.description.clone())?);
-    let section = Section::of(&machine.description, &machine.section)?;
-    let rows = request.rows_of_part();
-    let part = |part: usize| -> Result<Basins> {
-        let mut found = Basins::default();
-        for j in part * rows..((part + 1) * rows).min(request.y.count) {
-            for i in 0..request.x.count {
-                let start = request.at(machine, i, j)?;
-                let led = motion(&assembly, &section, &start, request.discard);
-                let cell = found.cell(led)?;
-                found.cells.push(cell);
-            }
-        }
-        Ok(found)
+/// As [`BasinRequest::check`] and [`BasinMachine::rows_of_basin`].
+pub fn basins<M: BasinMachine>(
+    machine: &M,
+    request: &BasinRequest<M>,
+    task: &Task,
+) -> Result<Option<Basins<M::Attractor>>> {
+    let shared = request.check(machine)?;
+    let part = |workspace: &mut M::BasinWorkspace, part| {
+        let rows = rows_of_part((request.x.count, request.y.count), M::IN_BASIN_PART, part);
+        machine.rows_of_basin(request, rows, (&shared, workspace))
     };
-    let Some(parts) = task.complete(request.count(), part)? else { return Ok(None) };
+    let Some(parts) = task.complete_with(request.count(), part)? else { return Ok(None) };
     let mut found = Basins::default();
-    for part in parts {
-        found.append(part)?;
-    }
+    parts.into_iter().try_for_each(|part| found.append(part))?;
     Ok(Some(found))
 }
 
-/// Attractor of the motion from a start with its state then, or its place of rest.
-fn motion(assembly: &Arc<Assembly>, section: &Section, start: &Start, discard: u32) -> Result<Led> {
-    let mut motion = start.motion(assembly.clone())?.without_energy_accounts();
-    let begin = (motion.time(), states(&motion));
-    match settle(&mut motion, section, discard).and_then(|()| settled(&mut motion, section, None)) {
-        Ok(settled) => Ok(Led::Attractor(BasinAttractor { settled, start: Start::of(&motion) })),
-        Err(_) if is_at_rest(&motion, begin) => {
-            Ok(Led::Rest(states(&motion).into_iter().map(|[s, ..]| s).collect()))
-        }
-        Err(error) => Err(error),
-    }
-}
-
-/// Coordinates, rates and accelerations of all bodies.
-fn states(motion: &Motion) -> Vec<[f64; 3]> {
-    (0..motion.assembly().description.bodies.len()).map(|i| motion.body(i)).collect()
-}
-
-/// Whether all bodies stay where they are, by their states when the motion began.
-fn is_at_rest(motion: &Motion, (time, begin): (f64, Vec<[f64; 3]>)) -> bool {
-    let passed = motion.time() - time;
-    let now = states(motion);
-    let way = now.iter().zip(&begin).map(|(now, begin)| (now[0] - begin[0]).abs()).fold(0.0, f64::max);
-    // An acceleration at rest is rounding of forces, and its way over this time is not.
-    let is_steady = |[_, v, _]: &[f64; 3]| (v * passed).abs() <= AT_REST * way;
-    let is_over = runs_on(&motion.assembly().description, motion.time()).is_none();
-    passed > 0.0 && is_over && now.iter().all(is_steady)
-}
-
-impl BasinAttractor {
-    /// Whether two motions count as one attractor.
-    fn is_same(&self, other: &Self) -> bool {
-        let (a, b) = (&self.settled, &other.settled);
-        match a.differs(b) {
-            Some(differs) => !differs,
-            // Without a period, or with states taken at different phases.
-            None => a.class == b.class && (a.period.is_none() || a.contacts == b.contacts),
-        }
-    }
-}
-
-impl Basins {
-    /// Share of the cells that lead to a cell's kind.
+impl<A: BasinAttractor> Basins<A> {
+    /// Share of the starts whose cell this is.
     pub fn share(&self, of: BasinCell) -> f64 {
-        let count = self.cells.iter().filter(|cell| **cell == of).count();
-        count as f64 / self.cells.len().max(1) as f64
+        let count = |sought| self.cells.iter().filter(|cell| **cell == sought).count() as f64;
+        let outside = if A::SHARES_OF_ALL { 0.0 } else { count(BasinCell::Outside) };
+        count(of) / (self.cells.len() as f64 - outside).max(1.0)
     }
 
-    fn cell(&mut self, led: Result<Led>) -> Result<BasinCell> {
-        match led {
-            Ok(Led::Attractor(found)) if !found.settled.class.is_decided() => Ok(BasinCell::NotSettled),
-            Ok(Led::Attractor(found)) => Ok(BasinCell::Attractor(self.number(found)?)),
-            Ok(Led::Rest(places)) => {
-                self.widen(places.into_iter().map(|s| [s, s]).collect());
-                Ok(BasinCell::Rest)
-            }
-            Err(Error::Assembly(MotionError::Refused(_)) | Error::Refusal(_)) => Ok(BasinCell::Outside),
-            Err(error) => {
-                self.ended.get_or_insert_with(|| error.to_string());
-                Ok(BasinCell::Ended)
-            }
-        }
+    /// Shares of the starts that lead to an attractor, and to its mirror image.
+    pub fn shares(&self, number: u16) -> [f64; 2] {
+        [BasinCell::Attractor(number), BasinCell::Mirror(number)].map(|cell| self.share(cell))
     }
 
-    /// The number of an attractor, which is added where it is new.
-    fn number(&mut self, found: BasinAttractor) -> Result<u16> {
-        if let Some(known) = self.attractors.iter().position(|own| own.is_same(&found)) {
-            return Ok(known as u16);
+    /// The cell of a motion on a known attractor, whose means it joins, or on a new one; `None`
+    /// where that is undecided, and for a new one that is not `sure`.
+    pub(crate) fn reached(&mut self, found: A, sure: bool) -> Result<Option<BasinCell>> {
+        let mut undecided = false;
+        // All numbers that attractors can have.
+        for (known, number) in self.attractors.iter_mut().zip(0..=u16::MAX) {
+            let (cell, mirrored) = match known.relation(&found) {
+                Relation::Same => (BasinCell::Attractor(number), false),
+                Relation::Mirror => (BasinCell::Mirror(number), true),
+                Relation::Different => continue,
+                Relation::Undecided => {
+                    undecided = true;
+                    continue;
+                }
+            };
+            known.pool(&found, mirrored);
+            return Ok(Some(cell));
         }
-        if self.attractors.len() > MOST {
-            return Err(Error::TooManyAttractors { most: MOST + 1 });
-        }
-        self.attractors.push(found);
-        Ok((self.attractors.len() - 1) as u16)
+        if undecided || !sure { Ok(None) } else { self.add(found).map(Some) }
     }
 
-    /// Adds the cells of the next rows.
-    fn append(&mut self, part: Self) -> Result<()> {
-        let numbers: Vec<u16> =
-            part.attractors.into_iter().map(|found| self.number(found)).collect::<Result<_>>()?;
-        let own = |cell: BasinCell| match cell {
-            BasinCell::Attractor(number) => BasinCell::Attractor(numbers[usize::from(number)]),
-            other => other,
+    pub(crate) fn add(&mut self, found: A) -> Result<BasinCell> {
+        let Ok(number) = u16::try_from(self.attractors.len()) else {
+            return Err(Error::TooManyAttractors { most: self.attractors.len() });
         };
-        self.cells.extend(part.cells.into_iter().map(own));
-        self.ended = self.ended.take().or(part.ended);
-        self.widen(part.rest);
+        self.attractors.push(found);
+        Ok(BasinCell::Attractor(number))
+    }
+
+    /// Appends the cells of further rows, whose attractors have numbers of their own.
+    ///
+    /// # Errors
+    /// [`Error::TooManyAttractors`].
+    pub(crate) fn append(&mut self, rows: Self) -> Result<()> {
+        let known = rows.attractors.into_iter().map(|found| self.reached(found, true));
+        let known: Vec<Option<BasinCell>> = known.collect::<Result<_>>()?;
+        let number = |number: u16| known[usize::from(number)].unwrap_or(BasinCell::Undecided);
+        self.cells.extend(rows.cells.into_iter().map(|cell| match cell {
+            BasinCell::Attractor(own) => number(own),
+            BasinCell::Mirror(own) => number(own).mirrored(),
+            other => other,
+        }));
+        self.ended = self.ended.take().or(rows.ended);
+        self.widen(rows.rest);
         Ok(())
     }
 
@@ -286,6 +249,17 @@ impl Basins {
         }
         for (own, [least, largest]) in self.rest.iter_mut().zip(places) {
             *own = [own[0].min(least), own[1].max(largest)];
+        }
+    }
+}
+
+impl BasinCell {
+    /// Cell of the mirror image of a motion.
+    fn mirrored(self) -> Self {
+        match self {
+            Self::Attractor(number) => Self::Mirror(number),
+            Self::Mirror(number) => Self::Attractor(number),
+            other => other,
         }
     }
 }

@@ -27,16 +27,14 @@ mod between;
 mod choice;
 mod designs;
 mod row;
-mod three_dof;
 
 pub use choice::{Choice, choice, each_final_row};
-pub use designs::{Designs, ParameterInterval, SampledAxis, spread_starts};
+pub use designs::{Designs, ParameterInterval, SampledAxis};
 pub use row::{Again, DesignRow, Summary};
 
+use crate::axis::AxisName;
 use crate::error::{Error, Result};
-use crate::paper::measures::Measured;
-use crate::paper::parameter_set::ParameterSet;
-use crate::paper::plane::AxisName;
+use crate::measured::Measured;
 use crate::parts::Task;
 use rayon::prelude::*;
 use row::summary;
@@ -53,7 +51,8 @@ pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send
 
 impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
 
-/// A machine whose designs are measured: the 3-DOF machine by a [`ParameterSet`], or a
+/// A machine whose designs are measured: the 3-DOF machine by a
+/// [`ParameterSet`](crate::paper::ParameterSet), or a
 /// [described one](crate::Machine). Designs, parts, rows and choices are common to both.
 pub trait DesignMachine: Clone + Send + Sync {
     /// Name of a parameter.
@@ -92,7 +91,7 @@ pub trait DesignMachine: Clone + Send + Sync {
 /// Request of a design sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct SweepRequest<M: DesignMachine = ParameterSet> {
+pub struct SweepRequest<M: DesignMachine> {
     /// The designs.
     pub designs: Designs<M::Name>,
     /// Parameters over which each design's motions are summarized, the last one varying fastest.

@@ -6,7 +6,7 @@ use super::timescales::settle;
 use super::{Machine, Measure, Start, measure};
 use crate::design_sweep::{self, MotionMeasures, SweepRequest, failed};
 use crate::error::Result;
-use crate::paper::measures::{Measured, unsettled_in_words};
+use crate::measured::{Measured, unsettled_in_words};
 use vibro_machine::Assembly;
 
 impl design_sweep::DesignMachine for Machine {

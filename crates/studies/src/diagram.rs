@@ -1,277 +1,167 @@
-//! Bifurcation diagrams of described machines: local maxima of a quantity, or its values at the
-//! section, over one parameter in both directions, with period, class and, on request, the largest
-//! exponent.
+//! Bifurcation diagrams: local maxima of a quantity over one parameter in both directions, with
+//! period, class and, on request, exponents.
 //!
-//! As for the 3-DOF machine, each value starts from the last state of the value before, and the
-//! observation at each value is independent of the others. Time continues from value to value, so
-//! that a prescribed body is where the others met it. If what drives the machine does not repeat,
-//! each motion would depend on when its value is reached: such a machine is refused, unless each
-//! value [starts anew](DiagramRequest::anew).
+//! As in the paper, section 4, some periods are discarded and some kept at each value, and the last
+//! state is the start of the next value. The motion from value to value is one chain and cannot be
+//! divided. The observation at each value does not depend on the other values: threads and
+//! computers share that part.
 
-use super::flight::Flows;
-use super::settled::{Settled, settled};
-use super::timescales::{runs_on_beyond, settle};
-use super::watch::{Maxima, Watcher};
-use super::{Machine, QuantityName, Section, Start, now};
-use crate::error::{Error, Result};
-use crate::paper::attractor::MotionClass;
-use crate::paper::bifurcation::{self, Diagram, DiagramPoint, chained, in_both_directions};
-use crate::paper::plane::ParameterAxis;
-use crate::parts::{PartStore, Task};
+mod described;
+mod windows;
+
+pub use described::{AssemblyPoint, Direction, MOST_VALUES};
+pub use windows::Window;
+
+use crate::axis::ParameterAxis;
+use crate::class::MotionClass;
+use crate::design_sweep::{DesignMachine, Plain};
+use crate::error::Result;
+use crate::parts::Task;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use vibro_machine::Motion;
+use vibro_impact::simulator::TOGETHER;
 
-/// Digits by which values are distinguished, relative to the largest of the motion.
-const DIGITS: i32 = 6;
-/// Most values of a diagram.
-pub const MOST_VALUES: usize = 20_000;
+/// Values in a part.
+const BLOCK: usize = 2 * TOGETHER;
 
 /// Request of a bifurcation diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DiagramRequest {
+#[serde(bound = "")]
+pub struct DiagramRequest<M: DiagramMachine> {
     /// The parameter and its values, SI.
-    pub axis: ParameterAxis<String>,
+    pub axis: ParameterAxis<M::Name>,
     /// The quantity that is drawn.
-    pub of: QuantityName,
+    pub of: M::Of,
     /// Whether its values at the section are drawn, and not its local maxima.
     pub at_section: bool,
-    /// Returns discarded at each value; fewer where the motion has settled.
+    /// Returns or drive periods discarded at each value; fewer for a described machine whose motion
+    /// has settled.
     pub discard: u32,
-    /// Returns kept.
+    /// Returns or drive periods kept.
     pub keep: u32,
-    /// Returns over which the largest exponent is counted, if it is.
-    pub exponents: Option<u32>,
+    /// Options of the exponents, if they are computed.
+    pub exponents: Option<M::Exponents>,
     /// Whether each value starts from `start`, which leaves one direction.
     pub anew: bool,
-    /// Start at the first value of either direction.
-    #[serde(default, skip_serializing_if = "Start::is_own")]
-    pub start: Start,
+    /// Start at the first value of either direction, and at a value after a refused one.
+    pub start: M::Start,
 }
 
-/// Motion at one value.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AssemblyPoint {
-    /// The parameter's value.
-    pub value: f64,
-    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, each with
-    /// its count.
-    pub maxima: Vec<(f64, u32)>,
-    /// Attractor of the motion.
-    pub settled: Settled,
-}
-
-impl DiagramPoint for AssemblyPoint {
-    fn value(&self) -> f64 {
-        self.value
-    }
-
-    fn maxima(&self) -> &[(f64, u32)] {
-        &self.maxima
-    }
-
-    fn class(&self) -> MotionClass {
-        self.settled.class
-    }
-
-    fn contacts(&self) -> f64 {
-        self.settled.contacts
-    }
-
-    fn differs(&self, other: &Self) -> Option<bool> {
-        self.settled.differs(&other.settled)
-    }
-}
-
-/// Settled state of the motion at one value; none where the motion cannot go on.
-struct SettledStart {
-    value: f64,
-    start: Option<Start>,
-}
-
-impl DiagramRequest {
-    /// The machine at a value.
-    fn at(&self, machine: &Machine, value: f64) -> Result<Machine> {
-        machine.with([(self.axis.name.as_str(), value)])
+impl<M: DiagramMachine> DiagramRequest<M> {
+    /// A request for local maxima without exponents from the machine's default start.
+    pub fn new(axis: ParameterAxis<M::Name>, of: M::Of, (discard, keep): (u32, u32)) -> Self {
+        let (exponents, start) = (None, M::Start::default());
+        Self { axis, of, at_section: false, discard, keep, exponents, anew: false, start }
     }
 
     /// Checks the properties on which every value depends.
     ///
     /// # Errors
-    /// Names that the machine does not have, ends that are not allowed, no section, or no motion
-    /// from the start.
-    pub fn check(&self, machine: &Machine) -> Result<()> {
-        self.of.find(&machine.description)?;
-        for end in [self.axis.from, self.axis.to] {
-            self.at(machine, end)?;
-        }
-        if self.axis.count > MOST_VALUES || self.keep == 0 {
-            let text = format!("{} values with {} returns kept", self.axis.count, self.keep);
-            return Err(Error::Form { text, expected: "up to 20000 values and a return at least" });
-        }
-        for end in [self.axis.from, self.axis.to] {
-            let own = self.at(machine, end)?;
-            let section = Section::of(&own.description, &own.section)?;
-            match runs_on_beyond(&own.description, &section, self.start.time, self.discard) {
-                Some(why) if !self.anew => return Err(Error::Described { problem: runs_on_in_words(&why) }),
-                _ => {}
-            }
-        }
-        let others = (!self.anew && !self.start.is_own()).then_some(self.axis.to);
-        let mut begun = std::iter::once(self.axis.from).chain(others);
-        begun.try_for_each(|value| self.at(machine, value)?.motion(&self.start).map(drop))
+    /// As [`DiagramMachine::check_diagram`].
+    pub fn check(&self, machine: &M) -> Result<()> {
+        machine.check_diagram(self)
     }
 
     /// Number of parts.
     pub fn count(&self) -> usize {
-        bifurcation::parts(self.axis.count)
+        2 * self.axis.count.div_ceil(BLOCK)
     }
 }
 
-/// Refusal of a chain of values, and its reason.
-fn runs_on_in_words(why: &str) -> String {
-    format!(
-        "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
-         discarded at the first value (--discard), or --anew (anew=True in Python), with which each value has the same start and nothing is said of \
-         hysteresis"
-    )
-}
+/// Machine of which diagrams can be drawn.
+pub trait DiagramMachine: DesignMachine {
+    /// Quantity that is drawn.
+    type Of: Plain;
+    /// Options of exponents.
+    type Exponents: Plain;
+    /// Motion at one value.
+    type Point: DiagramPoint + Plain;
+    /// Settled state of the motion at one value, from which it is observed and the next one begins.
+    type Settled: Send + Sync;
+    /// Workspace reused from part to part; it does not change results.
+    type DiagramWorkspace: Default;
 
-fn chain(
-    machine: &Machine,
-    request: &DiagramRequest,
-    store: &dyn PartStore,
-    upward: bool,
-) -> Result<Vec<SettledStart>> {
-    let mut state = None;
-    if request.anew {
-        let start = |i| SettledStart {
-            value: request.axis.value(i),
-            start: upward
-                .then(|| settled_at(machine, request, request.axis.value(i), None).ok())
-                .flatten()
-                .map(|motion| now(&motion)),
-        };
-        return Ok((0..request.axis.count).into_par_iter().map(start).collect());
-    }
-    chained(request.axis.count, upward, store, &mut |i| {
-        let value = request.axis.value(i);
-        let start = settled_at(machine, request, value, state.as_ref()).ok().map(|motion| now(&motion));
-        state = start.clone();
-        Ok(SettledStart { value, start })
-    })
-}
-
-/// The motion at a value after it has settled; it begins at the state of the value before
-/// or, without one, at the start.
-fn settled_at(
-    machine: &Machine,
-    request: &DiagramRequest,
-    value: f64,
-    before: Option<&Start>,
-) -> Result<Motion> {
-    let own = request.at(machine, value)?;
-    let (motion, section) = match before {
-        Some(end) => own.motion_on(end)?,
-        None => own.motion(&request.start)?,
-    };
-    let mut motion = motion.without_energy_accounts();
-    settle(&mut motion, &section, request.discard)?;
-    Ok(motion)
-}
-
-/// Observes the motion at one value.
-///
-/// # Errors
-/// Where the motion cannot go on.
-fn observe(machine: &Machine, request: &DiagramRequest, value: f64, end: &Start) -> Result<AssemblyPoint> {
-    let (motion, section) = request.at(machine, value)?.motion_on(end)?;
-    let mut motion = motion.without_energy_accounts();
-    let mut scout = motion.clone();
-    let settled = settled(&mut scout, &section, request.exponents)?;
-    // A motion with a period is observed over one period after it has settled.
-    let (length, times) = match settled.period {
-        Some(n) => {
-            motion = scout;
-            (n, (request.keep / n).max(1))
-        }
-        None => (request.keep, 1),
-    };
-    let mut flows = Flows::default();
-    let quantity = request.of.find(&motion.assembly().description)?.quantity;
-    let stops = motion.mode().stops.len();
-    let mut values = Vec::new();
-    let mut watcher = Watcher::of(&[], stops);
-    if request.at_section {
-        for _ in 0..length {
-            section.follow(&mut motion, &mut flows, &mut [])?;
-            values.push(flows.value(&motion, quantity));
-        }
-    } else {
-        watcher.maxima = Some(Maxima::new(quantity));
-        // The first period shows whether the quantity rises where the second begins.
-        section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
-        watcher.maxima.iter_mut().for_each(|m| m.found.clear());
-        for _ in 0..length {
-            section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
-        }
-        values = watcher.maxima.map_or(Vec::new(), |m| m.found);
-    }
-    Ok(AssemblyPoint { value, maxima: counted(values, times), settled })
-}
-
-/// Values to some digits of the largest, ascending, each with its count.
-fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
-    let largest = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-    if largest == 0.0 {
-        return if values.is_empty() { Vec::new() } else { vec![(0.0, times * values.len() as u32)] };
-    }
-    let unit = 10f64.powi(largest.log10().floor() as i32 - DIGITS);
-    let mut whole: Vec<i64> = values.iter().map(|x| (x / unit).round() as i64).collect();
-    whole.sort_unstable();
-    whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
-}
-
-/// One direction of a diagram, value by value, for one who shows each as soon as it is found. A
-/// value is its place in the axis, the state that the motion has settled in, and what is found
-/// there; both are missing where the motion cannot go on.
-#[derive(Debug)]
-pub struct Direction {
-    machine: Machine,
-    request: DiagramRequest,
-    upward: bool,
-    next: usize,
-    before: Option<Start>,
-}
-
-impl Direction {
-    /// The direction of rising or of falling values.
+    /// Checks the properties on which every value depends.
     ///
     /// # Errors
-    /// As [`DiagramRequest::check`].
-    pub fn new(machine: Machine, request: DiagramRequest, upward: bool) -> Result<Self> {
-        request.check(&machine)?;
-        Ok(Self { machine, request, upward, next: 0, before: None })
-    }
+    /// Names, starts, and ends that the machine refuses.
+    fn check_diagram(&self, request: &DiagramRequest<Self>) -> Result<()>;
+
+    /// The motion at a value after it has settled; it begins at the state of the value before or,
+    /// without one, at the start. `None` where the motion cannot go on.
+    ///
+    /// # Errors
+    /// Those that end the diagram.
+    fn settled_at(
+        &self,
+        request: &DiagramRequest<Self>,
+        value: f64,
+        before: Option<&Self::Settled>,
+    ) -> Result<Option<Self::Settled>>;
+
+    /// Observes the motions at some values; `None` where a motion cannot go on.
+    ///
+    /// # Errors
+    /// Those that end the diagram.
+    fn observe(
+        &self,
+        request: &DiagramRequest<Self>,
+        starts: &[(f64, Option<Self::Settled>)],
+        workspace: &mut Self::DiagramWorkspace,
+    ) -> Result<Vec<Option<Self::Point>>>;
 }
 
-impl Iterator for Direction {
-    type Item = (usize, Option<Start>, Option<AssemblyPoint>);
+/// A diagram in both directions; `None` where the simulator refused a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagram<P> {
+    /// Motions with the value rising.
+    pub up: Vec<Option<P>>,
+    /// Motions with the value falling, in the order of rising values.
+    pub down: Vec<Option<P>>,
+}
 
-    fn next(&mut self) -> Option<Self::Item> {
-        let Self { machine, request, upward, .. } = &*self;
-        let count = request.axis.count;
-        let i = Some(self.next).filter(|i| *i < count)?;
-        let i = if *upward { i } else { count - 1 - i };
-        let value = request.axis.value(i);
-        let before = self.before.as_ref().filter(|_| !request.anew);
-        let motion = settled_at(machine, request, value, before).ok();
-        let start = motion.as_ref().map(now);
-        let point = start.as_ref().and_then(|start| observe(machine, request, value, start).ok());
-        let own = motion.map(|motion| Start::of(&motion));
-        (self.next, self.before) = (self.next + 1, start);
-        Some((i, own, point))
+/// Motion at one value of a diagram, of any machine.
+pub trait DiagramPoint {
+    /// The parameter's value.
+    fn value(&self) -> f64;
+    /// Drawn values, ascending, each with its count.
+    fn maxima(&self) -> &[(f64, u32)];
+    /// Class of the motion.
+    fn class(&self) -> MotionClass;
+    /// Impacts a period.
+    fn contacts(&self) -> f64;
+    /// Whether another motion ended on another attractor; `None` where that is undecided.
+    fn differs(&self, other: &Self) -> Option<bool>;
+}
+
+/// Settled state at each value, in the order of rising values; `None` where the motion cannot go on.
+type Chain<M> = Vec<(f64, Option<<M as DiagramMachine>::Settled>)>;
+
+/// The chain of states from value to value. The store may end it before any.
+fn chain<M: DiagramMachine>(
+    machine: &M,
+    request: &DiagramRequest<M>,
+    task: &Task,
+    upward: bool,
+) -> Result<Chain<M>> {
+    let (axis, count) = (&request.axis, request.axis.count);
+    if request.anew {
+        let settled = |value| if upward { machine.settled_at(request, value, None) } else { Ok(None) };
+        let values = (0..count).into_par_iter().map(|i| axis.value(i));
+        return values.map(|value| Ok((value, settled(value)?))).collect();
     }
+    let mut chain: Chain<M> = Vec::with_capacity(count);
+    for i in 0..count {
+        task.store.go_on()?;
+        let value = axis.value(if upward { i } else { count - 1 - i });
+        let before = chain.last().and_then(|(_, settled)| settled.as_ref());
+        let settled = machine.settled_at(request, value, before)?;
+        chain.push((value, settled));
+    }
+    if !upward {
+        chain.reverse();
+    }
+    Ok(chain)
 }
 
 /// The diagram, on all threads, in parts; `None` where parts belong to other shards. The result
@@ -279,23 +169,39 @@ impl Iterator for Direction {
 ///
 /// # Errors
 /// As [`DiagramRequest::check`]; what the parts' folder refuses.
-pub fn diagram(
-    machine: &Machine,
-    request: &DiagramRequest,
+pub fn diagram<M: DiagramMachine>(
+    machine: &M,
+    request: &DiagramRequest<M>,
     task: &Task,
-) -> Result<Option<Diagram<AssemblyPoint>>> {
+) -> Result<Option<Diagram<M::Point>>> {
     request.check(machine)?;
-    let points = |_: &mut (), starts: &[SettledStart]| {
-        let point = |s: &SettledStart| observe(machine, request, s.value, s.start.as_ref()?).ok();
-        Ok(starts.iter().map(point).collect())
+    let chains = || -> Result<[Chain<M>; 2]> {
+        let directed = |upward| chain(machine, request, task, upward);
+        let (up, down) = rayon::join(|| directed(true), || directed(false));
+        Ok([up?, down?])
     };
-    in_both_directions(
-        request.axis.count,
-        task,
-        &|upward| chain(machine, request, task.store, upward),
-        &points,
-    )
+    // A diagram whose parts are all in the store needs no chain.
+    let starts = std::sync::OnceLock::new();
+    if task.store.missing(request.count()) > 0 {
+        // Nothing else sets the cell, so that this cannot fail.
+        let _ = starts.set(chains()?);
+    }
+    let blocks = request.count() / 2;
+    let make = |workspace: &mut M::DiagramWorkspace, index: usize| {
+        let fresh;
+        let both = match starts.get() {
+            Some(both) => both,
+            // Reached only for a stored part that cannot be read.
+            None => {
+                fresh = chains()?;
+                &fresh
+            }
+        };
+        let starts = &both[index / blocks];
+        let from = index % blocks * BLOCK;
+        machine.observe(request, &starts[from..(from + BLOCK).min(starts.len())], workspace)
+    };
+    let Some(mut all) = task.complete_with(request.count(), make)? else { return Ok(None) };
+    let down = all.split_off(blocks).concat();
+    Ok(Some(Diagram { up: all.concat(), down }))
 }
-
-#[cfg(test)]
-mod tests;

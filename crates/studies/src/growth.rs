@@ -1,6 +1,6 @@
 //! Growth of a variation from return to return, and the exponent with its error.
 
-use crate::paper::largest_exponent::{ExponentSign, LargestExponent};
+use crate::exponent::{CONFIDENCE, ExponentSign, LEAST_GROWTH, LargestExponent};
 
 /// Returns in which a variation aligns with its direction before growth counts.
 pub const ALIGN: usize = 32;
@@ -10,12 +10,6 @@ const LEAST_BLOCKS: usize = 8;
 const MOST_BLOCKS: usize = 64;
 /// Least number of returns that decide a sign.
 const LEAST_RETURNS: usize = 64;
-/// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
-/// decided; LEAST_GROWTH must be exceeded too.
-const CONFIDENCE: f64 = 6.0;
-/// Logarithm of the growth or shrinkage of the variation that a decided sign requires. On a torus
-/// the variation stays within some powers of ten for ever.
-const LEAST_GROWTH: f64 = 20.0;
 
 /// Logarithms of a variation's growth, by return.
 #[derive(Clone, Debug, Default)]

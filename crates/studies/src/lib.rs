@@ -14,7 +14,7 @@
 //! [`parts::Task`], and a number of parts that depends on the request alone; the command line keeps
 //! it as a kind of its long studies. A new measure is a variant of [`Measure`] with name, unit and
 //! description, and its value over a window. Limits and thresholds by which a verdict is decided
-//! are those of docs/studies.md: they change together with their reasons there.
+//! are those of docs/theory.md, section 17: they change together with their reasons there.
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|
@@ -29,7 +29,9 @@
 //! | [`natural`] | natural frequencies | closed forms |
 //! | [`sobol`] | the Sobol sequence | SciPy's |
 
+mod axis;
 pub mod basin;
+mod class;
 mod columns;
 mod contacts;
 pub mod design_sweep;
@@ -37,12 +39,15 @@ mod designs;
 pub mod diagram;
 mod eigenvalues;
 mod error;
+mod exponent;
 mod extremes;
 pub mod fit;
 pub mod flight;
 mod followed;
 mod growth;
+pub mod isoperiodic;
 mod machine;
+mod measured;
 mod measures;
 mod monodromy;
 pub mod natural;
@@ -62,15 +67,21 @@ mod text;
 mod timescales;
 mod variation;
 mod watch;
+mod windows;
 mod written;
 
+pub use axis::{AxisName, ParameterAxis, check_cells, check_count};
+pub use class::{LONGEST, MotionClass};
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
+pub use diagram::{Diagram, DiagramPoint};
 pub use eigenvalues::eigenvalues;
 pub use error::{Error, Result};
+pub use exponent::{ExponentSign, LargestExponent, ZERO_EXPONENT};
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;
 pub use machine::{Machine, now};
+pub use measured::Measured;
 pub use measures::{Measure, measure};
 pub use monodromy::carried;
 pub use plane::PlanePoint;
@@ -79,12 +90,11 @@ pub use quantity::{QuantityName, unknown};
 pub use section::{Section, SectionRule, common_period, is_steady};
 pub use settled::{Settled, discard, require_free, settled};
 pub use spectrum::{Spectrum, spectrum};
+pub use text::significant;
 pub use timescales::{runs_on, settle};
 pub use vibro_machine::Start;
 pub use watch::{Extent, Maxima, Watcher};
 pub use written::places;
-
-pub use paper::significant;
 
 #[cfg(test)]
 mod tests;

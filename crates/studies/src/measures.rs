@@ -12,8 +12,8 @@ use super::settled::settled;
 use super::timescales::{Passed, needed, runs_on};
 use super::watch::Watcher;
 use crate::error::{Error, Result};
-use crate::paper::measures::parts::{Observation, Parts, whole};
-use crate::paper::measures::{Measured, is_drifting, spread_of};
+use crate::measured::{Measured, is_drifting, spread_of};
+use crate::windows::{Observation, Parts, whole};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -51,7 +51,7 @@ pub enum Measure {
     Power(String),
     /// Mean power lost in all elements: `power.lost`.
     PowerLost,
-    /// The [class](crate::paper::attractor::MotionClass), a text.
+    /// The [class](crate::class::MotionClass), a text.
     Class,
     /// The largest Lyapunov exponent, 1/s.
     Exponent,

@@ -48,6 +48,7 @@
 pub mod attractor;
 pub mod basin;
 pub mod bifurcation;
+pub mod design_sweep;
 mod free_limit;
 mod free_motion;
 pub mod isoperiodic;
@@ -68,8 +69,9 @@ pub mod trajectories;
 mod variation;
 pub mod verdict;
 
+pub use crate::significant;
 pub use parameter_set::{
     Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, physical_parameters,
-    quantity_in, short, significant, typed_unit,
+    quantity_in, short, typed_unit,
 };
 pub use vibro_impact::parameters::{GROUPS, Group, check_together};

@@ -2,9 +2,9 @@
 
 use super::timescales::{runs_on_beyond, settle};
 use super::{Machine, Section, settled};
+use crate::class::MotionClass;
 use crate::error::{Error, Result};
-use crate::paper::attractor::MotionClass;
-use crate::paper::isoperiodic::{IsoperiodicRequest, PlaneMachine};
+use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_machine::Assembly;

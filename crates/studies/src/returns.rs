@@ -6,7 +6,7 @@
 //! nothing holds and the elongation of a dashpot have no effect.
 
 use super::section::{Section, frequencies};
-use crate::paper::attractor::{LONGEST, RETURN, comes_nearer, least_period};
+use crate::class::{LONGEST, RETURN, comes_nearer, least_period};
 use std::f64::consts::TAU;
 use vibro_machine::Motion;
 use vibro_machine::description::{Description, Dimension};

@@ -14,9 +14,9 @@ use super::oscillations::oscillations;
 use super::returns::ReturnRecord;
 use super::section::{Section, frequencies, last_period};
 use super::variation::{Metric, Variation};
+use crate::class::{MotionClass, OBSERVED, RETURN, SAME};
 use crate::error::{Error, Result};
-use crate::paper::attractor::{MotionClass, OBSERVED, RETURN, SAME, ZERO_EXPONENT};
-use crate::paper::largest_exponent::{ExponentSign, LargestExponent};
+use crate::exponent::{ExponentSign, LargestExponent, ZERO_EXPONENT};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use vibro_machine::neutral::Neutral;
@@ -48,7 +48,7 @@ const NEAR: f64 = 1e-9;
 /// Attractor on which a motion has settled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
-    /// Period in returns, where there is one up to [`LONGEST`](crate::paper::attractor::LONGEST).
+    /// Period in returns, where there is one up to [`LONGEST`](crate::class::LONGEST).
     pub period: Option<u32>,
     /// Class of the motion.
     pub class: MotionClass,

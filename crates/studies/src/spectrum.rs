@@ -15,7 +15,7 @@ use super::settled::multipliers;
 use super::variation::{Metric, hold, pass};
 use super::{Machine, require_free, settle};
 use crate::error::Result;
-use crate::paper::largest_exponent::LargestExponent;
+use crate::exponent::LargestExponent;
 use std::f64::consts::TAU;
 use vibro_machine::Start;
 use vibro_machine::mode::Mode;

@@ -1,4 +1,11 @@
-//! Values serialized as the text that a command line takes.
+//! Numbers in texts, and values serialized as the text that a command line takes.
+
+/// A number to seven digits with a true minus sign, for captions.
+pub fn significant(value: f64) -> String {
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
+    if plain { format!("{rounded}") } else { format!("{rounded:e}") }.replace('-', "−")
+}
 
 /// Implements the conversions of serde's `try_from = "String"` and `into = "String"` by a type's
 /// `FromStr` and `Display`.

@@ -18,7 +18,7 @@ const READ_ME: &str = "Machines of text files, and the library of which their FM
                        With `vibro` of this release, in this folder:\n\n    \
                        vibro run damper_with_buffer.toml --until 2s --out results\n    \
                        vibro fmu damper_with_buffer.toml --kit machine-kit.zip --out fmu\n\n\
-                       With its Python package: vibro_impact.Assembly(\"damper_with_buffer.toml\").fmu()\n\n\
+                       With its Python package: vibro_impact.Machine(\"damper_with_buffer.toml\").fmu()\n\n\
                        Each file says what it is held against.\n";
 
 /// The machine's files of `examples/assembly`, with their records and matrices, and the kit, once:

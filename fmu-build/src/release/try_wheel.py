@@ -9,6 +9,6 @@ import vibro_impact as vi
 print(vi.__version__)
 for version in (2, 3):
     print(hashlib.sha256(vi.fmu_path(version).read_bytes()).hexdigest())
-run = vi.Machine().simulate(start=[0.0] * 6, times=[0.5 * i for i in range(601)])
+run = vi.PaperMachine().simulate(start=[0.0] * 6, times=[0.5 * i for i in range(601)])
 for s, v in zip(run.s, run.v):
     print(struct.pack(">6d", *s, *v).hex())

@@ -102,6 +102,11 @@ fn copy_package(installed: &Path) {
         files.push((installed.join("fmu").join(archive.file_name().expect("a file has a name")), archive));
     }
     fs::create_dir_all(installed.join("fmu")).expect("target can be written");
+    // A module that the package no longer has would still be imported.
+    let is_old = |path: &PathBuf| path.is_file() && !files.iter().any(|(to, _)| to == path);
+    let installed =
+        fs::read_dir(installed).expect("it was made").map(|entry| entry.expect("an entry").path());
+    installed.filter(is_old).for_each(|path| fs::remove_file(path).expect("target can be written"));
     for (to, from) in files {
         // A library that is in use is not overwritten but replaced.
         let _ = fs::remove_file(&to);

@@ -1,82 +1,91 @@
-"""A 3-DOF vibro-impact system on NumPy arrays: exact motions, studies, closed forms, periodic orbits.
+"""Machines that hit stops, on NumPy arrays: exact motions with every impact, studies, periodic orbits, FMUs.
 
-A box on a spring is driven near resonance, a block flies in it between two stops, a secondary oscillator hangs on the block.
-Between impacts the motion is propagated exactly, and every impact is located to round-off.
+A :class:`Machine` is described by a file, a text or a dictionary: bodies, springs, stops, friction, loads.
 
 >>> import vibro_impact as vi
->>> machine = vi.Machine.from_groups(f10=1.5, kappa=0.75)
->>> run = machine.simulate(periods=200)
->>> run.s.shape
+>>> ball = vi.Machine({
+...     "name": "Ball", "gravity": "9.81 m/s2",
+...     "body": {"ball": {"mass": "20 g", "gravity": 1.0}},
+...     "stop": {"floor": {"between": ["ground", "ball"], "gap": "1 m", "restitution": 0.9}},
+... })
+>>> ball.simulate(until=2.0).events["kind"].tolist()
+['impact', 'impact', 'impact']
+
+A :class:`PaperMachine` is that of one paper: a box on a spring is driven near resonance, a block flies in it between two stops, and a
+secondary oscillator hangs on the block. It has closed forms and dimensionless groups.
+
+>>> machine = vi.PaperMachine.from_groups(f10=1.5, kappa=0.75)
+>>> machine.simulate(periods=200).s.shape
 (40001, 3)
 
 Lengths are in m, times in s, masses in kg, forces in N unless said otherwise. Long calls let other threads of Python run, end on
-Ctrl-C, and show a bar with ``progress=True``. The model is that of P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
+Ctrl-C, and show a bar with ``progress=True``. The paper is P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
 81-103; the default data set is a reconstruction, not the paper's own.
 """
 
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import TYPE_CHECKING, Any
 
-from ._assembly import Assembly
-from ._assembly_fit import AssemblyFit, MachineFit, Segment, fit
-from ._assembly_locus import LOCUS_LABELS, AssemblyLocus
-from ._assembly_orbits import ASSEMBLY_LABELS, AssemblyBranch, AssemblyOrbit
-from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyEnds, AssemblyRun, AssemblyTransition
-from ._assembly_studies import AssemblyAttractor, AssemblyBasins, AssemblySection, AssemblySpectrum
 from ._base import AnyMachine
 from ._fmu import fmu_path
 from ._machine import Machine
-from ._many import Ends, measure_many, simulate_many
-from ._measures import MEASURES, Spectrum
-from ._motion import Load, Run, Section
+from ._machine_fit import Fit, PaperFit, Segment, fit
+from ._machine_locus import LOCUS_LABELS, Locus
+from ._machine_orbits import LABELS, Branch, Orbit
+from ._machine_results import Diagram, Direction, Ends, Run, Transition
+from ._machine_studies import Attractor, Basins, Section, Spectrum
+from ._many import PaperEnds, measure_many, simulate_many
+from ._measures import MEASURES, PaperSpectrum
 from ._native import __version__
-from ._orbits import LABELS, Branch, Orbit
-from ._parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
+from ._paper_machine import PaperMachine
+from ._paper_motion import Load, PaperRun, PaperSection
+from ._paper_orbits import PAPER_LABELS, PaperBranch, PaperOrbit
+from ._paper_parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
+from ._paper_steady import SteadyState, SteadyStates
+from ._paper_studies import PaperAttractor, PaperBasins, PaperDiagram, PaperDirection
 from ._sketch import Sketch
 from ._start import Start
-from ._steady import SteadyState, SteadyStates
-from ._studies import Attractor, Basins, Diagram, Direction
 from ._table import Table
 
 if TYPE_CHECKING:
     from . import plot as plot
 
 __all__ = [
-    "ASSEMBLY_LABELS",
     "GROUP_NAMES",
     "LABELS",
     "LOCUS_LABELS",
     "MEASURES",
+    "PAPER_LABELS",
     "PARAMETERS",
     "SI_NAMES",
     "AnyMachine",
-    "Assembly",
-    "AssemblyAttractor",
-    "AssemblyBasins",
-    "AssemblyBranch",
-    "AssemblyDiagram",
-    "AssemblyDirection",
-    "AssemblyEnds",
-    "AssemblyFit",
-    "AssemblyLocus",
-    "AssemblyOrbit",
-    "AssemblyRun",
-    "AssemblySection",
-    "AssemblySpectrum",
-    "AssemblyTransition",
     "Attractor",
     "Basins",
     "Branch",
     "Diagram",
     "Direction",
     "Ends",
+    "Fit",
     "Load",
+    "Locus",
     "Machine",
-    "MachineFit",
     "MixedParametersWarning",
     "Orbit",
+    "PaperAttractor",
+    "PaperBasins",
+    "PaperBranch",
+    "PaperDiagram",
+    "PaperDirection",
+    "PaperEnds",
+    "PaperFit",
+    "PaperMachine",
+    "PaperOrbit",
+    "PaperRun",
+    "PaperSection",
+    "PaperSpectrum",
     "Run",
     "Section",
     "Segment",
@@ -87,6 +96,7 @@ __all__ = [
     "SteadyState",
     "SteadyStates",
     "Table",
+    "Transition",
     "__version__",
     "fit",
     "fmu_path",
@@ -94,9 +104,33 @@ __all__ = [
     "simulate_many",
 ]
 
+#: Names of version 0.3 that this version still understands, with their new names.
+_OLD_NAMES = {
+    "ASSEMBLY_LABELS": "LABELS",
+    "Assembly": "Machine",
+    "AssemblyAttractor": "Attractor",
+    "AssemblyBasins": "Basins",
+    "AssemblyBranch": "Branch",
+    "AssemblyDiagram": "Diagram",
+    "AssemblyDirection": "Direction",
+    "AssemblyEnds": "Ends",
+    "AssemblyFit": "Fit",
+    "AssemblyLocus": "Locus",
+    "AssemblyOrbit": "Orbit",
+    "AssemblyRun": "Run",
+    "AssemblySection": "Section",
+    "AssemblySpectrum": "Spectrum",
+    "AssemblyTransition": "Transition",
+    "MachineFit": "PaperFit",
+}
+
 
 def __getattr__(name: str) -> Any:
-    """`plot`, which needs matplotlib and is imported where it is asked for."""
+    """`plot`, which needs matplotlib and is imported where it is asked for; names of version 0.3, with a warning."""
     if name == "plot":
         return importlib.import_module(".plot", __name__)
+    if name in _OLD_NAMES:
+        new = _OLD_NAMES[name]
+        warnings.warn(f"vi.{name} is now vi.{new}; the old name works until 0.5", DeprecationWarning, stacklevel=2)
+        return globals()[new]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

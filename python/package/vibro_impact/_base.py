@@ -23,10 +23,10 @@ Value = Union[float, str]
 
 
 class AnyMachine:
-    """A machine, whichever it is: the base of :class:`Machine`, the paper's one of three bodies, and :class:`Assembly`, one of your own.
+    """A machine, whichever it is: the base of :class:`PaperMachine`, the paper's one of three bodies, and :class:`Machine`, one of your own.
 
     Both are immutable values and are asked in the words below. Parameters go by name, as keywords or in a dictionary, ``{"stop.upper.gap":
-    4e-3}``; numbers are in SI, texts have units. Columns are ``box.s`` and ``box.v``. A period is that of the drive; of an assembly the
+    4e-3}``; numbers are in SI, texts have units. Columns are ``box.s`` and ``box.v``. A period is that of the drive; of a described machine the
     common one of all that drives it. The few things that one kind alone has are listed in docs/python.md.
     """
 

@@ -1,85 +1,76 @@
-"""The paper's machine with its motions, closed forms, orbits and measures."""
+"""Machines of your own: bodies, springs, stops, friction, loads, from a file, a text or a dictionary."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Optional, Union
 
+import numpy as np
+
 from . import _native
-from ._arguments import (
-    MOST_PERIODS,
-    MOST_ROWS,
-    SI_COORDINATES,
-    StartOfMachine,
-    choice,
-    coordinates,
-    number,
-    seconds,
-    state,
-    whole,
+from ._arguments import MOST_PERIODS, discarded_and_kept, evenly_spaced, seconds, whole
+from ._base import merged
+from ._instants import after, instants
+from ._machine_description import MachineDescription
+from ._machine_fit import fit
+from ._measures import Measures
+from ._machine_many import SectionLike, measures_of, names_of, section_of
+from ._machine_orbits import Branch, Orbit, find_branches, find_orbit
+from ._machine_results import (
+    Diagram,
+    Direction,
+    Ends,
+    Run,
+    Transition,
+    run_of,
+    transition_of,
 )
-from ._assembly import Assembly
-from ._assembly_fit import fit
-from ._base import Value, merged
-from ._instants import instants
-from ._measures import MEASURES, Measures, Spectrum, measure_names, measured, of_paper
-from ._motion import Load, Run, Section, load_list, run_of
-from ._orbits import Branch, Orbit, find_branches, find_orbit
-from ._parameters import SI_NAMES
-from ._progress import Bar
+from ._machine_start import StartLike, numbers_of, time_of
 from ._sketch import Sketch
 from ._start import Start
-from ._steady import SteadyStates, steady_states
-from ._studies import basins_of, diagram_of
-from ._values import ParameterValues
+from ._machine_studies import Basins, Section, Spectrum, basins_of, poincare_of, spectrum_of
+from ._fmu import kit_path
+from ._progress import Bar
+from ._result import direction
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import ArrayLike
 
     from ._base import RecordLike
-    from ._studies import Basins, Diagram
     from ._table import Table
 
+_MOST_VALUES = 20_000
 
-class Machine(ParameterValues):
-    """A vibro-impact machine: box, block between two stops in it, secondary oscillator, drive. An immutable value.
 
-    Parameters are given by name, in SI (:data:`SI_NAMES`) or as dimensionless groups (:data:`GROUP_NAMES`), as in a parameter file of
-    `vibro`; the symbols of the paper (``m1``, ``kappa``) are understood too. First those in SI are set, then the groups, which leave
-    the other groups and the scales ``box_m``, ``box_k``, ``stop_gap`` as they are. What is not given comes from the default set, a
-    reconstruction of the paper's machine. Of ``alpha23`` and ``beta2``, two names of one coupling, the one set last is held when
-    ``epsilon`` changes, and ``secondary_m`` equals ``block_m`` until it or ``mu13`` is set.
+class Machine(MachineDescription):
+    """A machine of your own; an immutable value.
 
-    A machine without a spring between box and ground (``box_k=0``) has no groups, and starts and studies in their units are refused.
+    >>> import vibro_impact as vi
+    >>> ball = vi.Machine({
+    ...     "name": "Ball", "gravity": "9.81 m/s2",
+    ...     "body": {"ball": {"mass": "20 g", "gravity": 1.0}},
+    ...     "stop": {"floor": {"between": ["ground", "ball"], "gap": "1 m", "restitution": 0.9}},
+    ... })
+    >>> run = ball.simulate(until=2.0)
+    >>> run["ball.s"].shape
+    (1001,)
 
-    Constant forces ``load_box``, ``load_block``, ``load_secondary`` (N) are parameters too: gravity on a vertical machine is
-    ``load_block=-9.81 * block_m``. They take the machine its symmetry; closed forms refuse them.
-
-    Two machines are equal when their physical parameters are, loads included.
-
-    >>> from vibro_impact import Machine
-    >>> Machine.from_groups(f10=2.5).replace(kappa=0.8)
-    Machine.from_groups(f10=2.5, kappa=0.8)
-    >>> Machine().replace(stop_gap=0.5, load_block=-0.02).drive_frequency
-    1.04
-
-    Warns
-    -----
-    MixedParametersWarning
-        Where some physical parameters are given and others are left to the default set, whose values belong to a machine of 1 kg and a
-        gap of 1 m. ``Machine().replace(...)`` says that this is meant, and does not warn.
+    Parameters
+    ----------
+    machine
+        The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/machine-file.md says what may stand in
+        it. Records beside a file are read from its folder; a text or a dictionary has them as lists. Lists and matrices of a
+        dictionary may be NumPy arrays and sparse matrices of SciPy.
 
     Raises
     ------
-    TypeError
-        For a name that is none, with the nearest one, and for what is no number.
-    ValueError
-        For a value out of its range.
+    ValueError, TypeError
+        For what is refused, with every problem by name.
     """
+
+    __slots__ = ()
 
     def simulate(
         self,
@@ -87,112 +78,105 @@ class Machine(ParameterValues):
         *,
         periods: Optional[int] = None,
         times: Optional[ArrayLike] = None,
-        start: StartOfMachine = None,
+        start: StartLike = None,
         samples: int = 1000,
         per_period: int = 200,
-        loads: Iterable[Load] = (),
+        derivatives: Iterable[str] = (),
         progress: bool = False,
     ) -> Run:
-        """The exact motion with all its impacts, reported at equal steps or at given times.
-
-        Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
-        FMU that is asked for the same times.
+        """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
 
         Parameters
         ----------
         until, samples
             End of the motion, in s or as a text with a unit, and number of equal parts; there is a sample at the start too.
         periods, per_period
-            Instead of a time: drive periods from the start on, and reports in each; ``periods * per_period + 1`` instants in all.
+            Instead of a time: common periods of what drives the machine (:attr:`period`), and reports in each.
         times
-            Instants instead, shape (n,), s, ascending from the start on.
+            Instants instead, shape (n,), s, ascending.
         start
-            Where the motion begins: numbers by name, ``x1, x2, x3`` (units of L), ``v1, v2, v3`` (L omega10) or ``box.s``, ``block.v``, ... in SI
-            or as texts with units, all others zero, and ``time`` (s), at which the phase of the drive is ``drive_frequency * time +
-            drive_phase``; or six numbers, displacements (m), then velocities (m/s); or ``run.end`` of another motion. Without it everything
-            rests in the middle at time 0 but the block, which moves up with L omega10.
-        loads
-            Force histories on the bodies.
-        progress
-            Whether a bar shows how far it is.
+            Where the motion begins instead of the machine's own start at time 0: numbers by name, ``{"time": 0.02, "box.s": "5 mm", "box.v": 0.1}``, in SI or
+            as texts with units; ``run.end`` of another motion; or the path of a start's file. What is not named is the machine's own.
+        derivatives
+            Parameters by which the run has the exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``,
+            and of its events' times, through impacts, contacts and sticking; or numbers of the start: ``start.box.s``, ``start.box.v``,
+            ``start.time``. From another start than the machine's own no parameter moves the state there.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range; with `periods` for a machine whose drive has no frequency.
+            For arguments out of their range.
         RuntimeError
-            For a motion that hardly progresses: a block that bounces without end.
+            For a motion that cannot go on, with the elements and the time.
         """
-        begun = coordinates("start", start)
-        if periods is not None:
-            self._needs_period("a run over periods")
-        t = instants(begun.time, self.period, until, periods, times, samples, per_period)
-        with Bar(progress, len(t), "instants") as bar:
-            found = _native.simulate(
-                self._system, begun.state(self._system), begun.time, t, load_list(loads), bar.report
-            )
-        return run_of(self, t, found)
+        numbers = numbers_of(self, start)
+        t = instants(time_of(numbers), self.period, until, periods, times, samples, per_period)
+        parameters = names_of(derivatives)
+        with Bar(progress, len(t), "samples") as bar:
+            found = _native.simulate(self._described, numbers, t, parameters, bar.report)
+        return run_of(self, t, found, parameters)
 
-    def start(self, numbers: StartOfMachine = None) -> Start:
-        """A start of the machine with all its numbers in SI: from what :meth:`simulate` takes.
+    def start(self, numbers: StartLike = None) -> Start:
+        """A start of the machine, of which what is not named is the machine's own: from numbers by name, in SI or as texts with units, or from a start's file, such as the ``end.toml`` of ``vibro
+        run``.
 
         Raises
         ------
         ValueError, TypeError
-            For unknown names, with the nearest one.
+            For unknown names (the message gives the nearest one), bodies with a ``motion``, and coordinates that links determine.
         """
-        begun = coordinates("numbers", numbers)
-        return Start({"time": begun.time, **dict(zip(SI_COORDINATES, begun.state(self._system)))})
+        return Start({"time": 0.0, **dict(numbers_of(self, numbers, "numbers"))})
 
-    def _begun(self, start: StartOfMachine) -> tuple[_native.System, list[float], float]:
-        """A machine whose drive has at time 0 the phase that this one has at the start, with the state and the time there."""
-        begun = coordinates("start", start)
-        shift = self.drive_frequency * begun.time
-        own = self.replace(drive_phase=self.drive_phase + shift) if shift else self
-        return own._system, begun.state(self._system), begun.time
+    def transition(self, until: Union[float, str], *, start: StartLike = None, progress: bool = False) -> Transition:
+        """The exact derivatives of the state at a time by the state at the start, through impacts, contacts and sticking.
 
-    def measure(
-        self,
-        measures: Sequence[str],
-        *,
-        periods: int = 60,
-        settle: int = 400,
-        start: StartOfMachine = None,
-        progress: bool = False,
-    ) -> Measures:
-        """Measures of the settled motion by name: :attr:`measures` has all, with units.
-
-        A number is exact for the motion over these periods, not for samples of it. `spread` of the result has by name how much it
-        would scatter from one window of the motion to the next: its standard error if it is a mean, rounding where the motion repeats. The
-        measure ``class`` is a text, and a measure that is not defined for the machine is None. `unsettled` of the result names a measure that
-        still went one way while it was measured, or is None.
+        The product of the matrices of parts of a motion is that of the whole. Over a period its eigenvalues are the multipliers of a periodic
+        motion.
 
         Parameters
         ----------
-        measures
-            Names such as ``"amplitude.x1"`` or ``"amplitude.box.s"``, ``"impacts"``, ``"power.input"``.
-        periods, settle
-            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+        until
+            End of the motion, in s or as a text with a unit.
         start
             As of :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`; for a name that is none, with the nearest one.
+            As :meth:`simulate`.
         """
-        self._needs_period("a measure")
-        names = measure_names(measures)
-        system, begin, _ = self._begun(start)
-        settle, periods = whole("settle", settle, 0, MOST_PERIODS), whole("periods", periods, 1, MOST_PERIODS)
-        with Bar(progress, 1, "motions") as bar:
-            row = _native.measure(system, begin, of_paper(names), settle, periods, bar.report)
-        return measured(names, row)
+        numbers = numbers_of(self, start)
+        end = after("until", seconds("until", until), time_of(numbers))
+        with Bar(progress, 0, "parts") as bar:
+            found = _native.transition(self._described, numbers, end, bar.report)
+        return transition_of(self, found)
 
-    @property
-    def measures(self) -> dict[str, str]:
-        """All measures by name: SI unit (``1`` for none) and meaning."""
-        return {name: f"{unit or '1'}: {what}" for name, (unit, what) in MEASURES.items()}
+    def measure(
+        self,
+        measures: Sequence[str],
+        *,
+        periods: int = 60,
+        settle: int = 300,
+        section: SectionLike = None,
+        start: StartLike = None,
+        progress: bool = False,
+    ) -> Measures:
+        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
+
+        `spread` of the result has by name how much a number would scatter from one window of the motion to the next: its standard error if it
+        is a mean, rounding where the motion repeats. `unsettled` names a measure that still went one way while it was measured, or is None.
+
+        Parameters
+        ----------
+        periods, settle
+            Returns to the section that are measured, and those before in which the transient dies out; each is prolonged to four periods of
+            the slowest oscillation with open stops (docs/machine-studies.md).
+        section
+            A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
+        start
+            As of :meth:`simulate`.
+        """
+        return measures_of(self, measures, start, periods, settle, section, progress)
 
     def sweep(
         self,
@@ -200,8 +184,9 @@ class Machine(ParameterValues):
         parameters: Optional[Mapping[str, ArrayLike]] = None,
         *,
         periods: int = 60,
-        settle: int = 400,
-        start: StartOfMachine = None,
+        settle: int = 300,
+        section: SectionLike = None,
+        start: StartLike = None,
         errors: str = "raise",
         executor: Any = None,
         checkpoint: Union[None, str, os.PathLike[str]] = None,
@@ -210,185 +195,248 @@ class Machine(ParameterValues):
     ) -> Table:
         """Measures of all combinations of parameters, on all cores.
 
-        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` is a table of shape (2, 9).
+        ``damper.sweep(["amplitude.box.s"], {"stop.upper.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` is a table of shape (2, 2).
 
         Parameters
         ----------
-        measures, periods, settle, start
-            As of :meth:`measure`; the start at time 0.
+        measures, periods, settle, section, start
+            As of :meth:`measure`.
         parameters, **more
-            Each parameter by name with its values, in SI or as texts with units.
+            Each parameter by name with its values, as :meth:`replace` takes them.
         errors, executor, checkpoint
             As of :func:`measure_many`.
         """
         from ._many import sweep_of
 
         options = {"periods": periods, "settle": settle, "starts": start, "errors": errors, "executor": executor, "checkpoint": checkpoint}
-        return sweep_of(self, merged(parameters, more, "parameters"), measures, progress=progress, **options)
+        return sweep_of(self, merged(parameters, more, "parameters"), measures, progress=progress, section=section, **options)
+
+    def spectrum(
+        self, *, periods: int = 400, settle: int = 300, section: SectionLike = None, start: StartLike = None, progress: bool = False
+    ) -> Spectrum:
+        """All Lyapunov exponents of the settled motion, exactly through impacts, sticking and sliding: ``vibro lyapunov FILE --spectrum``.
+
+        Parameters
+        ----------
+        periods, settle
+            Returns to the section that are counted, and those before in which the transient dies out.
+        section, start
+            As of :meth:`measure`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        return spectrum_of(self, periods, settle, section, start, progress)
+
+    def poincare(
+        self,
+        section: SectionLike = None,
+        *,
+        phase: float = 0.0,
+        periods: int = 1000,
+        settle: int = 300,
+        start: StartLike = None,
+        progress: bool = False,
+    ) -> Section:
+        """A Poincaré section of the settled motion: ``vibro section FILE``.
+
+        Parameters
+        ----------
+        section
+            As of :meth:`measure`: at an element's events the columns are those just after.
+        phase
+            Phase of a section of whole periods, rad.
+        periods, settle
+            Points of the section, and returns before in which the transient dies out.
+        start
+            As of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError, RuntimeError
+            As :meth:`simulate`.
+        """
+        return poincare_of(self, section, phase, (start, periods, settle), progress)
+
+    def basins(
+        self,
+        ranges: Optional[Mapping[str, Any]] = None,
+        *,
+        settle: int = 300,
+        section: SectionLike = None,
+        start: StartLike = None,
+        progress: bool = False,
+        **more: Any,
+    ) -> Basins:
+        """Basins of attraction over two numbers of the starts, on all cores: bit-identical to ``vibro basin FILE``.
+
+        ``damper.basins({"block.s": ("-4 mm", "4 mm", 60), "block.v": (-1.0, 1.0, 60)})``
+
+        Parameters
+        ----------
+        ranges, **more
+            Two of ``time`` and the bodies' coordinates and rates with (from, to, cells), in SI or as texts with units; the first across.
+        settle, section
+            As of :meth:`measure`.
+        start
+            The other numbers of the starts, as of :meth:`simulate`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        """
+        return basins_of(self, merged(ranges, more, "ranges"), start, settle, section, progress)
 
     def bifurcation(
         self,
         of: Optional[str] = None,
         parameter: Optional[Mapping[str, ArrayLike]] = None,
         *,
-        periods: tuple[int, int] = (400, 800),
+        at_section: bool = False,
+        periods: tuple[int, int] = (300, 100),
         exponents: Union[bool, int] = False,
-        start: StartOfMachine = None,
+        section: SectionLike = None,
+        anew: bool = False,
+        start: StartLike = None,
         progress: bool = False,
         **more: ArrayLike,
     ) -> Diagram:
-        """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
+        """Local maxima of a quantity over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
 
-        As in the paper, section 4: the last state at a value is the start of the next one. Maxima are exact, not samples. All cores are used;
-        the result does not depend on their number.
+        ``damper.bifurcation("box.s", {"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
 
         Parameters
         ----------
         of
-            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``, also ``"box.s"``, ``"block.s"``, ``"secondary.s"``; ``"x2"`` without it.
+            A name of :attr:`columns`; the first without it.
         parameter, **more
-            The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
+            The parameter by name with its values, equally spaced and rising: numbers in SI, whatever unit the file has, or texts with
+            their units, as :meth:`replace` takes them: ``["3 mm", "4 mm", "5 mm"]``.
+        at_section
+            Its values at the section instead of its maxima.
         periods
-            Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
+            Returns to the section discarded and kept at each value.
         exponents
-            Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
+            Whether the largest exponent is computed, over 400 returns or so many.
+        section
+            As of :meth:`measure`.
+        anew
+            Whether each value begins at the start; ``down`` is then empty of motions. Machines with a step or a record that goes on after
+            the first value's transient need it.
         start
-            Where the motion at the first value of either direction starts, as of :meth:`simulate`, at time 0.
-
-        Raises
-        ------
-        ValueError, TypeError
-            For arguments out of their range.
-
-        Warns
-        -----
-        SimilarNameWarning
-            For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
+            As of :meth:`simulate`: where the motion begins at the first value of either direction.
         """
-        return diagram_of(self, merged(parameter, more, "parameter"), start, periods, of, exponents, progress)
+        of = self.columns[0] if of is None else of
+        given_by_name = merged(parameter, more, "parameter")
+        if len(given_by_name) != 1:
+            raise TypeError(f"parameters {list(given_by_name)}: allowed is exactly one with its values, rising and equally spaced")
+        ((name, given),) = given_by_name.items()
+        ends, count = evenly_spaced(name, self._in_si(name, given), _MOST_VALUES)
+        discard, keep = discarded_and_kept(periods)
+        counted = None if exponents is False else 400 if exponents is True else whole("exponents", exponents, 8, MOST_PERIODS)
+        start_numbers = numbers_of(self, start)
+        with Bar(progress, 0, "parts") as bar:
+            found = _native.diagram(
+                self._described, name, ends, count, of, bool(at_section), (discard, keep), counted, section_of(section), bool(anew), start_numbers, bar.report
+            )
+        up, down = (direction(Direction, found[way]) for way in ("up", "down"))
+        return Diagram(self, name, of, up, down, found["hysteresis"], bool(at_section))
 
     def orbit(
         self,
         word: Optional[str] = None,
         *,
         period: Union[None, float, str] = None,
-        start: StartOfMachine = None,
-        tries: int = 400,
-        settle: int = 2000,
-        symmetric: bool = False,
+        start: StartLike = None,
+        tries: int = 32,
+        settle: int = 400,
+        section: SectionLike = None,
         progress: bool = False,
     ) -> Orbit:
-        """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
-
-        It is solved for its impact phases by Newton's method and certified: no impact that the word does not list
-        (docs/theory.md, section 14).
+        """The periodic orbit on which a motion settles, or one with a given word or period, stable or not: ``vibro orbit FILE``.
 
         Parameters
         ----------
         word
-            The stops in order, letters U and L; without it the orbit of the motion from `start` after `settle` drive periods.
+            Its events in order, ``"impact steel, press buffer"``, from any of them on; kinds of events other than impact, chatter and press
+            that it does not mention are left out.
         period
-            Its period: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; of a word ``"1T"`` without it. Without a
-            word that which the settled motion must have.
+            Its period: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
+        start
+            As of :meth:`simulate`: where the motion begins.
         tries
-            Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
-            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
-            ``passages``.
-        symmetric
-            Whether the word is half of a symmetric orbit and closes with the opposite sign, after half of an odd number of drive periods.
+            Number of random starts from which an orbit with a word or period is sought, where the first motion does not pass near one.
+        settle
+            Returns to the section before the motion counts as settled, unless it has settled before.
+        section
+            As of :meth:`bifurcation`.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
-        RuntimeError
-            Where none is found.
+            For arguments out of their range, a word that cannot close, a motion that settles on no periodic orbit, with its class, and where
+            none is found, with those that were.
         """
-        self._needs_period("a periodic orbit")
-        settle = whole("settle", settle, 0, MOST_PERIODS)
-        tries = whole("tries", tries, 1, 1_000_000)
-        if word is None:
-            if symmetric:
-                raise TypeError("symmetric = True: allowed with a word, half of a symmetric orbit")
-            wanted = None if period is None else self._turns(period)
-            system, begin, _ = self._begun(start)
-            found = find_orbit(self, None, (system, begin, settle), 1, False, tries, progress)
-            if wanted not in (None, found.periods):
-                raise ValueError(
-                    f"period = {period!r}: the motion settles on an orbit of {found.periods} drive periods; allowed is the word of the orbit "
-                    "that is sought, another start, or no period"
-                )
-            return found
-        return find_orbit(self, word, None, self._turns(period), bool(symmetric), tries, progress)
-
-    def _turns(self, period: Union[None, float, str]) -> int:
-        """A period in drive periods."""
-        allowed = f"allowed are '1T' to '1000T', or a multiple of the drive's period, {self.period:.9g} s"
-        if period is None:
-            return 1
-        if isinstance(period, str) and period.strip().endswith("T"):
-            turns = period.strip()[:-1].strip()
-            if turns.isdecimal() and 1 <= int(turns) <= 1000:
-                return int(turns)
-            raise ValueError(f"period = {period!r}: {allowed}")
-        time = number("period", seconds("period", period))
-        count = round(time / self.period)
-        if not 1 <= count <= 1000 or abs(time - count * self.period) > 1e-6 * time:
-            raise ValueError(f"period = {period!r}: {allowed}")
-        return count
+        return find_orbit(self, (word, period, tries), start, settle, section, progress)
 
     def branches(
         self,
         name: str,
-        low: Value,
-        high: Value,
+        low: Union[float, str],
+        high: Union[float, str],
         *,
         of: Optional[str] = None,
+        start: StartLike = None,
         seeds: int = 24,
         depth: int = 3,
-        settle: int = 1000,
+        settle: int = 400,
+        section: SectionLike = None,
         progress: bool = False,
     ) -> list[Branch]:
-        """Branches of periodic orbits over a parameter, stable or not, with their bifurcations: ``vibro orbits --tree``.
+        """Branches of periodic orbits over a parameter, stable or not: response curves and their bifurcations, ``vibro orbits FILE --tree``.
 
         Parameters
         ----------
         name, low, high
             The parameter and its range, in SI or as texts with units.
         of
-            The displacement whose maxima are kept, as of :meth:`bifurcation`.
+            The output that is kept of each orbit, such as ``amplitude.box.s``; the amplitude of the first free body without one.
         seeds
-            Values of the parameter at which motions are followed until they settle, rising and falling.
+            Values of the parameter at which motions are followed until they settle, rising and falling; with a depth from the start, too.
         depth
-            Most changes from one branch to another in a row.
-        settle
-            Drive periods in which transients die out.
+            Most changes from one branch to another in a row, at bifurcations and touches of rigid stops; at other touches branches go on.
+        start, settle, section
+            As of :meth:`orbit`.
 
         Raises
         ------
         ValueError, TypeError
             For arguments out of their range.
         """
-        self._needs_period("a branch of orbits")
-        return find_branches(self, name, (low, high), of, (seeds, depth, settle), progress)
+        return find_branches(self, name, (low, high), of, (start, seeds, depth, settle, section), progress)
 
     def response(
         self,
         name: str,
-        low: Value,
-        high: Value,
+        low: Union[float, str],
+        high: Union[float, str],
         *,
         of: Optional[str] = None,
+        start: StartLike = None,
         seeds: int = 24,
         depth: int = 0,
-        settle: int = 1000,
+        settle: int = 400,
+        section: SectionLike = None,
         progress: bool = False,
     ) -> list[Branch]:
-        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling.
+        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling, ``vibro response FILE``.
 
         Parameters
         ----------
-        name, low, high, of, seeds, depth, settle
+        name, low, high, of, start, seeds, depth, settle, section
             As of :meth:`branches`, of which it is the case of depth 0.
 
         Raises
@@ -396,184 +444,55 @@ class Machine(ParameterValues):
         ValueError, TypeError
             For arguments out of their range, and where no motion settles on an orbit that can be followed.
         """
-        found = self.branches(name, low, high, of=of, seeds=seeds, depth=depth, settle=settle, progress=progress)
+        found = self.branches(
+            name, low, high, of=of, start=start, seeds=seeds, depth=depth, settle=settle, section=section, progress=progress
+        )
         if not found:
             raise ValueError(
-                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are more "
-                "discarded periods (settle), more values (seeds)"
+                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are other starts, more "
+                "discarded returns (settle), more values (seeds)"
             )
         return found
-
-    def poincare(
-        self,
-        section: Optional[str] = None,
-        *,
-        phase: float = 0.0,
-        periods: int = 2000,
-        settle: int = 400,
-        start: StartOfMachine = None,
-        progress: bool = False,
-    ) -> Section:
-        """A Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
-
-        Parameters
-        ----------
-        section
-            A stop, ``"upper"`` or ``"lower"``; without it the section is at a phase.
-        phase
-            That phase of the drive, rad.
-        periods, settle
-            Drive periods of the section, and those before it in which the transient dies out.
-        start
-            As of :meth:`simulate`.
-
-        Raises
-        ------
-        ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
-        """
-        self._needs_period("a section")
-        at = "phase" if section is None else choice("section", section, ("upper", "lower"))
-        stop = {"phase": 0, "upper": 1, "lower": -1}[at]
-        periods = whole("periods", periods, 0, MOST_ROWS)
-        settle = whole("settle", settle, 0, MOST_PERIODS)
-        angle = number("phase", phase)
-        if stop and angle:
-            raise ValueError(f"phase = {phase!r}: allowed is 0 at a section of a stop's impacts")
-        system, begin, time = self._begun(start)
-        with Bar(progress, periods + settle, "periods") as bar:
-            found = _native.poincare(system, begin, stop, angle, settle, periods, bar.report)
-        return Section(self, at, **{**found, "t": found["t"] + time if time else found["t"]})
-
-    def spectrum(
-        self, *, periods: int = 1500, settle: int = 400, start: StartOfMachine = None, progress: bool = False
-    ) -> Spectrum:
-        """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
-
-        Parameters
-        ----------
-        periods, settle
-            Drive periods counted, and those before in which the transient dies out.
-        start
-            As of :meth:`simulate`.
-
-        Raises
-        ------
-        ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
-        """
-        self._needs_period("a Lyapunov spectrum")
-        periods = whole("periods", periods, 1, 10_000_000)
-        settle = whole("settle", settle, 0, MOST_PERIODS)
-        system, begin, _ = self._begun(start)
-        with Bar(progress, periods + 50, "periods") as bar:
-            found = _native.lyapunov(system, begin, settle, periods, bar.report)
-        return Spectrum(self, **found)
-
-    def basins(
-        self,
-        ranges: Optional[Mapping[str, tuple[float, float, int]]] = None,
-        *,
-        settle: int = 300,
-        start: StartOfMachine = None,
-        progress: bool = False,
-        **more: tuple[float, float, int],
-    ) -> Basins:
-        """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
-
-        Parameters
-        ----------
-        ranges, **more
-            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of ``box.s``, ``block.v``, ..., the first across, each as (from, to,
-            cells): ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
-        settle
-            Drive periods before a motion is recognized.
-        start
-            The other numbers, as of :meth:`simulate`, at time 0; zero without it.
-
-        Raises
-        ------
-        ValueError, TypeError, RuntimeError
-            For arguments out of their range; what the simulator refuses, starts outside the stops apart.
-        """
-        middle = [0.0] * 6 if start is None else state("start", start, self._system)
-        return basins_of(self, merged(ranges, more, "ranges"), settle, middle, progress)
 
     def fit(self, record: RecordLike, **options: Any) -> Any:
         """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
         return fit(self, record, **options)
 
-    def assembly(self) -> Assembly:
-        """The machine as one of your own: the same bodies, springs, stops and loads with these numbers, started in the middle.
-
-        Its motions are the same but for round-off; it has what needs no groups: a file, a sketch, an FMU, derivatives, joining to other parts.
-
-        Raises
-        ------
-        ValueError
-            For a machine whose drive has no frequency.
-        """
-        self._needs_period("the machine as an assembly")
-        value = {name: repr(getattr(self, name)) for name in SI_NAMES}
-        stop = f"gap = {value['stop_gap']}, restitution = {value['stop_restitution']} }}"
-        start = self.start()["block.v"] if self.box_k > 0.0 else 0.0
-        text = f"""name = "{self.name}"
-body.box = {{ mass = {value["box_m"]} }}
-body.block = {{ mass = {value["block_m"]}, start = {{ v = {start!r} }} }}
-body.secondary = {{ mass = {value["secondary_m"]} }}
-stop.upper = {{ between = ["box", "block"], {stop}
-stop.lower = {{ between = ["block", "box"], {stop}
-load.drive = {{ on = "box", amplitude = {value["drive_amplitude"]}, frequency = "{value["drive_frequency"]} rad/s", phase = {value["drive_phase"]} }}
-"""
-        springs = (("mount", "ground", "box", "box"), ("secondary_mount", "ground", "secondary", "secondary"), ("coupling", "block", "secondary", ""))
-        for spring, first, second, own in springs:
-            stiffness = value[f"{own}_k"] if own else value["coupling_k"]
-            damping = value[f"{own}_c"] if own else "0.0"
-            if (float(stiffness), float(damping)) != (0.0, 0.0):
-                text += f'spring.{spring} = {{ between = ["{first}", "{second}"], stiffness = {stiffness}, damping = {damping} }}\n'
-        for body in ("box", "block", "secondary"):
-            if getattr(self, f"load_{body}"):
-                text += f'load.{body} = {{ on = "{body}", constant = {value[f"load_{body}"]} }}\n'
-        return Assembly(text)
-
-    def _described_by(self, text: str) -> Assembly:
-        return Assembly(text)
-
-    @property
-    def toml(self) -> str:
-        """The text of the file of :meth:`assembly`."""
-        return self.assembly().toml
-
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it; a notebook shows the picture."""
-        return self.assembly().sketch()
+        """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""
+        return Sketch(self._described)
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
-        """Writes an FMU of the machine with these numbers: that of :meth:`assembly`. :func:`fmu_path` has the one of all paper's machines.
+        """Writes the machine's FMU, for Co-Simulation and Model Exchange, and returns its path. Nothing is compiled: the library that serves
+        all machines is inside the package.
 
         Parameters
         ----------
-        path, version
-            As of :meth:`Assembly.fmu`.
-
-        Raises
-        ------
-        ValueError, TypeError, FileNotFoundError, OSError
-            As :meth:`Assembly.fmu`.
-        """
-        return self.assembly().fmu(path, version)
-
-    def steady(self, *, sheet: str = "upper") -> SteadyStates:
-        """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
-
-        Parameters
-        ----------
-        sheet
-            Which of the two solutions: ``"upper"``, of the larger amplitude, or ``"lower"``.
+        path
+            The file. In a folder, or without a path in the current folder, it is called ``NAME.fmu`` for FMI 2.0 and ``NAME-FMI3.fmu``
+            for FMI 3.0, after the machine.
+        version
+            2 for FMI 2.0, 3 for FMI 3.0.
 
         Raises
         ------
         ValueError, TypeError
-            For another word.
+            For another version.
+        FileNotFoundError
+            Where the package was built without the library.
+        OSError
+            Where the file cannot be written.
         """
-        return steady_states(self, choice("sheet", sheet, ("upper", "lower")))
+        version = whole("version", version, 2, 3)
+        to = Path(path) if path is not None else Path()
+        if to.is_dir():
+            to /= self._described.fmu_name(version)
+        self._described.fmu(version, os.fspath(kit_path()), os.fspath(to))
+        return to
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_from_text, (self.toml,))
+
+
+def _from_text(text: str) -> Machine:
+    return Machine._of(_native.Described(text, None))

@@ -11,17 +11,17 @@ import numpy as np
 
 from . import _native
 from ._arguments import MOST_PERIODS, Coordinates, Floats, StartOfMachine, array, choice, coordinates, seconds, state, whole
-from ._assembly_description import AssemblyDescription
-from ._assembly_many import Section, names_of, runs, section_of
-from ._assembly_results import AssemblyEnds, AssemblyRun
-from ._assembly_start import StartLike, listed_starts, numbers_of, starts_of, time_of
+from ._machine_description import MachineDescription
+from ._machine_many import SectionLike, names_of, runs, section_of
+from ._machine_results import Ends, Run
+from ._machine_start import StartLike, listed_starts, numbers_of, starts_of, time_of
 from ._base import AnyMachine, merged
 from ._instants import after
 from ._measures import MEASURES, keeping, measure_names, measured, of_paper
 from ._paper_starts import pairs, several_of, states, states_of_rows
 from ._result import Result
 from ._table import Table, table_of
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 from ._work import rows_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ _Path = Union[None, str, os.PathLike[str]]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Ends(Result):
+class PaperEnds(Result):
     """The ends of many motions of paper's machines; ``ends["box.s"]`` is an array."""
 
     t: Floats
@@ -80,15 +80,15 @@ class _Motions:
 
     def told(self) -> Iterator[bytes]:
         """All on which they depend."""
-        yield from (m.toml.encode() if isinstance(m, AssemblyDescription) else repr(m).encode() for m in self.machines)
+        yield from (m.toml.encode() if isinstance(m, MachineDescription) else repr(m).encode() for m in self.machines)
         yield repr(self.names).encode()
         yield b"" if self.table is None else np.ascontiguousarray(self.table).tobytes()
         yield self.starts.tobytes() if isinstance(self.starts, np.ndarray) else repr(self.starts).encode()
 
     @property
-    def is_assembly(self) -> bool:
-        """Whether they are assemblies."""
-        return bool(self.machines) and isinstance(self.machines[0], AssemblyDescription)
+    def is_described(self) -> bool:
+        """Whether they are described machines."""
+        return bool(self.machines) and isinstance(self.machines[0], MachineDescription)
 
     @property
     def given(self) -> tuple[Any, Any]:
@@ -98,7 +98,7 @@ class _Motions:
         starts = np.array(starts, order="C") if isinstance(starts, np.ndarray) else starts
         if self.table is not None:
             return self.machines[0]._rows(self.names, np.array(self.table, order="C")), starts
-        own = [m._described if isinstance(m, AssemblyDescription) else m._system for m in self.machines]
+        own = [m._described if isinstance(m, MachineDescription) else m._system for m in self.machines]
         return own, starts
 
 
@@ -134,9 +134,9 @@ class _Measures(_Work):
     def rows(self, report: Any) -> list[Any]:
         """The row of each."""
         machines, starts = self.motions.given
-        if not self.motions.is_assembly:
-            return _native.measure_many(machines, starts, of_paper(self.names), self.settle, self.periods, self.in_rows, report)
-        return _native.measure_assemblies(machines, starts, self.names, self.settle, self.periods, self.section, self.in_rows, report)
+        if not self.motions.is_described:
+            return _native.paper_measure_many(machines, starts, of_paper(self.names), self.settle, self.periods, self.in_rows, report)
+        return _native.measure_many(machines, starts, self.names, self.settle, self.periods, self.section, self.in_rows, report)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -147,11 +147,11 @@ class _EndsOf(_Work):
     def rows(self, report: Any) -> list[Any]:
         """Numbers and reason of each."""
         machines, starts = self.motions.given
-        if self.motions.is_assembly:
-            values, reasons = _native.simulate_assemblies(machines, starts, self.until, self.in_rows, report)
+        if self.motions.is_described:
+            values, reasons = _native.simulate_many(machines, starts, self.until, self.in_rows, report)
         else:
             with keeping(lambda _, one: (one, None)):
-                s, v, reasons = _native.simulate_many(machines, starts, self.periods, self.in_rows, report)
+                s, v, reasons = _native.paper_simulate_many(machines, starts, self.periods, self.in_rows, report)
             values = np.concatenate([s, v], axis=1)
         return list(zip(values.tolist(), reasons))
 
@@ -168,12 +168,12 @@ def simulate_many(
     checkpoint: _Path = None,
     progress: bool = False,
     **more: ArrayLike,
-) -> Ends: ...
+) -> PaperEnds: ...
 
 
 @overload
 def simulate_many(
-    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
+    machines: Union[MachineDescription, Iterable[MachineDescription]],
     parameters: Optional[Mapping[str, ArrayLike]] = None,
     *,
     starts: Union[StartLike, Sequence[StartLike]] = None,
@@ -183,19 +183,19 @@ def simulate_many(
     checkpoint: _Path = None,
     progress: bool = False,
     **more: ArrayLike,
-) -> AssemblyEnds: ...
+) -> Ends: ...
 
 
 @overload
 def simulate_many(
-    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
+    machines: Union[MachineDescription, Iterable[MachineDescription]],
     parameters: None = None,
     *,
     starts: Union[StartLike, Sequence[StartLike]] = None,
     times: ArrayLike,
     derivatives: Iterable[str] = (),
     progress: bool = False,
-) -> list[AssemblyRun]: ...
+) -> list[Run]: ...
 
 
 def simulate_many(
@@ -213,56 +213,56 @@ def simulate_many(
     progress: bool = False,
     **more: ArrayLike,
 ) -> Any:
-    """Many motions on all cores: of :class:`Machine` over whole drive periods from time 0, of :class:`Assembly` until a time or at instants.
+    """Many motions on all cores: of :class:`PaperMachine` over whole drive periods from time 0, of :class:`Machine` until a time or at instants.
 
     ``simulate_many(damper, {"stop.steel.gap": gaps}, until=2.0)`` makes each machine where its motion runs, and no object for it.
 
-    Those of :class:`Machine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`Machine.simulate`, but not on
-    the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Assembly`
-    are bit-identical to one :meth:`Assembly.simulate` to the end; with `times` each is what that returns.
+    Those of :class:`PaperMachine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`PaperMachine.simulate`, but not on
+    the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Machine`
+    are bit-identical to one :meth:`Machine.simulate` to the end; with `times` each is what that returns.
 
     Parameters
     ----------
     machines
-        A machine, or machines of one kind. Of several assemblies with `until` all have one structure.
+        A machine, or machines of one kind. Of several described machines with `until` all have one structure.
     parameters, **more
         Arrays of values of some parameters of one machine, SI, broadcast against each other: the results have their shape.
     starts
-        A start as of `simulate` for all, or a sequence of starts; of :class:`Machine` also an array of shape (n, 6).
+        A start as of `simulate` for all, or a sequence of starts; of :class:`PaperMachine` also an array of shape (n, 6).
     periods
-        Of :class:`Machine`: drive periods, each machine's own; 400 unless given.
+        Of :class:`PaperMachine`: drive periods, each machine's own; 400 unless given.
     until
-        Of assemblies: end of the motions, in s or as a text with a unit.
+        Of described machines: end of the motions, in s or as a text with a unit.
     times, derivatives
-        Of assemblies: as of :meth:`Assembly.simulate`; a run for each.
+        Of described machines: as of :meth:`Machine.simulate`; a run for each.
     errors, executor, checkpoint
         As of :func:`measure_many`; not with `times`.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`Machine.simulate` and :meth:`Assembly.simulate`, with the motion's index; for numbers of machines and starts that differ;
-        for assemblies of different columns.
+        As :meth:`PaperMachine.simulate` and :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ;
+        for described machines of different columns.
     KeyboardInterrupt
         On Ctrl-C, with the ends found until then as its attribute ``partial``: a list with an array for each motion, None where it was not
-        at its end; of :class:`Machine` the state, shape (6,), of assemblies the values in the order of ``columns``.
+        at its end; of :class:`PaperMachine` the state, shape (6,), of described machines the values in the order of ``columns``.
     """
-    several, is_assembly = _listed(machines)
+    several, is_described = _listed(machines)
     given, shape = _arrays(several, merged(parameters, more, "parameters"))
-    if until is not None or times is not None or is_assembly:
+    if until is not None or times is not None or is_described:
         if (until is None) == (times is None) or periods is not None:
-            raise TypeError("of assemblies allowed is `until` or `times`, and no `periods`; of Machine the other way round")
+            raise TypeError("of described machines allowed is `until` or `times`, and no `periods`; of PaperMachine the other way round")
     if times is not None:
         if given or (errors, executor, checkpoint) != ("raise", None, None):
             raise TypeError("times: allowed with several machines, without arrays, errors, executor and checkpoint")
-        return runs(_checked(several, AssemblyDescription), starts, times, derivatives, progress)
+        return runs(_checked(several, MachineDescription), starts, times, derivatives, progress)
     if names_of(derivatives):
-        raise TypeError("derivatives: allowed for assemblies, with `times`")
+        raise TypeError("derivatives: allowed for described machines, with `times`")
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     count = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
-    motions = _motions(several, starts, given, is_assembly, "a motion over periods")
-    end = after("until", seconds("until", until), max((time_of(begin) for begin in motions.starts), default=0.0)) if is_assembly else 0.0
-    if is_assembly:
+    motions = _motions(several, starts, given, is_described, "a motion over periods")
+    end = after("until", seconds("until", until), max((time_of(begin) for begin in motions.starts), default=0.0)) if is_described else 0.0
+    if is_described:
         _of_one_structure(motions.machines)
     work = _EndsOf(motions, in_rows, end, count)
     with keeping(lambda _, row: np.array(row[0])):
@@ -275,9 +275,9 @@ def simulate_many(
     shape = (len(rows),) if shape is None else shape
     values = values.reshape(*shape, values.shape[1])
     error = np.array([reason for _, reason in rows], dtype=object).reshape(shape) if in_rows else None
-    if is_assembly:
-        return AssemblyEnds(end, several[0].columns, values, error)
-    return Ends(_times(motions, count).reshape(shape).copy(), values[..., :3].copy(), values[..., 3:].copy(), error)
+    if is_described:
+        return Ends(end, several[0].columns, values, error)
+    return PaperEnds(_times(motions, count).reshape(shape).copy(), values[..., :3].copy(), values[..., 3:].copy(), error)
 
 
 def _times(motions: _Motions, periods: int) -> Floats:
@@ -314,14 +314,14 @@ def measure_many(
 
 @overload
 def measure_many(
-    machines: Union[AssemblyDescription, Iterable[AssemblyDescription]],
+    machines: Union[MachineDescription, Iterable[MachineDescription]],
     parameters: Union[Mapping[str, ArrayLike], Sequence[str]],
     measures: Optional[Sequence[str]] = None,
     *,
     starts: Union[StartLike, Sequence[StartLike]] = None,
     periods: int = 60,
     settle: int = 300,
-    section: Section = None,
+    section: SectionLike = None,
     errors: str = "raise",
     executor: Any = None,
     checkpoint: _Path = None,
@@ -337,13 +337,13 @@ def measure_many(
     starts: Any = None,
     periods: int = 60,
     settle: Optional[int] = None,
-    section: Section = None,
+    section: SectionLike = None,
     errors: str = "raise",
     executor: Any = None,
     checkpoint: _Path = None,
     progress: bool = False,
 ) -> Table:
-    """Measures of many settled motions on all cores, with the bits of :meth:`Machine.measure` and :meth:`Assembly.measure`.
+    """Measures of many settled motions on all cores, with the bits of :meth:`PaperMachine.measure` and :meth:`Machine.measure`.
 
     Each number has its spread in :attr:`Table.spreads`, and in columns such as ``amplitude.box.s.spread``: two numbers of irregular motions
     differ where their difference exceeds twice their spreads. :attr:`Table.unsettled` names what had not settled.
@@ -365,7 +365,7 @@ def measure_many(
     periods, settle
         Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
     section
-        Of assemblies, as of :meth:`Assembly.measure`.
+        Of described machines, as of :meth:`Machine.measure`.
     errors
         ``"raise"``: a motion that is refused or cannot go on raises its exception. ``"row"``: its measures are masked and the table's
         ``error`` has the reason; what is asked wrongly of all motions is raised all the same.
@@ -379,7 +379,7 @@ def measure_many(
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`Machine.measure` and :meth:`Assembly.measure`, with the motion's index; for numbers of machines and starts that differ.
+        As :meth:`PaperMachine.measure` and :meth:`Machine.measure`, with the motion's index; for numbers of machines and starts that differ.
     KeyboardInterrupt
         On Ctrl-C, with the dictionaries found until then as its attribute ``partial``: a list with None for each motion that was not at its
         end.
@@ -396,22 +396,22 @@ def _measured(
     starts: Any,
     periods: int,
     settle: Optional[int],
-    section: Section,
+    section: SectionLike,
     errors: str,
     executor: Any,
     checkpoint: _Path,
     progress: bool,
     axes: Optional[tuple[str, ...]] = None,
 ) -> Table:
-    several, is_assembly = _listed(machines)
+    several, is_described = _listed(machines)
     names = measure_names(measures)
     given, shape = _arrays(several, merged(parameters, {}, "parameters"))
-    if section is not None and not is_assembly:
-        raise TypeError("section: allowed for assemblies; a machine is looked at once a drive period")
+    if section is not None and not is_described:
+        raise TypeError("section: allowed for described machines; the paper's machine is looked at once a drive period")
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     periods = whole("periods", periods, 1, MOST_PERIODS)
-    settle = whole("settle", (300 if is_assembly else 400) if settle is None else settle, 0, MOST_PERIODS)
-    motions = _motions(several, starts, given, is_assembly, "a measure")
+    settle = whole("settle", (300 if is_described else 400) if settle is None else settle, 0, MOST_PERIODS)
+    motions = _motions(several, starts, given, is_described, "a measure")
     work = _Measures(motions, in_rows, names, periods, settle, section_of(section))
 
     def row(_: int, found: Any) -> dict[str, Any]:
@@ -423,13 +423,13 @@ def _measured(
     known: dict[str, str] = {}
     if several:
         own = several[0]
-        by_measure = {name: about.split(":", 1)[0] for name, about in own.measures.items()} if is_assembly else {n: MEASURES.get(own, ("",))[0] or "1" for n, own in zip(names, of_paper(names))}
+        by_measure = {name: about.split(":", 1)[0] for name, about in own.measures.items()} if is_described else {n: MEASURES.get(own, ("",))[0] or "1" for n, own in zip(names, of_paper(names))}
         known = {**own.units, **by_measure}
     return table_of(given, names, rows, in_rows, known, (len(rows),) if shape is None else shape, axes)
 
 
-def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence[str], *, section: Section = None, **options: Any) -> Table:
-    """What :meth:`Machine.sweep` and :meth:`Assembly.sweep` return."""
+def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence[str], *, section: SectionLike = None, **options: Any) -> Table:
+    """What :meth:`PaperMachine.sweep` and :meth:`Machine.sweep` return."""
     allowed = "a list or an array of shape (n,) of values"
     for name, values in parameters.items():
         if isinstance(values, str) or np.ndim(values) != 1:
@@ -441,16 +441,16 @@ def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence
 
 
 def _listed(machines: Any) -> tuple[list[Any], bool]:
-    """The machines as a list, and whether they are assemblies."""
+    """The machines as a list, and whether they are described machines."""
     several = list(machines) if isinstance(machines, Iterable) else [machines]
-    is_assembly = bool(several) and isinstance(several[0], AssemblyDescription)
-    return _checked(several, AssemblyDescription if is_assembly else ParameterValues), is_assembly
+    is_described = bool(several) and isinstance(several[0], MachineDescription)
+    return _checked(several, MachineDescription if is_described else ParameterValues), is_described
 
 
 def _checked(several: list[Any], kind: type[AnyMachine]) -> list[Any]:
     for index, machine in enumerate(several):
         if not isinstance(machine, kind):
-            allowed = "Assembly" if kind is AssemblyDescription else "Machine" if index else "Machine or Assembly"
+            allowed = "Machine" if kind is MachineDescription else "PaperMachine" if index else "Machine or PaperMachine"
             raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is {allowed}")
     return several
 
@@ -473,22 +473,22 @@ def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, F
     return {name: values.reshape(-1).copy() for name, values in zip(parameters, same)}, same[0].shape
 
 
-def _of_one_structure(machines: list[AssemblyDescription]) -> None:
+def _of_one_structure(machines: list[MachineDescription]) -> None:
     columns = machines[0].columns
     for index, machine in enumerate(machines):
         if machine.columns != columns:
             raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
 
 
-def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assembly: bool, what: str) -> _Motions:
+def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_described: bool, what: str) -> _Motions:
     """Machines with a start for each, or one for all."""
     if not given:
-        if is_assembly:
+        if is_described:
             return _Motions(*starts_of(several, starts))
         return _Motions(*pairs(several, starts, what))
     names, table = list(given), np.stack(list(given.values()), axis=1)
     several[0]._rows(names, table[:1])  # refuses names
-    if is_assembly:
+    if is_described:
         one = starts is None or isinstance(starts, (Mapping, str, os.PathLike))
         begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else listed_starts(starts))]
     elif isinstance(starts, np.ndarray) and starts.ndim == 2:
@@ -498,6 +498,6 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_assem
     else:
         begins = coordinates("starts", starts)
         state("starts", starts, several[0]._system)  # refuses times
-    if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_assembly else len(table)):
+    if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_described else len(table)):
         raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)

@@ -13,15 +13,15 @@ from . import _native
 from ._arguments import COORDINATES, SI_COORDINATES, Floats
 from ._show import Line, lines
 from ._result import Result
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
 # The paper's symbol of a column.
 _OWN = dict(zip(SI_COORDINATES, COORDINATES))
-#: Every measure of :meth:`Machine.measure`: its name with unit and meaning.
-MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.measures()}
+#: Every measure of :meth:`PaperMachine.measure`: its name with unit and meaning.
+MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.paper_measures()}
 
 
 def measure_names(measures: Sequence[str]) -> list[str]:
@@ -88,7 +88,7 @@ def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Spectrum(Result):
+class PaperSpectrum(Result):
     """A Lyapunov spectrum."""
 
     machine: ParameterValues

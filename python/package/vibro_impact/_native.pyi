@@ -21,45 +21,45 @@ _Systems = Sequence[System] | tuple[_Numbers, _Numbers, Sequence[int], _Floats]
 _Starts = _Floats | tuple[Sequence[float], Sequence[float | None]]
 
 __all__ = [
-    "AssemblyOrbit",
+    "Orbit",
     "Described",
     "Load",
-    "Orbit",
+    "PaperOrbit",
     "System",
     "__version__",
-    "assembly_basins",
-    "assembly_branches",
-    "assembly_diagram",
-    "assembly_locus",
-    "assembly_orbit",
-    "assembly_section",
-    "assembly_spectrum",
-    "assembly_transition",
     "basins",
-    "bifurcation",
     "branches",
+    "diagram",
+    "locus",
+    "orbit",
+    "section",
+    "spectrum",
+    "transition",
+    "paper_basins",
+    "paper_bifurcation",
+    "paper_branches",
     "columns_of_table",
     "find",
-    "fit_assembly",
+    "fit",
+    "paper_follow",
+    "follow_many",
     "follow",
-    "follow_assemblies",
-    "follow_assembly_orbit",
     "in_si",
-    "lyapunov",
-    "measure",
-    "measure_assemblies",
+    "paper_lyapunov",
+    "paper_measure",
     "measure_many",
-    "measures",
-    "orbit",
+    "paper_measure_many",
+    "paper_measures",
+    "paper_orbit",
     "parameters",
-    "poincare",
-    "settled_orbit",
-    "simulate",
-    "simulate_assemblies",
-    "simulate_assembly",
+    "paper_poincare",
+    "paper_settled_orbit",
+    "paper_simulate",
     "simulate_many",
-    "steady",
-    "steady_motion",
+    "simulate",
+    "paper_simulate_many",
+    "paper_steady",
+    "paper_steady_motion",
 ]
 
 __version__: str
@@ -96,8 +96,8 @@ class Load:
     def at(self, t: _Floats) -> _Floats: ...
 
 @final
-class Orbit:
-    def __new__(cls, system: System, word: str, closing: int, half_periods: int, phases: _Floats) -> Orbit: ...
+class PaperOrbit:
+    def __new__(cls, system: System, word: str, closing: int, half_periods: int, phases: _Floats) -> PaperOrbit: ...
     @property
     def word(self) -> str: ...
     @property
@@ -124,23 +124,23 @@ class Orbit:
 def find(name: str) -> str: ...
 def in_si(si: str, text: str) -> tuple[float, bool] | None: ...
 def parameters() -> tuple[int, list[tuple[str, str, str, str, str]]]: ...
-def simulate(
+def paper_simulate(
     system: System, start: Sequence[float], begin: float, t: _Floats, loads: Sequence[Load], progress: _Progress = None
 ) -> _Parts: ...
-def simulate_many(
+def paper_simulate_many(
     systems: _Systems, starts: _Starts, periods: int, in_rows: bool, progress: _Progress = None
 ) -> tuple[_Floats, _Floats, list[str | None]]: ...
-def simulate_assembly(
+def simulate(
     machine: Described, start: _Numbers, t: _Floats, parameters: Sequence[str], progress: _Progress = None
 ) -> _Parts: ...
-def follow_assemblies(
+def follow_many(
     machines: _Machines, starts: Sequence[_Numbers], t: _Floats, parameters: Sequence[str], progress: _Progress = None
 ) -> list[_Parts]: ...
-def simulate_assemblies(
+def simulate_many(
     machines: _Machines, starts: Sequence[_Numbers], until: float, in_rows: bool, progress: _Progress = None
 ) -> tuple[_Floats, list[str | None]]: ...
 def columns_of_table(machine: Described, text: str, names: dict[str, str]) -> list[tuple[str, list[float]]]: ...
-def fit_assembly(
+def fit(
     machine: Described,
     start: _Numbers,
     times: _Floats,
@@ -154,7 +154,7 @@ def fit_assembly(
     progress: _Progress = None,
 ) -> _Parts: ...
 @final
-class AssemblyOrbit:
+class Orbit:
     @property
     def word(self) -> str: ...
     @property
@@ -175,7 +175,7 @@ class AssemblyOrbit:
     def gradient(self, name: str) -> list[tuple[str, float | None, str]]: ...
     def energies(self) -> list[tuple[str, float]] | None: ...
 
-def assembly_orbit(
+def orbit(
     machine: Described,
     start: _Numbers,
     settle: int,
@@ -185,11 +185,11 @@ def assembly_orbit(
     time: float | None,
     starts: int,
     progress: _Progress = None,
-) -> AssemblyOrbit: ...
-def follow_assembly_orbit(
-    orbit: AssemblyOrbit, name: str, ends: tuple[float, float], of: str, progress: _Progress = None
+) -> Orbit: ...
+def follow(
+    orbit: Orbit, name: str, ends: tuple[float, float], of: str, progress: _Progress = None
 ) -> _Parts: ...
-def assembly_branches(
+def branches(
     machine: Described,
     name: str,
     ends: tuple[float, float],
@@ -201,7 +201,7 @@ def assembly_branches(
     section: float | str | None,
     progress: _Progress = None,
 ) -> list[_Parts]: ...
-def assembly_locus(
+def locus(
     machine: Described,
     first: tuple[str, tuple[float, float]],
     second: tuple[str, tuple[float, float]],
@@ -209,7 +209,7 @@ def assembly_locus(
     beside: list[tuple[float, float, _Numbers]],
     progress: _Progress = None,
 ) -> _Parts: ...
-def assembly_basins(
+def basins(
     machine: Described,
     x: tuple[str, float, float, int],
     y: tuple[str, float, float, int],
@@ -218,7 +218,7 @@ def assembly_basins(
     section: float | str | None,
     progress: _Progress = None,
 ) -> _Parts: ...
-def assembly_section(
+def section(
     machine: Described,
     start: _Numbers,
     phase: float,
@@ -227,7 +227,7 @@ def assembly_section(
     section: float | str | None,
     progress: _Progress = None,
 ) -> _Parts: ...
-def assembly_spectrum(
+def spectrum(
     machine: Described,
     start: _Numbers,
     settle: int,
@@ -235,8 +235,8 @@ def assembly_spectrum(
     section: float | str | None,
     progress: _Progress = None,
 ) -> _Parts: ...
-def assembly_transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
-def measure_assemblies(
+def transition(machine: Described, start: _Numbers, until: float, progress: _Progress = None) -> _Parts: ...
+def measure_many(
     machines: _Machines,
     starts: Sequence[_Numbers],
     names: Sequence[str],
@@ -246,7 +246,7 @@ def measure_assemblies(
     in_rows: bool,
     progress: _Progress = None,
 ) -> list[_Row]: ...
-def assembly_diagram(
+def diagram(
     machine: Described,
     name: str,
     ends: tuple[float, float],
@@ -260,7 +260,7 @@ def assembly_diagram(
     start: _Numbers,
     progress: _Progress = None,
 ) -> _Parts: ...
-def poincare(
+def paper_poincare(
     system: System,
     start: Sequence[float],
     stop: int,
@@ -269,7 +269,7 @@ def poincare(
     periods: int,
     progress: _Progress = None,
 ) -> _Parts: ...
-def bifurcation(
+def paper_bifurcation(
     system: System,
     start: Sequence[float] | None,
     name: str,
@@ -281,10 +281,10 @@ def bifurcation(
     exponents: int | None,
     progress: _Progress = None,
 ) -> _Parts: ...
-def lyapunov(
+def paper_lyapunov(
     system: System, start: Sequence[float], discard: int, periods: int, progress: _Progress = None
 ) -> _Parts: ...
-def basins(
+def paper_basins(
     system: System,
     x: tuple[int, float, float, int],
     y: tuple[int, float, float, int],
@@ -292,11 +292,11 @@ def basins(
     discard: int,
     progress: _Progress = None,
 ) -> _Parts: ...
-def measures() -> list[tuple[str, str, str]]: ...
-def measure(
+def paper_measures() -> list[tuple[str, str, str]]: ...
+def paper_measure(
     system: System, start: Sequence[float], names: Sequence[str], discard: int, periods: int, progress: _Progress = None
 ) -> _Row: ...
-def measure_many(
+def paper_measure_many(
     systems: _Systems,
     starts: _Starts,
     names: Sequence[str],
@@ -305,18 +305,18 @@ def measure_many(
     in_rows: bool,
     progress: _Progress = None,
 ) -> list[_Row]: ...
-def steady(system: System, theory: str, upper: bool) -> tuple[_Parts | None, str | None]: ...
-def steady_motion(system: System, theory: str, upper: bool, theta: _Floats) -> tuple[_Floats, _Floats]: ...
-def orbit(
+def paper_steady(system: System, theory: str, upper: bool) -> tuple[_Parts | None, str | None]: ...
+def paper_steady_motion(system: System, theory: str, upper: bool, theta: _Floats) -> tuple[_Floats, _Floats]: ...
+def paper_orbit(
     system: System, word: str, closing: int, half_periods: int, tries: int, progress: _Progress = None
-) -> list[Orbit]: ...
-def settled_orbit(
+) -> list[PaperOrbit]: ...
+def paper_settled_orbit(
     system: System, start: Sequence[float], discard: int, progress: _Progress = None
-) -> Orbit: ...
-def follow(
-    orbit: Orbit, name: str, ends: tuple[float, float], weights: tuple[float, float, float], progress: _Progress = None
+) -> PaperOrbit: ...
+def paper_follow(
+    orbit: PaperOrbit, name: str, ends: tuple[float, float], weights: tuple[float, float, float], progress: _Progress = None
 ) -> _Parts: ...
-def branches(
+def paper_branches(
     system: System,
     name: str,
     ends: tuple[float, float],

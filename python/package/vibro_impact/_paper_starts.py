@@ -9,8 +9,8 @@ from typing import Any, Optional
 import numpy as np
 
 from ._arguments import Floats, array, state
-from ._assembly_start import listed_starts
-from ._values import ParameterValues
+from ._machine_start import listed_starts
+from ._paper_values import ParameterValues
 
 
 def pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[ParameterValues], Floats]:

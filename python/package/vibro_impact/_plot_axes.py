@@ -7,7 +7,7 @@ from typing import Optional
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
-from ._values import ParameterValues
+from ._paper_values import ParameterValues
 
 #: Colours of x1, x2, x3 and w = x2 - x1.
 COLOURS = {"x1": "#004696", "x2": "#c84b00", "x3": "#14a073", "w": "#a52882"}

@@ -10,15 +10,15 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ._arguments import Floats
-from ._assembly_description import AssemblyDescription
-from ._assembly_locus import AssemblyLocus
-from ._assembly_orbits import AssemblyBranch
-from ._orbits import Branch
-from ._parameters import PARAMETERS
+from ._machine_description import MachineDescription
+from ._machine_locus import Locus
+from ._machine_orbits import Branch
+from ._paper_orbits import PaperBranch
+from ._paper_parameters import PARAMETERS
 from ._plot_axes import COLOURS, SYMBOLS, axes_of, length, require
 
 
-def _parameter(machine: AssemblyDescription, name: str) -> str:
+def _parameter(machine: MachineDescription, name: str) -> str:
     """A parameter of a machine of your own with its unit."""
     unit = machine.units[name]
     return name if unit == "1" else f"{name} ({unit})"
@@ -33,16 +33,16 @@ def _mark(axes: Axes, labels: NDArray[np.str_], x: Floats, y: Floats) -> None:
         axes.annotate(str(labels[index]), place, (7, -11), textcoords="offset points", bbox=box)
 
 
-def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -> Axes:
+def branch(branch: Union[Branch, PaperBranch], axes: Optional[Axes] = None) -> Axes:
     """What is kept along a branch of periodic orbits: solid where stable, dashed where not, special points with labels.
 
     It is the largest maximum; of a machine of your own the branch's measure, in SI.
     """
     if isinstance(branch, Sequence):
-        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or AssemblyBranch; plot.response draws several")
-    require("branch", branch, Branch, AssemblyBranch)
+        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or PaperBranch; plot.response draws several")
+    require("branch", branch, Branch, PaperBranch)
     axes = axes_of(axes)
-    if isinstance(branch, AssemblyBranch):
+    if isinstance(branch, Branch):
         machine, colour, top = branch.machine, "C0", branch.measure
         unit = machine.measures[branch.of].split(":")[0] if branch.of in machine.measures else ""
         across = _parameter(machine, branch.name)
@@ -72,7 +72,7 @@ def branch(branch: Union[Branch, AssemblyBranch], axes: Optional[Axes] = None) -
     return axes
 
 
-def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[Axes] = None) -> Axes:
+def response(branches: Sequence[Union[Branch, PaperBranch]], axes: Optional[Axes] = None) -> Axes:
     """A response curve, or all branches over a parameter: what `response` and `branches` return, each as by :func:`branch`.
 
     Raises
@@ -80,7 +80,7 @@ def response(branches: Sequence[Union[Branch, AssemblyBranch]], axes: Optional[A
     TypeError, ValueError
         For another kind of result, and for none.
     """
-    branches = _several("branches", branches, Branch, AssemblyBranch)
+    branches = _several("branches", branches, Branch, PaperBranch)
     axes = axes_of(axes)
     for one in branches:
         branch(one, axes)
@@ -101,7 +101,7 @@ def _several(what: str, results: Any, *kinds: type) -> Sequence[Any]:
     return results
 
 
-def locus(curves: Union[AssemblyLocus, Sequence[AssemblyLocus]], axes: Optional[Axes] = None) -> Axes:
+def locus(curves: Union[Locus, Sequence[Locus]], axes: Optional[Axes] = None) -> Axes:
     """Curves of special points over two parameters, one or several, with the points of two conditions on them.
 
     Raises
@@ -109,7 +109,7 @@ def locus(curves: Union[AssemblyLocus, Sequence[AssemblyLocus]], axes: Optional[
     TypeError, ValueError
         For another kind of result, for none, and for curves over different parameters.
     """
-    several = _several("curves", curves, AssemblyLocus)
+    several = _several("curves", curves, Locus)
     axes = axes_of(axes)
     for index, one in enumerate(several):
         if one.names != several[0].names:

@@ -14,7 +14,7 @@ class Start(Mapping[str, float]):
     """A time and a state from which a motion starts; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
 
     ``run.end`` is one, and ``{**run.end, "box.v": 0.0}`` one with another speed. :meth:`save` writes a file that reads back to an equal
-    start, which :meth:`Assembly.start` and ``vibro run FILE --start`` read. ``np.array(start)`` has the numbers but the time.
+    start, which :meth:`Machine.start` and ``vibro run FILE --start`` read. ``np.array(start)`` has the numbers but the time.
     """
 
     __slots__ = ("_numbers",)

@@ -2,11 +2,11 @@
 
 ``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
 pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
-the gap is under 0.1 m; the numbers of the results stay in SI. Results of an :class:`Assembly` are drawn in SI, in matplotlib's colours:
+the gap is under 0.1 m; the numbers of the results stay in SI. Results of a :class:`Machine` are drawn in SI, in matplotlib's colours:
 every function takes those of both kinds of machine.
 
->>> from vibro_impact import Machine, plot
->>> axes = plot.portrait(Machine().simulate(periods=20), of="x2")
+>>> from vibro_impact import PaperMachine, plot
+>>> axes = plot.portrait(PaperMachine().simulate(periods=20), of="x2")
 
 Needs matplotlib: ``pip install vibro-impact[plot]``.
 """
@@ -23,14 +23,14 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ._arguments import Floats, choice, displacement
-from ._assembly_description import AssemblyDescription
-from ._assembly_results import AssemblyDiagram, AssemblyDirection, AssemblyRun
-from ._assembly_studies import AssemblyBasins, AssemblySection
-from ._motion import Run, Section
-from ._parameters import PARAMETERS
+from ._machine_description import MachineDescription
+from ._machine_results import Diagram, Direction, Run
+from ._machine_studies import Basins, Section
+from ._paper_motion import PaperRun, PaperSection
+from ._paper_parameters import PARAMETERS
 from ._plot_axes import COLOURS, SYMBOLS, axes_of, length, require
 from ._plot_orbits import branch, locus, response
-from ._studies import Basins, Diagram, Direction
+from ._paper_studies import PaperBasins, PaperDiagram, PaperDirection
 
 _BODIES = {"x1": "box", "x2": "block", "x3": "secondary oscillator", "w": "block in the box"}
 #: Colours of areas (Okabe and Ito).
@@ -42,7 +42,7 @@ _DRAWN = 40
 __all__ = ["COLOURS", "basins", "bifurcation", "branch", "forces", "history", "locus", "portrait", "response", "section"]
 
 
-def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
+def _columns(result: Union[PaperRun, PaperSection], of: str) -> tuple[Floats, Floats]:
     """Displacement (m) and velocity (m/s) of x1, x2, x3 or w."""
     if of == "w":
         return result.s[:, 1] - result.s[:, 0], result.v[:, 1] - result.v[:, 0]
@@ -50,7 +50,7 @@ def _columns(result: Union[Run, Section], of: str) -> tuple[Floats, Floats]:
     return result.s[:, index], result.v[:, index]
 
 
-def _windows(run: Run) -> NDArray[np.intp]:
+def _windows(run: PaperRun) -> NDArray[np.intp]:
     """The first instants of windows of whole drive periods, at most 400; none where a run is short enough to be drawn as a line."""
     period = 2 * np.pi / run.machine.drive_frequency
     periods = (run.t[-1] - run.t[0]) / period if len(run.t) else 0.0
@@ -68,12 +68,12 @@ def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
         line(stop, color="black", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
 
 
-def _unit(machine: AssemblyDescription, column: str) -> str:
+def _unit(machine: MachineDescription, column: str) -> str:
     """The SI unit of a column of a machine of your own."""
     return machine.measures[f"maximum.{column}"].split(":")[0]
 
 
-def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
+def history(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
     """Displacements over time; of more than 40 drive periods the least and largest in each, or in every so many.
 
     Parameters
@@ -87,11 +87,11 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    require("run", run, Run, AssemblyRun)
+    require("run", run, Run, PaperRun)
     axes = axes_of(axes)
     given = [of] if isinstance(of, str) else of
-    if isinstance(run, AssemblyRun):
-        return _history_of_assembly(run, axes, _displacements(run) if given is None else list(given))
+    if isinstance(run, Run):
+        return _history_of_described(run, axes, _displacements(run) if given is None else list(given))
     scale, unit = length(run.machine)
     names = ["x1", "x2", "x3"] if given is None else list(map(displacement, given))
     windows = _windows(run)
@@ -115,11 +115,11 @@ def history(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Un
     return axes
 
 
-def _displacements(run: AssemblyRun) -> list[str]:
+def _displacements(run: Run) -> list[str]:
     return [name for name in run.columns if name.endswith(".s")]
 
 
-def _history_of_assembly(run: AssemblyRun, axes: Axes, names: list[str]) -> Axes:
+def _history_of_described(run: Run, axes: Axes, names: list[str]) -> Axes:
     for name in names:
         choice("of", name, run.columns)
         axes.plot(run.t, run[name], linewidth=1.2, label=name)
@@ -132,7 +132,7 @@ def _history_of_assembly(run: AssemblyRun, axes: Axes, names: list[str]) -> Axes
     return axes
 
 
-def _portrait_of_assembly(run: AssemblyRun, axes: Axes, of: str) -> Axes:
+def _portrait_of_described(run: Run, axes: Axes, of: str) -> Axes:
     pairs = _rates(run.columns)
     rate = pairs[choice("of", of, tuple(pairs))]
     jumps = np.unique(np.searchsorted(run.t, run.events["t"][run.events["kind"] == "impact"]))
@@ -143,29 +143,29 @@ def _portrait_of_assembly(run: AssemblyRun, axes: Axes, of: str) -> Axes:
     return axes
 
 
-def forces(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
-    """Forces over time: of an assembly those of its elements and loads, of the paper's machine the impulses (N.s) at its stops, a stem each.
+def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
+    """Forces over time: of a described machine those of its elements and loads, of the paper's machine the impulses (N.s) at its stops, a stem each.
 
     Parameters
     ----------
     of
-        Of an assembly some of its columns that end in ``.f``, all of its stops unless given; of the paper's machine ``upper`` or ``lower``.
+        Of a described machine some of its columns that end in ``.f``, all of its stops unless given; of the paper's machine ``upper`` or ``lower``.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, names that it has not, and an assembly without such elements.
+        For another kind of result, names that it has not, and a described machine without such elements.
     """
-    require("run", run, Run, AssemblyRun)
+    require("run", run, Run, PaperRun)
     axes = axes_of(axes)
     given = [of] if isinstance(of, str) else of
-    if isinstance(run, AssemblyRun):
+    if isinstance(run, Run):
         all_forces = [name for name in run.columns if name.endswith(".f")]
         stops = [name for name in all_forces if any(key.startswith(f"stop.{name[:-2]}.") for key in run.machine.parameters)]
         names = (stops or all_forces) if given is None else [choice("of", name, all_forces) for name in given]
         if not names:
             raise ValueError("run: its machine has no element with a force; allowed are springs, compliant stops, friction and loads")
-        return _history_of_assembly(run, axes, names)
+        return _history_of_described(run, axes, names)
     for name in ("upper", "lower") if given is None else given:
         sign = 1 if choice("of", name, ("upper", "lower")) == "upper" else -1
         own = run.impacts[run.impacts["stop"] == sign]
@@ -178,7 +178,7 @@ def forces(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Uni
     return axes
 
 
-def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
+def portrait(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
     """Velocity (m/s) over displacement: the line is interrupted at impacts, where the velocity jumps.
 
     Parameters
@@ -192,10 +192,10 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    require("run", run, Run, AssemblyRun)
+    require("run", run, Run, PaperRun)
     axes = axes_of(axes)
-    if isinstance(run, AssemblyRun):
-        return _portrait_of_assembly(run, axes, _displacements(run)[0] if of is None else of)
+    if isinstance(run, Run):
+        return _portrait_of_described(run, axes, _displacements(run)[0] if of is None else of)
     of = displacement(of)
     scale, unit = length(run.machine)
     place, rate = _columns(run, of)
@@ -211,7 +211,7 @@ def portrait(run: Union[Run, AssemblyRun], axes: Optional[Axes] = None, *, of: O
     return axes
 
 
-def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
+def section(section: Union[Section, PaperSection], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
     """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop.
 
     Parameters
@@ -225,10 +225,10 @@ def section(section: Union[Section, AssemblySection], axes: Optional[Axes] = Non
     TypeError, ValueError
         For another kind of result, and names that it has not.
     """
-    require("section", section, Section, AssemblySection)
+    require("section", section, Section, PaperSection)
     axes = axes_of(axes)
-    if isinstance(section, AssemblySection):
-        place, rate = _section_of_assembly(section, axes, of)
+    if isinstance(section, Section):
+        place, rate = _section_of_described(section, axes, of)
         return _points(axes, place, rate, "C0")
     of = displacement(of)
     if section.at == "phase":
@@ -255,7 +255,7 @@ def _points(axes: Axes, x: Floats, y: Floats, colour: str) -> Axes:
     return axes
 
 
-def _section_of_assembly(section: AssemblySection, axes: Axes, of: Optional[str]) -> tuple[Floats, Floats]:
+def _section_of_described(section: Section, axes: Axes, of: Optional[str]) -> tuple[Floats, Floats]:
     """The points, with the axes' labels."""
     if of is None and section.phase is not None and section.speed is not None:
         _phases(axes)
@@ -275,7 +275,7 @@ def _rates(columns: Sequence[str]) -> dict[str, str]:
     return {place: rate for place, rate in pairs.items() if rate in columns}
 
 
-def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
+def bifurcation(diagram: Union[Diagram, PaperDiagram], axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
     """The maxima of a bifurcation diagram over its parameter, in units of L; of a machine of your own in SI.
 
     Parameters
@@ -288,10 +288,10 @@ def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] =
     TypeError, ValueError
         For another kind of result, and another direction.
     """
-    require("diagram", diagram, Diagram, AssemblyDiagram)
+    require("diagram", diagram, Diagram, PaperDiagram)
     axes = axes_of(axes)
     choice("direction", direction, ("up", "down", "both"))
-    if isinstance(diagram, AssemblyDiagram):
+    if isinstance(diagram, Diagram):
         colour, unit = "C0", diagram.machine.units[diagram.name]
         across = diagram.name if unit == "1" else f"{diagram.name} ({unit})"
         what = "at the section" if diagram.at_section else "maxima"
@@ -311,7 +311,7 @@ def bifurcation(diagram: Union[Diagram, AssemblyDiagram], axes: Optional[Axes] =
     return axes
 
 
-def _dots(axes: Axes, shown: Union[Direction, AssemblyDirection], colour: str, label: str) -> None:
+def _dots(axes: Axes, shown: Union[Direction, PaperDirection], colour: str, label: str) -> None:
     axes.plot(
         shown.value[shown.at],
         shown.maxima,
@@ -325,15 +325,15 @@ def _dots(axes: Axes, shown: Union[Direction, AssemblyDirection], colour: str, l
     )
 
 
-def basins(basins: Union[Basins, AssemblyBasins], axes: Optional[Axes] = None) -> Axes:
+def basins(basins: Union[Basins, PaperBasins], axes: Optional[Axes] = None) -> Axes:
     """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white.
 
     Of a machine of your own cells whose motion was not decided are grey, and those whose motion ends are black.
     """
-    require("basins", basins, Basins, AssemblyBasins)
+    require("basins", basins, Basins, PaperBasins)
     axes = axes_of(axes)
-    if isinstance(basins, AssemblyBasins):
-        return _basins_of_assembly(basins, axes)
+    if isinstance(basins, Basins):
+        return _basins_of_described(basins, axes)
     colours, handles = ["white"], []
     for number, attractor in enumerate(basins.attractors):
         colour = _AREAS[number % len(_AREAS)]
@@ -349,7 +349,7 @@ def basins(basins: Union[Basins, AssemblyBasins], axes: Optional[Axes] = None) -
     return _areas(axes, shown, colours, handles, (basins.edges, labels[0], labels[1]))
 
 
-def _basins_of_assembly(basins: AssemblyBasins, axes: Axes) -> Axes:
+def _basins_of_described(basins: Basins, axes: Axes) -> Axes:
     colours, handles = ["black", "#8c8c8c", "white"], []
     for number, attractor in enumerate(basins.attractors):
         turn, index = divmod(number, len(_AREAS))

@@ -108,7 +108,7 @@ fn main() -> ExitCode {
 /// The workspace this program was compiled from.
 fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent().unwrap_or(here)
+    here.ancestors().nth(2).unwrap_or(here)
 }
 
 fn build(arguments: &Arguments) -> Result<PathBuf, Error> {

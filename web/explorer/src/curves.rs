@@ -120,7 +120,7 @@ pub fn branches(
             for (place, tops) in maxima.iter().enumerate() {
                 match tops.get(index) {
                     Some(&top) => {
-                        let stable = branch.stability_around(place).1;
+                        let stable = branch.points[place].is_stable();
                         rows.extend([branch.points[place].value, top, f64::from(u8::from(stable))]);
                     }
                     None => rows.extend([GAP; 3]),

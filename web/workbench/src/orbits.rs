@@ -22,7 +22,7 @@ fn listed(branch: &Branch, measure: &Measure) -> Value {
         let top = orbit.as_ref().and_then(|orbit| orbit.measure(measure).ok());
         let start = orbit.as_ref().map(|orbit| orbit.start().to_toml());
         let stable = u8::from(point.stability == Stability::Stable);
-        let label = point.special.as_ref().map(|special| special.kind.name());
+        let label = point.special.as_ref().map(|special| special.label.name());
         json!([point.value, top, stable, label, start])
     });
     points.collect()

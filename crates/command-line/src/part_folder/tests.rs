@@ -1,8 +1,9 @@
 use super::*;
 use crate::long_study::{LongStudy, StudyKind};
 use crate::manifest::Invocation;
+use vibro_studies::basin::BasinRequest;
 use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::basin::{BasinRequest, InitialValueRange, in_the_middle};
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::parts::{Shard, Task};
 
 /// The manifest of a study over so many discarded periods.
@@ -158,18 +159,4 @@ fn a_folder_that_cannot_be_written_is_no_usage_error() {
     let error = Task { store: &store, ..Task::ALL }.complete(1, square).unwrap_err();
     let error = Error::from(error);
     assert!(error.to_string().starts_with("writing ") && !error.is_usage(), "{error}");
-}
-
-#[test]
-fn files_that_differ_in_their_ending_alone_are_written_at_the_same_time() {
-    let base = tempfile::tempdir().unwrap();
-    let [table, picture] = ["csv", "svg"].map(|ending| base.path().join(format!("plane.{ending}")));
-    write_whole_by(&table, |file| {
-        file.write_all(b"a ta").unwrap();
-        write_whole(&picture, b"a picture")?;
-        file.write_all(b"ble").map_err(Error::file("writing", &table))
-    })
-    .unwrap();
-    assert_eq!(std::fs::read(&table).unwrap(), b"a table");
-    assert_eq!(std::fs::read(&picture).unwrap(), b"a picture");
 }

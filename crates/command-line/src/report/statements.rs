@@ -247,7 +247,7 @@ fn doublings(found: &Findings) -> Vec<Doubling> {
     let branches = &orbits.tree.branches;
     let of_symmetric = |s: &Vec<Doubling>| {
         let first = &s[0];
-        first.label == Label::BranchPoint && branches[first.branch].word.len() == 1
+        first.label == Label::BranchPoint && branches[first.branch].word().len() == 1
     };
     doubling_sequences(branches).into_iter().find(of_symmetric).unwrap_or_default()
 }

@@ -1,32 +1,80 @@
-//! Pictures and tables of basins of attraction of described machines.
+//! Pictures and tables of basins of attraction.
+
+mod described;
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::orbits::shown_axis;
-use super::paper::basin::{FURTHER, NOT_SETTLED, OTHERS, OUTSIDE, PAIRS, ROW, UNDECIDED};
 use crate::Result;
 use crate::table::{TextTable, csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use vibro_machine::description::{Body, Dimension};
-use vibro_orbits::Orbit;
-use vibro_studies::basin::{BasinAttractor, BasinCell, BasinRequest, Basins, StartAxis};
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::plane::check_cells;
-use vibro_studies::significant;
-use vibro_studies::{Machine, QuantityName};
+use vibro_studies::basin::{BasinAttractor, BasinCell, BasinMachine, BasinRequest, Basins, StartAxis};
+use vibro_studies::check_cells;
 
-/// Largest number of attractors that are listed, and of which the orbit is found.
-const SHOWN: usize = 64;
-/// Attractors with a colour of their own.
-const COLOURED: usize = 2 * PAIRS.len();
+/// Colours of the first attractors and of their mirror images. Each differs in lightness from all
+/// others and from [`OTHERS`].
+const PAIRS: [[Colour; 2]; 8] = [
+    [Colour(0, 65, 111), Colour(0, 145, 248)],
+    [Colour(172, 57, 0), Colour(250, 167, 125)],
+    [Colour(0, 83, 42), Colour(0, 176, 88)],
+    [Colour(201, 0, 134), Colour(251, 176, 226)],
+    [Colour(94, 0, 226), Colour(185, 145, 241)],
+    [Colour(144, 108, 0), Colour(251, 207, 75)],
+    [Colour(180, 0, 0), Colour(246, 148, 148)],
+    [Colour(0, 137, 137), Colour(0, 251, 251)],
+];
+/// Colours of other cells: starts outside the stops; motions that have not settled; motions whose
+/// attractor was not decided, and motions that end; all attractors beyond [`PAIRS`]; motions that
+/// come to rest.
+const OTHERS: [Colour; 5] = [
+    Colour(235, 235, 235),
+    Colour(132, 132, 132),
+    Colour(45, 45, 45),
+    Colour(20, 20, 20),
+    Colour(190, 190, 190),
+];
+const OUTSIDE: Colour = OTHERS[0];
+const NOT_SETTLED: Colour = OTHERS[1];
+const UNDECIDED: Colour = OTHERS[2];
+const FURTHER: Colour = OTHERS[3];
+const REST: Colour = OTHERS[4];
+
+/// Largest number of attractors that are listed.
+const SHOWN: usize = 101;
+
+/// Largest size of a row of the table, bytes.
+const ROW: usize = 64;
+
+/// Machine whose basins have tables and pictures.
+pub trait ShownBasins: BasinMachine + Labelled {
+    /// Whether attractors have mirror images.
+    const HAS_IMAGES: bool;
+    /// Headings of the table of attractors after number and class.
+    fn headings(basins: &Basins<Self::Attractor>) -> Vec<String>;
+    /// An attractor with the cells of its row; `shares` are those of it and of its image.
+    fn listed(&self, found: &Self::Attractor, shares: [f64; 2]) -> Listed;
+    /// Title of the picture, its second line of caption, and what of the starts is on no axis.
+    fn titles(&self) -> [String; 3];
+    /// Axis of the picture.
+    fn start_axis(&self, axis: &StartAxis) -> Axis;
+    /// The share of the motions that came to rest, and where; `None` where none did.
+    fn rest_in_words(&self, basins: &Basins<Self::Attractor>) -> Option<String>;
+}
+
+/// An attractor in tables and pictures.
+pub struct Listed {
+    /// Cells of its row after number and class.
+    pub row: Vec<String>,
+    /// Its class with more, as the legend and as the remark say it.
+    pub words: [String; 2],
+}
 
 /// Checks that a plane of starts and its table fit into memory.
 ///
 /// # Errors
 /// [`TooMany`](vibro_studies::Error::TooMany), with the number that would fit.
-pub fn check_assembly_basins(request: &BasinRequest) -> Result<()> {
+pub fn check_basins<M: BasinMachine>(request: &BasinRequest<M>) -> Result<()> {
     let held = size_of::<BasinCell>() + ROW;
     Ok(check_cells("points of the plane", (request.x.count, request.y.count), held)?)
 }
@@ -35,19 +83,15 @@ pub fn check_assembly_basins(request: &BasinRequest) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn assembly_basins(
-    machine: &Machine,
-    request: &BasinRequest,
-    basins: &Basins,
+pub fn basins<M: ShownBasins>(
+    machine: &M,
+    request: &BasinRequest<M>,
+    basins: &Basins<M::Attractor>,
     name: &str,
 ) -> Result<Study> {
-    let listed: Vec<Listed> = basins
-        .attractors
-        .par_iter()
-        .take(SHOWN)
-        .enumerate()
-        .map(|(number, attractor)| Listed::new(machine, basins, number, attractor))
-        .collect();
+    let shown = basins.attractors.par_iter().take(SHOWN).enumerate();
+    let listed: Vec<Listed> =
+        shown.map(|(number, found)| machine.listed(found, basins.shares(number as u16))).collect();
     let count = basins.attractors.len();
     let (x, y) = (&request.x, &request.y);
     let attractors = if count == 1 { "attractor" } else { "attractors" };
@@ -56,18 +100,20 @@ pub fn assembly_basins(
         (_, false) => format!("{count} {attractors} and of rest"),
         (_, true) => format!("{count} {attractors}"),
     };
-    let what = format!("basins of {of} over {} and {}", x.name, y.name);
+    let images = if M::HAS_IMAGES { ", mirror images counted once" } else { "" };
+    let what = format!("basins of {of} over {} and {}{images}", x.name, y.name);
+    let [title, elsewhere, others] = machine.titles();
     let method = format!(
-        "{} × {} starts; up to {} periods discarded, and more where nothing is decided then. Motions without a period count as one \
-         attractor of their class.",
+        "{} × {} starts{others}; up to {} periods discarded, and more where nothing is decided then.",
         x.count, y.count, request.discard
     );
-    let mut layers = vec![Layer::new("", GREY, cells(request, basins))];
-    layers.extend(legend(basins, &listed));
+    let mut layers = vec![Layer::new("", GREY, cells::<M>(request, basins))];
+    layers.extend(legend::<M>(basins, &listed));
+    let (x, y) = (machine.start_axis(x), machine.start_axis(y));
     let figure = Figure {
-        title: format!("{}: basins of attraction", machine.description.name),
-        caption: vec![method, format!("Elsewhere {}", machine.caption_but(&[]))],
-        panels: vec![Panel { title: String::new(), x: axis(machine, x), y: axis(machine, y), layers }],
+        title,
+        caption: vec![method, elsewhere],
+        panels: vec![Panel { title: String::new(), x, y, layers }],
         columns: 1,
         panel: (2300, 1700),
         shared_legend: true,
@@ -75,204 +121,198 @@ pub fn assembly_basins(
     Ok(Study {
         tables: vec![
             (name.into(), cell_table(request, basins)?),
-            (format!("{name}-attractors"), attractor_table(&listed).csv()?),
+            (format!("{name}-attractors"), attractor_table::<M>(basins, &listed).csv()?),
         ],
         figure: Some(figure),
         ..Study::without_figure(name, what).with_remarks(remarks(machine, basins, &listed))
     })
 }
 
-/// An attractor with its orbit in words.
-struct Listed {
-    number: usize,
-    attractor: BasinAttractor,
-    share: f64,
-    /// Events of a period; empty without a period or events, and where no orbit was found.
-    word: String,
-    /// The orbit's stability, or why it was not found.
-    stability: String,
-}
-
-impl Listed {
-    fn new(machine: &Machine, basins: &Basins, number: usize, attractor: &BasinAttractor) -> Self {
-        let (word, stability) = match attractor.settled.class {
-            MotionClass::Periodic(_) => match Orbit::settled(machine, &attractor.start, 0) {
-                Ok(orbit) => (orbit.word().in_words(&orbit.place().assembly), orbit.stability().to_string()),
-                Err(_) => (String::new(), "orbit not found".into()),
-            },
-            _ => (String::new(), String::new()),
-        };
-        let share = basins.share(BasinCell::Attractor(number as u16));
-        Self { number: number + 1, attractor: attractor.clone(), share, word, stability }
-    }
-
-    fn class(&self) -> String {
-        self.attractor.settled.class.name()
-    }
-}
-
-/// Table of attractors: class, events, share of the plane, and a start on each.
-fn attractor_table(listed: &[Listed]) -> TextTable {
-    let mut header: Vec<String> =
-        ["attractor", "class", "contacts", "rests", "interval", "share", "word", "stability"]
-            .map(String::from)
-            .into();
-    let names = listed.first().map_or(Vec::new(), |one| one.attractor.start.numbers());
-    header.extend(names.into_iter().map(|(name, _)| name));
-    let mut table = TextTable { header, rows: Vec::new() };
-    for one in listed {
-        let settled = &one.attractor.settled;
-        let mut row = vec![
-            one.number.to_string(),
-            one.class(),
-            exact(settled.contacts),
-            settled.rests.to_string(),
-            exact(settled.interval),
-            exact(one.share),
-            one.word.clone(),
-            one.stability.clone(),
-        ];
-        row.extend(one.attractor.start.numbers().into_iter().map(|(_, value)| exact(value)));
-        table.rows.push(row);
-    }
-    table
+/// Table of attractors, with the shares of the plane that lead to each.
+fn attractor_table<M: ShownBasins>(basins: &Basins<M::Attractor>, listed: &[Listed]) -> TextTable {
+    let mut header = vec!["attractor".to_owned(), "class".to_owned()];
+    header.extend(M::headings(basins));
+    let row = |(number, (one, found)): (usize, (&Listed, &M::Attractor))| {
+        [&[(number + 1).to_string(), found.class().name()][..], &one.row].concat()
+    };
+    let rows = listed.iter().zip(&basins.attractors).enumerate().map(row).collect();
+    TextTable { header, rows }
 }
 
 /// Table of starts, each with the number of its attractor.
-fn cell_table(request: &BasinRequest, basins: &Basins) -> Result<Vec<u8>> {
+fn cell_table<M: ShownBasins>(request: &BasinRequest<M>, basins: &Basins<M::Attractor>) -> Result<Vec<u8>> {
     let (x, y) = (&request.x, &request.y);
-    let header = [x.name.as_str(), y.name.as_str(), "attractor", "class"];
-    let classes: Vec<String> = basins.attractors.iter().map(|a| a.settled.class.name()).collect();
+    let image: &[&str] = if M::HAS_IMAGES { &["mirror_image"] } else { &[] };
+    let header = [&[x.name.as_str(), y.name.as_str(), "attractor"], image, &["class"]].concat();
+    let classes: Vec<String> = basins.attractors.iter().map(|a| a.class().name()).collect();
     let xs: Vec<String> = (0..x.count).map(|i| exact(x.value(i))).collect();
     csv_in_groups(&header, y.count, |rows, j| {
         let value = exact(y.value(j));
         xs.iter().zip(&basins.cells[j * x.count..]).try_for_each(|(x, cell)| {
-            let (number, class) = match cell {
-                BasinCell::Attractor(n) => ((n + 1).to_string(), classes[usize::from(*n)].as_str()),
-                BasinCell::Outside => (String::new(), "outside"),
-                BasinCell::NotSettled => (String::new(), "not settled"),
-                BasinCell::Ended => (String::new(), "ended"),
-                BasinCell::Rest => (String::new(), "rest"),
+            let (number, image, class) = match cell {
+                BasinCell::Attractor(n) => ((n + 1).to_string(), "false", classes[usize::from(*n)].as_str()),
+                BasinCell::Mirror(n) => ((n + 1).to_string(), "true", classes[usize::from(*n)].as_str()),
+                BasinCell::Outside => (String::new(), "", "outside"),
+                BasinCell::NotSettled => (String::new(), "", "not settled"),
+                BasinCell::Undecided => (String::new(), "", "attractor undecided"),
+                BasinCell::Ended => (String::new(), "", "ended"),
+                BasinCell::Rest => (String::new(), "", "rest"),
             };
-            rows.push([x, &value, &number, class])
+            let image: &[&str] = if M::HAS_IMAGES { &[image] } else { &[] };
+            rows.push([&[x.as_str(), &value, &number], image, &[class]].concat())
         })
     })
 }
 
-/// Difference of coordinates of one place of rest, relative to their size.
-const ONE_PLACE: f64 = 1e-6;
-
-/// The share of the motions that came to rest, and where; `None` where none did.
-fn rest_in_words(machine: &Machine, basins: &Basins) -> Option<String> {
-    let d = &machine.description;
-    let bodies = d.bodies.iter().zip(&basins.rest).filter(|(body, _)| !body.is_inner());
-    let places: Vec<_> = bodies.filter(|(body, _)| !body.kind.is_prescribed()).collect();
-    if places.is_empty() {
-        return None;
-    }
-    let unit = |body: &Body| if body.dimension == Dimension::Rotation { "rad" } else { "m" };
-    let is_one = |[least, largest]: &[f64; 2]| largest - least <= ONE_PLACE * least.abs().max(largest.abs());
-    let place = |(body, [least, largest]): &(&Body, &[f64; 2])| match is_one(&[*least, *largest]) {
-        true => format!("{}.s = {} {}", body.name, significant(*least), unit(body)),
-        false => {
-            let (from, to) = (significant(*least), significant(*largest));
-            format!("{}.s from {from} to {to} {}", body.name, unit(body))
-        }
-    };
-    let count = basins.cells.iter().filter(|cell| **cell == BasinCell::Rest).count();
-    let which = match basins.cells.len() {
-        all if all == count => format!("all {count} motions"),
-        all => format!("{count} of {all} motions"),
-    };
-    let how = match places.iter().all(|(_, range)| is_one(range)) {
-        true => "at one place",
-        false if d.frictions.is_empty() => "not at one place",
-        false => "not at one place: friction holds a range",
-    };
-    Some(format!("{which} came to rest ({how}): {}", places.iter().map(place).collect::<Vec<_>>().join(", ")))
-}
-
-fn remarks(machine: &Machine, basins: &Basins, listed: &[Listed]) -> Vec<String> {
-    let told = |one: &Listed| {
-        let events = if one.word.is_empty() { String::new() } else { format!(" [{}]", one.word) };
-        format!("attractor {}: {}{events}, {:.1} % of the starts", one.number, one.class(), 100.0 * one.share)
-    };
-    let mut lines: Vec<String> = listed.iter().map(told).collect();
+fn remarks<M: ShownBasins>(machine: &M, basins: &Basins<M::Attractor>, listed: &[Listed]) -> Vec<String> {
+    let told = |(number, one): (usize, &Listed)| format!("attractor {}: {}", number + 1, one.words[1]);
+    let mut lines: Vec<String> = listed.iter().enumerate().map(told).collect();
     if basins.attractors.len() > SHOWN {
         lines.push(format!("and {} more", basins.attractors.len() - SHOWN));
     }
-    lines.extend(rest_in_words(machine, basins));
-    let ended = basins.ended.as_deref().unwrap_or_default();
-    for (cell, words) in [
-        (BasinCell::Outside, "violate a rigid stop".to_owned()),
-        (BasinCell::NotSettled, "were not decided".into()),
-        (BasinCell::Ended, format!("lead to motions that end: {ended}")),
-    ] {
-        if basins.cells.contains(&cell) {
-            lines.push(format!("{:.1} % of the starts {words}", 100.0 * basins.share(cell)));
-        }
+    lines.extend(machine.rest_in_words(basins));
+    let ended = format!("lead to motions that end: {}", basins.ended.as_deref().unwrap_or_default());
+    let mut others = vec![
+        (BasinCell::NotSettled, "not settled: followed for 8192 periods or more"),
+        (
+            BasinCell::Undecided,
+            "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided",
+        ),
+        (BasinCell::Ended, &ended),
+    ];
+    if M::Attractor::SHARES_OF_ALL {
+        others.insert(0, (BasinCell::Outside, "violate a rigid stop"));
     }
+    let there = others.into_iter().filter(|(cell, _)| basins.cells.contains(cell));
+    lines.extend(
+        there.map(|(cell, words)| format!("{:.1} % of the starts {words}", 100.0 * basins.share(cell))),
+    );
     lines
 }
 
-/// The colour of an attractor with a colour of its own.
-fn colour(number: usize) -> Colour {
-    PAIRS[number % PAIRS.len()][number / PAIRS.len()]
-}
-
-/// Colour of starts of motions that come to rest.
-const REST: Colour = Colour(190, 190, 190);
-
-/// Code of a cell in the picture: 0 to 3 for [`OTHERS`], 4 for [`REST`], then one for each
-/// attractor.
-fn code(cell: BasinCell) -> u8 {
-    match cell {
-        BasinCell::Rest => 4,
+/// Code of a cell in the picture: its place in [`OTHERS`], after which each attractor of [`PAIRS`]
+/// and its image have theirs. Where attractors have no images, the second colours of the pairs are
+/// those of further attractors.
+fn code<M: ShownBasins>(cell: BasinCell) -> u8 {
+    let pairs = PAIRS.len();
+    let of_pair = |pair: usize, second: usize| {
+        if pair < pairs && second < 2 { OTHERS.len() + 2 * pair + second } else { 3 }
+    };
+    let place = match cell {
         BasinCell::Outside => 0,
         BasinCell::NotSettled => 1,
-        BasinCell::Ended => 2,
-        BasinCell::Attractor(n) if usize::from(n) < COLOURED => 5 + n as u8,
-        BasinCell::Attractor(_) => 3,
-    }
+        BasinCell::Undecided | BasinCell::Ended => 2,
+        BasinCell::Rest => 4,
+        BasinCell::Attractor(n) if M::HAS_IMAGES => of_pair(n.into(), 0),
+        BasinCell::Attractor(n) => of_pair(usize::from(n) % pairs, usize::from(n) / pairs),
+        BasinCell::Mirror(n) => of_pair(n.into(), 1),
+    };
+    place as u8
 }
 
-fn cells(request: &BasinRequest, basins: &Basins) -> Shape {
+/// All colours, by the code of a cell.
+fn colours() -> Vec<Colour> {
+    OTHERS.into_iter().chain(PAIRS.into_iter().flatten()).collect()
+}
+
+fn cells<M: ShownBasins>(request: &BasinRequest<M>, basins: &Basins<M::Attractor>) -> Shape {
     Shape::Cells {
         x: (request.x.from, request.x.to),
         y: (request.y.from, request.y.to),
         columns: request.x.count,
-        cells: basins.cells.iter().map(|cell| code(*cell)).collect(),
-        colours: OTHERS.into_iter().chain([REST]).chain((0..COLOURED).map(colour)).map(Some).collect(),
+        cells: basins.cells.iter().map(|cell| code::<M>(*cell)).collect(),
+        colours: colours().into_iter().map(Some).collect(),
     }
 }
 
-/// Entries of the legend: each attractor with a colour, all others together, then cells without
-/// one.
-fn legend(basins: &Basins, listed: &[Listed]) -> Vec<Layer> {
-    /// Longest list of events in an entry.
-    const LONGEST: usize = 48;
+/// Entries of the legend: each attractor with a colour, its mirror image where there is one, all
+/// further attractors together, then cells without an attractor.
+fn legend<M: ShownBasins>(basins: &Basins<M::Attractor>, listed: &[Listed]) -> Vec<Layer> {
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
-    let name = |one: &Listed| match one.word.len() {
-        0 => format!("{}: {}", one.number, one.class()),
-        length if length <= LONGEST => format!("{}: {} {}", one.number, one.class(), one.word),
-        _ => format!("{}: {} {} events", one.number, one.class(), one.word.split(", ").count()),
-    };
-    let mut layers: Vec<Layer> =
-        listed.iter().take(COLOURED).enumerate().map(|(k, one)| entry(&name(one), colour(k))).collect();
+    let coloured = if M::HAS_IMAGES { PAIRS.len() } else { 2 * PAIRS.len() };
+    let mut layers = Vec::new();
+    for (number, one) in listed.iter().take(coloured).enumerate() {
+        let title = format!("{}: {}", number + 1, one.words[0]);
+        let number = number as u16;
+        for (cell, image) in
+            [(BasinCell::Attractor(number), ""), (BasinCell::Mirror(number), ", mirror image")]
+        {
+            if basins.cells.contains(&cell) {
+                layers.push(entry(&format!("{title}{image}"), colours()[usize::from(code::<M>(cell))]));
+            }
+        }
+    }
+    if let Some(further) = basins.attractors.get(coloured..).filter(|further| !further.is_empty()) {
+        let mut classes: Vec<String> = Vec::new();
+        for name in further.iter().map(|a| a.class().name()) {
+            if !classes.contains(&name) {
+                classes.push(name);
+            }
+        }
+        let title = format!("{} to {}: {}", coloured + 1, basins.attractors.len(), classes.join(", "));
+        layers.push(entry(&title, FURTHER));
+    }
     let others = [
-        (basins.attractors.len() > COLOURED, "further attractors", FURTHER),
-        (basins.cells.contains(&BasinCell::NotSettled), "not settled", NOT_SETTLED),
-        (basins.cells.contains(&BasinCell::Rest), "comes to rest", REST),
-        (basins.cells.contains(&BasinCell::Ended), "motion ends", UNDECIDED),
-        (basins.cells.contains(&BasinCell::Outside), "no start: a rigid stop is violated", OUTSIDE),
+        (BasinCell::NotSettled, "not settled", NOT_SETTLED),
+        (BasinCell::Undecided, "attractor undecided", UNDECIDED),
+        (BasinCell::Rest, "comes to rest", REST),
+        (BasinCell::Ended, "motion ends", UNDECIDED),
+        (BasinCell::Outside, "no start: outside the stops", OUTSIDE),
     ];
-    layers.extend(others.into_iter().filter(|o| o.0).map(|(_, name, colour)| entry(name, colour)));
+    let there = others.into_iter().filter(|(cell, ..)| basins.cells.contains(cell));
+    layers.extend(there.map(|(_, name, colour)| entry(name, colour)));
     layers
 }
 
-fn axis(machine: &Machine, axis: &StartAxis) -> Axis {
-    let quantity = axis.name.parse::<QuantityName>().ok();
-    let unit = quantity.and_then(|q| q.find(&machine.description).ok()).map_or("s", |found| found.unit);
-    let shown = shown_axis(&format!("at the start: {}", axis.name), unit, axis.from.abs().max(axis.to.abs()));
-    Axis { range: Some((axis.from, axis.to)), ..shown }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vibro_studies::MotionClass;
+    use vibro_studies::paper::ParameterSet;
+    use vibro_studies::paper::attractor::Attractor;
+    use vibro_studies::paper::basin::ClassedAttractor;
+
+    #[test]
+    fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
+        /// Ratio of two luminances with stray light (WCAG) that the eye tells apart.
+        const APART: f64 = 1.02;
+        let mut light: Vec<f64> =
+            PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
+        light.sort_by(f64::total_cmp);
+        assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
+        // Eleven attractors: the last three share one entry.
+        let attractor = |period: u32| ClassedAttractor {
+            attractor: Attractor {
+                period: Some(period),
+                approaching: false,
+                impacts: [1.0; 2],
+                rests: false,
+                states: Vec::new(),
+                mirror_states: Vec::new(),
+                sizes: [1.0; 3],
+                statistics: None,
+            },
+            class: MotionClass::Periodic(period),
+        };
+        let mut cells: Vec<BasinCell> =
+            (0..11).flat_map(|n| [BasinCell::Attractor(n), BasinCell::Mirror(n)]).collect();
+        cells.extend([BasinCell::NotSettled, BasinCell::Undecided, BasinCell::Outside]);
+        let basins = Basins { attractors: (1..=11).map(attractor).collect(), cells, ..Basins::default() };
+        let set = ParameterSet::basic();
+        let numbered = basins.attractors.iter().zip(0..);
+        let listed: Vec<Listed> = numbered.map(|(a, n)| set.listed(a, basins.shares(n))).collect();
+        let legend = legend::<ParameterSet>(&basins, &listed);
+        let mut codes: Vec<u8> = basins.cells.iter().map(|cell| code::<ParameterSet>(*cell)).collect();
+        codes.sort_unstable();
+        codes.dedup();
+        assert_eq!(legend.len(), codes.len());
+        for (i, layer) in legend.iter().enumerate() {
+            assert!(legend[..i].iter().all(|other| other.colour != layer.colour), "{:?}", layer.name);
+        }
+        let names: Vec<&str> = legend.iter().filter_map(|layer| layer.name.as_deref()).collect();
+        assert!(names.contains(&"9 to 11: 9T, 10T, 11T") && names.contains(&"not settled"), "{names:?}");
+        assert!(
+            remarks(&set, &basins, &listed).iter().any(|line| line.contains("% of the starts not settled"))
+        );
+    }
 }

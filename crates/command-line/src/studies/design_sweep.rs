@@ -18,7 +18,7 @@ use vibro_studies::design_sweep::{
     Choice, DesignRow, Designs, SampledAxis, SweepRequest, choice, each_final_row,
 };
 use vibro_studies::parts::Task;
-pub use words::Labelled;
+pub use words::{Labelled, MeasureUnit};
 
 /// The study of a sweep whose parts are all in the task's store. [`write_tables`] writes its
 /// tables.

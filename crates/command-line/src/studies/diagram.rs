@@ -1,193 +1,173 @@
-//! Bifurcation diagrams and exponents of described machines.
+//! Bifurcation diagrams with exponents, and their tables.
+
+mod described;
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::panels::{
-    DIRECTIONS, contact_panel, hysteresis, maxima_rows, reach, remarks, shaded, window_table,
-};
-use super::paper::sweep::letters;
+use super::panels::{DIRECTIONS, contact_panel, hysteresis, maxima_rows, remarks, window_table};
 use crate::Result;
 use crate::table::{TextTable, exact};
-use vibro_figures::canvas::palette::{FAMILY, GREY};
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
-use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
-use vibro_studies::paper::bifurcation::Diagram;
-use vibro_studies::significant;
-use vibro_studies::{Machine, Start, runs_on, settle, settled};
-
-/// Lengths below this, m, are shown in mm.
-const SMALL: f64 = 0.1;
+use vibro_figures::canvas::palette::GREY;
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN};
+use vibro_studies::diagram::{Diagram, DiagramMachine, DiagramPoint, DiagramRequest};
 
 /// How the values of a diagram follow one another.
 const CHAINED: &str = "rising and falling, the last state being the next start";
 
-/// The study of a diagram, with its tables.
+/// Machine whose diagrams have tables and pictures.
+pub trait ShownDiagram: DiagramMachine + Labelled {
+    /// Whether a motion that settles early ends the discarded periods.
+    const SETTLES_EARLY: bool;
+    /// Headings of the table of points for impacts, and for exponents.
+    const HEADINGS: [&'static [&'static str]; 2];
+    /// Titles of the panel of impacts and of its axis.
+    const IMPACTS: [&'static str; 2];
+
+    /// Title of the picture; what is drawn, and over what, for the first line.
+    fn titles(&self, request: &DiagramRequest<Self>) -> [String; 3];
+    /// Exponents in words for the caption, with a space before.
+    fn exponents_in_words(exponents: &Self::Exponents) -> String;
+    /// Quantity in the heading of a column.
+    fn column(of: &Self::Of) -> String;
+    /// A drawn value in the table.
+    fn maximum(value: f64) -> String;
+    /// Panel of the drawn values.
+    ///
+    /// # Errors
+    /// A quantity that the machine does not have.
+    fn maxima_panel(
+        &self,
+        request: &DiagramRequest<Self>,
+        diagram: &Diagram<Self::Point>,
+        apart: &[Option<bool>],
+    ) -> Result<Panel>;
+    /// Title of the panel of exponents and label of its axis.
+    fn exponent_titles() -> [&'static str; 2];
+    /// Curves of the panel of exponents.
+    fn exponent_curves(points: &[Option<Self::Point>]) -> Vec<Layer>;
+    /// Whether there is anything to touch.
+    fn has_impacts(&self) -> bool;
+    /// Cells of a point's row: class, period and impacts; the exponents.
+    fn cells(point: &Self::Point) -> [Vec<String>; 2];
+}
+
+/// Method by which a diagram was computed, in words.
+pub(super) fn method<M: ShownDiagram>(request: &DiagramRequest<M>) -> String {
+    let up_to = if M::SETTLES_EARLY { "Up to " } else { "" };
+    let chained = match (request.anew, request.start == M::Start::default()) {
+        (true, true) => "each started as the file says".into(),
+        (true, false) => format!("each started at {}", request.start),
+        (false, true) => CHAINED.into(),
+        (false, false) => format!("{CHAINED}, the first {}", request.start),
+    };
+    let DiagramRequest { discard, keep, axis, exponents, .. } = request;
+    let exponents = exponents.as_ref().map_or(String::new(), M::exponents_in_words);
+    let count = axis.count;
+    format!(
+        "{up_to}{discard} periods discarded and {keep} kept at each of {count} values, {chained}.{exponents}"
+    )
+}
+
+/// Letters before the titles of panels.
+pub(super) fn letters(panels: &mut [Panel]) {
+    for (letter, panel) in ('a'..).zip(panels) {
+        panel.title = format!("({letter}) {}", panel.title);
+    }
+}
+
+/// Axis of the parameter of a diagram, up to the edges of its cells.
+pub(super) fn across<M: ShownDiagram>(machine: &M, request: &DiagramRequest<M>) -> Axis {
+    Axis { range: Some(request.axis.edges()), ..machine.axis(&request.axis.name) }
+}
+
+/// The study of a diagram: maxima, impacts and, if computed, exponents, with their tables.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output) if a table cannot be made; an error if the machine does
 /// not have a quantity.
-pub fn assembly_diagram(
-    machine: &Machine,
-    request: &DiagramRequest,
-    diagram: &Diagram<AssemblyPoint>,
+pub fn diagram<M: ShownDiagram>(
+    machine: &M,
+    request: &DiagramRequest<M>,
+    diagram: &Diagram<M::Point>,
     name: &str,
 ) -> Result<Study> {
-    let apart = diagram.apart();
-    let (axis, of) = (&request.axis, request.of.to_string());
-    let parameter = &axis.name;
-    let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
-    let x = || Axis { range: Some(axis.edges()), ..machine.axis(parameter) };
-    let unit = request.of.find(&machine.description)?.unit;
-    let range = reach(diagram, &|_, value| value, 0.0);
-    let (factor, symbol) = match unit {
-        "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),
-        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
-    };
-    let label = format!("{of} ({symbol})");
-    let mut panels = vec![Panel {
-        title: format!("{drawn} of {of}"),
-        x: x(),
-        y: Axis::over(label, range.0, range.1).times(factor),
-        layers: shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value)),
-    }];
+    let (apart, along) = (diagram.apart(), std::slice::from_ref(&request.axis.name));
+    let parameter = M::name(&request.axis.name);
+    let mut panels = vec![machine.maxima_panel(request, diagram, &apart)?];
     if request.exponents.is_some() {
-        let zero = Layer::line("", GREY, Dash::Dotted, vec![(axis.edges().0, 0.0), (axis.edges().1, 0.0)]);
-        let exponent = |p: &AssemblyPoint| Some((p.value, p.settled.exponent?.value));
-        let points = diagram.up.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite());
-        let curve: Path = points.collect();
+        let [title, label] = M::exponent_titles();
+        let (from, to) = request.axis.edges();
+        let zero = Layer::line("", GREY, Dash::Dotted, vec![(from, 0.0), (to, 0.0)]).stroke(THIN);
         panels.push(Panel {
-            title: "Largest Lyapunov exponent, value rising".into(),
-            x: x(),
-            y: Axis::new("λ₁ (1/s)"),
-            layers: vec![zero.stroke(THIN), Layer::line("", FAMILY[0], Dash::Solid, curve).stroke(THIN)],
+            title: title.into(),
+            x: across(machine, request),
+            y: Axis::new(label),
+            layers: [vec![zero], M::exponent_curves(&diagram.up)].concat(),
         });
     }
-    if !machine.description.stops.is_empty() {
-        panels.push(contact_panel("Impacts and first touches a period", x(), "contacts a period", diagram));
+    if machine.has_impacts() {
+        let [title, label] = M::IMPACTS;
+        panels.push(contact_panel(title, across(machine, request), label, diagram));
     }
     if request.anew {
         let falls = |layer: &Layer| layer.name.as_ref().is_some_and(|name| name.starts_with("value falling"));
         panels.iter_mut().for_each(|panel| panel.layers.retain(|layer| !falls(layer)));
     }
     letters(&mut panels);
-    let method = format!(
-        "Up to {} periods discarded and {} kept at each of {} values, {}.",
-        request.discard,
-        request.keep,
-        axis.count,
-        match (request.anew, request.start.is_own()) {
-            (true, true) => "each started as the file says".into(),
-            (true, false) => format!("each started at {}", request.start),
-            (false, true) => CHAINED.into(),
-            (false, false) => format!("{CHAINED}, the first {}", request.start),
-        }
-    );
+    let [title, of, over] = machine.titles(request);
     let figure = Figure {
-        title: format!("{}: {of} over {parameter}", machine.description.name),
-        caption: vec![method, format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter)))],
+        title,
+        caption: vec![method(request), format!("Elsewhere {}", machine.caption_but(along))],
         panels,
         columns: 1,
         panel: (2900, 1150),
         shared_legend: false,
     };
-    let column = format!("{of}_{}", if request.at_section { "section" } else { "maximum" });
-    let told = |value: f64| machine.told(parameter, value);
+    let drawn = if request.at_section { "values at the section" } else { "local maxima" };
     let directions = if request.anew { "each value started anew" } else { "both directions" };
-    let what = format!("{} of {of} over {parameter}, {directions}", drawn.to_lowercase());
+    let told = |value: f64| machine.with_unit(&request.axis.name, value);
     // With `anew` there is one direction.
-    let remarks = remarks(parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
+    let remarks = remarks(&parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
     Ok(Study {
         tables: vec![
-            (name.into(), maxima_rows((parameter, &column), diagram, &exact)?),
-            (format!("{name}-points"), point_table(parameter, diagram, &apart).csv()?),
-            (format!("{name}-windows"), window_table(parameter, diagram).csv()?),
+            (name.into(), maxima_table(request, diagram)?),
+            (format!("{name}-points"), point_table::<M>(&parameter, diagram, &apart).csv()?),
+            (format!("{name}-windows"), window_table(&parameter, diagram).csv()?),
         ],
         figure: Some(figure),
-        subject: machine.caption_of_all(std::slice::from_ref(parameter)),
-        ..Study::without_figure(name, what).with_remarks(remarks)
+        subject: machine.caption_of_all(along),
+        ..Study::without_figure(name, format!("{drawn} of {of} over {over}, {directions}"))
+            .with_remarks(remarks)
     })
 }
 
-/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after
-/// `discard` discarded returns.
+/// Table of all drawn values with their counts.
 ///
 /// # Errors
-/// The errors of the machine and of its motion.
-pub fn assembly_exponent(
-    machine: &Machine,
-    start: &Start,
-    (discard, periods): (u32, u32),
-    name: &str,
-) -> Result<Study> {
-    let (motion, section) = machine.motion(start)?;
-    let mut motion = motion.without_energy_accounts();
-    settle(&mut motion, &section, discard)?;
-    if let Some(why) = runs_on(&machine.description, motion.time()) {
-        let problem =
-            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
-        return Err(crate::Error::Refused { what: why, problem: problem.into() });
-    }
-    let found = settled(&mut motion, &section, Some(periods))?;
-    let mut table =
-        TextTable::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
-    let exponent = found.exponent;
-    let number = |x: Option<f64>| x.map_or(String::new(), exact);
-    table.rows.push(vec![
-        number(exponent.map(|e| e.value)),
-        number(exponent.map(|e| e.error)),
-        exponent.map_or(String::new(), |e| e.periods.to_string()),
-        exact(found.interval),
-        exact(found.contacts),
-        found.rests.to_string(),
-        found.class.name(),
-    ]);
-    let told =
-        exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
-            (f64::NEG_INFINITY, _) => {
-                "-inf: contacts take every direction, or there is none but neutral ones".into()
-            }
-            (value, Some(period)) => {
-                format!(
-                    "{} 1/s, by the multipliers of {period}T to {}",
-                    significant(value),
-                    significant(e.error)
-                )
-            }
-            (value, None) => format!(
-                "{} 1/s, standard error {}, over {} returns",
-                significant(value),
-                significant(e.error),
-                e.periods
-            ),
-        });
-    let what = format!("largest Lyapunov exponent {told}");
-    let remarks = vec![format!("class: {}", found.class.name())];
-    Ok(Study {
-        tables: vec![(name.into(), table.csv()?)],
-        ..Study::without_figure(name, what).with_remarks(remarks)
-    })
+/// [`Error::Output`](crate::Error::Output).
+pub(super) fn maxima_table<M: ShownDiagram>(
+    request: &DiagramRequest<M>,
+    diagram: &Diagram<M::Point>,
+) -> Result<Vec<u8>> {
+    let kind = if request.at_section { "section" } else { "maximum" };
+    let column = format!("{}_{kind}", M::column(&request.of));
+    maxima_rows((&M::name(&request.axis.name), &column), diagram, &M::maximum)
 }
 
-fn point_table(parameter: &str, diagram: &Diagram<AssemblyPoint>, apart: &[Option<bool>]) -> TextTable {
-    let header =
-        ["direction", "class", "period", "interval", "contacts", "rests", "hysteresis", "exponent", "error"];
-    let mut table = TextTable::new(&[&[parameter][..], &header].concat());
+fn point_table<M: ShownDiagram>(
+    parameter: &str,
+    diagram: &Diagram<M::Point>,
+    apart: &[Option<bool>],
+) -> TextTable {
+    let [impacts, exponents] = M::HEADINGS;
+    let first = [parameter, "direction", "class", "period"];
+    let mut table = TextTable::new(&[&first[..], impacts, &["hysteresis"], exponents].concat());
     for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
         for (point, apart) in points.iter().zip(apart) {
-            let Some(AssemblyPoint { value, settled, .. }) = point else { continue };
-            let number = |x: Option<f64>| x.map_or(String::new(), exact);
-            table.rows.push(vec![
-                exact(*value),
-                direction.into(),
-                settled.class.name(),
-                settled.period.map_or(String::new(), |n| n.to_string()),
-                exact(settled.interval),
-                exact(settled.contacts),
-                settled.rests.to_string(),
-                hysteresis(*apart),
-                number(settled.exponent.map(|e| e.value)),
-                number(settled.exponent.map(|e| e.error)),
-            ]);
+            let Some(point) = point else { continue };
+            let [own, exponents] = M::cells(point);
+            let first = vec![exact(point.value()), direction.into(), point.class().name()];
+            table.rows.push([first, own, vec![hysteresis(*apart)], exponents].concat());
         }
     }
     table

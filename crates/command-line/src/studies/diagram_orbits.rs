@@ -2,31 +2,29 @@
 //! of the diagram that lie on them.
 
 use super::Study;
+use super::branches::{branch_layers, list, listed, marks, or_empty};
 use super::design_sweep::Labelled;
-use super::orbits::{marks, shown_axis, special_table, words};
+use super::orbits::{shown_axis, special_table, words};
 use super::panels::{DIRECTIONS, reach, shaded};
-use super::paper::orbits::{DrawnBranch, branch_layers};
 use crate::Result;
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_figures::chart::{Axis, Figure, Panel};
-use vibro_orbits::paper::PathOptions;
-use vibro_orbits::{Branch, Family, KeptPaths, Orbit, OrbitPoint, Stability, TreeOptions, tree_on};
+use vibro_orbits::{
+    Branch, Family, KeptPaths, Label, Orbit, OrbitPoint, PathOptions, Stability, TreeOptions, tree_on,
+};
 use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
-use vibro_studies::paper::bifurcation::Diagram;
-use vibro_studies::{Machine, Maxima, Settled, Watcher, settled};
+use vibro_studies::{Diagram, Machine, Maxima, Settled, Watcher, settled};
 
 /// Least and largest number of values, in each direction, at which settled motions start branches.
 const SEEDS: (usize, usize) = (24, 200);
-/// Largest number of uncovered rows that are listed on the screen.
-const LISTED: usize = 12;
 
 /// The family of machines over the axis of a diagram.
 ///
 /// # Errors
 /// As [`Family::new`], for machines and parameters that orbits cannot be followed over.
-pub fn diagram_family(machine: &Machine, request: &DiagramRequest) -> Result<Family> {
+pub fn diagram_family(machine: &Machine, request: &DiagramRequest<Machine>) -> Result<Family> {
     Ok(Family::new(machine, &request.axis.name, (request.axis.from, request.axis.to))?)
 }
 
@@ -51,7 +49,7 @@ struct Seen {
 /// As [`diagram_family`].
 pub fn diagram_branches(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     kept: &dyn KeptPaths,
     told: &dyn Fn(usize, usize),
 ) -> Result<(Family, Vec<Branch>)> {
@@ -77,7 +75,7 @@ pub fn diagram_branches(
 /// [`Error::Output`](crate::Error::Output).
 pub fn assembly_diagram_orbits(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     diagram: &Diagram<AssemblyPoint>,
     (family, branches): (&Family, &[Branch]),
     name: &str,
@@ -140,10 +138,9 @@ fn seen(family: &Family, branches: &[Branch], value: f64) -> Vec<Seen> {
         Some(Seen { branch: branch.id, settled: settled(&mut motion, &section, None).ok()? })
     };
     let stable = |orbit: &Orbit| orbit.stability() == Stability::Stable;
-    let on = |branch: &&Branch| branch.points.iter().any(|p| p.stability == Stability::Stable);
     branches
         .iter()
-        .filter(on)
+        .filter(|branch| branch.is_somewhere_stable())
         .flat_map(|branch| {
             let orbits = branch.orbits_at(value).into_iter().filter(stable);
             orbits.filter_map(|orbit| of(branch, orbit)).collect::<Vec<_>>()
@@ -152,7 +149,11 @@ fn seen(family: &Family, branches: &[Branch], value: f64) -> Vec<Seen> {
 }
 
 /// The local maxima of the diagram's quantity along each branch, the largest first.
-fn maxima(machine: &Machine, request: &DiagramRequest, branches: &[Branch]) -> Result<Vec<Vec<Vec<f64>>>> {
+fn maxima(
+    machine: &Machine,
+    request: &DiagramRequest<Machine>,
+    branches: &[Branch],
+) -> Result<Vec<Vec<Vec<f64>>>> {
     let quantity = request.of.find(&machine.description)?.quantity;
     let of = |orbit: Orbit| -> Vec<f64> {
         let mut watcher = Watcher::of(&[], orbit.place().assembly.system().stops.len());
@@ -179,7 +180,7 @@ fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
 
 fn panel(
     machine: &Machine,
-    request: &DiagramRequest,
+    request: &DiagramRequest<Machine>,
     diagram: &Diagram<AssemblyPoint>,
     (branches, maxima): (&[Branch], &[Vec<Vec<f64>>]),
 ) -> Result<Panel> {
@@ -188,23 +189,11 @@ fn panel(
     let range = reach(diagram, &|_, value| value, 0.0);
     let unit = request.of.find(&machine.description)?.unit;
     let mut layers = shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value));
-    let curves: Vec<(&Branch, Vec<f64>)> = branches
-        .iter()
-        .zip(maxima)
-        .flat_map(|(branch, all)| {
-            let most = all.iter().map(Vec::len).max().unwrap_or(0);
-            (0..most).map(move |k| (branch, curve(all, k)))
-        })
-        .collect();
-    let drawn: Vec<DrawnBranch> = curves
-        .iter()
-        .map(|(branch, tops)| DrawnBranch {
-            period: branch.word().periods.unwrap_or(1),
-            points: branch.points.iter().map(|p| (p.value, p.stability == Stability::Stable)).collect(),
-            tops,
-        })
-        .collect();
-    layers.extend(branch_layers(&drawn));
+    let curves = branches.iter().zip(maxima).flat_map(|(branch, all)| {
+        let most = all.iter().map(Vec::len).max().unwrap_or(0);
+        (0..most).map(move |k| (branch, curve(all, k)))
+    });
+    layers.extend(branch_layers(curves));
     let tops: Vec<Vec<f64>> = maxima.iter().map(|all| curve(all, 0)).collect();
     layers.extend(marks(branches, &tops).layers);
     Ok(Panel {
@@ -225,15 +214,14 @@ fn curve_table(family: &Family, of: &str, branches: &[Branch], maxima: &[Vec<Vec
     let mut table = CsvRows::new(header)?;
     for (branch, maxima) in branches.iter().zip(maxima) {
         for (i, (point, maxima)) in branch.points.iter().zip(maxima).enumerate() {
-            let all: Vec<String> = maxima.iter().map(|x| exact(*x)).collect();
             table.push([
                 branch.id.to_string(),
                 i.to_string(),
-                point.special.as_ref().map_or("", |s| s.kind.name()).into(),
+                point.label().map_or("", Label::name).into(),
                 exact(point.value),
-                branch.word().periods.map_or(String::new(), |n| n.to_string()),
+                or_empty(branch.periods),
                 point.stability.to_string(),
-                all.join(" "),
+                list(maxima.iter().copied()),
             ])?;
         }
     }
@@ -250,8 +238,8 @@ fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u
             exact(row.value),
             DIRECTIONS[row.direction].into(),
             row.class.clone(),
-            row.branch.map_or(String::new(), |id| id.to_string()),
-            branch.map_or(String::new(), |branch| words(family, branch)),
+            or_empty(row.branch),
+            or_empty(branch.map(|branch| words(family, branch))),
             if row.branch.is_some() { String::new() } else { "no branch".into() },
         ])?;
     }
@@ -262,19 +250,11 @@ fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u
 fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
     let missing: Vec<&Row> = rows.iter().filter(|row| row.branch.is_none()).collect();
     let covered = rows.len() - missing.len();
-    let mut words =
-        vec![format!("{covered} of {} periodic rows of both directions lie on a stable branch", rows.len())];
-    if !missing.is_empty() {
-        let told = |row: &&Row| {
-            format!("{} {} ({})", machine.told(parameter, row.value), DIRECTIONS[row.direction], row.class)
-        };
-        let listed: Vec<String> = missing.iter().take(LISTED).map(told).collect();
-        let more = if missing.len() > LISTED { ", …" } else { "" };
-        words.push(format!(
-            "{} lie on no branch that was followed: {}{more}",
-            missing.len(),
-            listed.join(", ")
-        ));
-    }
-    words
+    let told = |row: &&Row| {
+        format!("{} {} ({})", machine.told(parameter, row.value), DIRECTIONS[row.direction], row.class)
+    };
+    let words =
+        format!("{covered} of {} periodic rows of both directions lie on a stable branch", rows.len());
+    let missing = listed("lie on no branch that was followed", missing.iter().map(told));
+    [words].into_iter().chain(missing).collect()
 }

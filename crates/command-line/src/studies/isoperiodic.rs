@@ -12,9 +12,9 @@ use crate::table::{csv_in_groups, exact};
 use std::borrow::Cow;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
-use vibro_studies::paper::plane::{ParameterAxis, check_cells};
+use vibro_studies::MotionClass;
+use vibro_studies::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
+use vibro_studies::{ParameterAxis, check_cells};
 
 const PALE: Colour = Colour(228, 228, 228);
 const YELLOW: Colour = Colour(240, 228, 66);

@@ -1,14 +1,12 @@
 //! Panels, tables and remarks that are common to all bifurcation diagrams: those with exponents,
 //! those with orbits, and those of described machines.
 
-use super::paper::lengths::Lengths;
 use crate::Result;
 use crate::table::{CsvRows, TextTable, exact};
-use vibro_figures::canvas::palette::{BLACK, HERE, SKY};
+use vibro_figures::canvas::palette::{BLACK, SKY};
 use vibro_figures::chart::{Axis, Colour, Dash, Layer, Panel, Path, Shape, THIN};
-use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::bifurcation::{Diagram, DiagramPoint, Sweep, SweepPoint, Window};
-use vibro_studies::paper::plane::{AxisName, ParameterAxis};
+use vibro_studies::diagram::{Diagram, DiagramPoint, Window};
+use vibro_studies::{AxisName, ParameterAxis};
 
 /// Number of rows of cells in a diagram, and largest number of columns. If there are more values,
 /// neighbours share a column.
@@ -29,18 +27,6 @@ const MAX_LISTED: usize = 40;
 
 /// The two directions through a range of values.
 pub(super) const DIRECTIONS: [&str; 2] = ["rising", "falling"];
-
-/// Method by which a diagram was computed, in words.
-pub(super) fn method(sweep: &Sweep) -> String {
-    let mut text = format!(
-        "{} periods discarded and {} kept at each of {} values, rising and falling, the last state being the next start.",
-        sweep.discard, sweep.keep, sweep.axis.count
-    );
-    if let Some(o) = &sweep.exponents {
-        text.push_str(&format!(" Exponents over {} periods after {}.", o.periods, o.align));
-    }
-    text
-}
 
 /// Converts a maximum at a point to units of the set's own gap.
 type Length<'a, P> = &'a dyn Fn(&P, f64) -> f64;
@@ -195,31 +181,4 @@ pub(super) fn remarks<P: DiagramPoint>(
         lines.push(format!("{refused} values left out: the simulator refused them"));
     }
     lines
-}
-
-/// The panel of all maxima: shaded by frequency, with the falling direction at values where it
-/// settles on another motion, and a mark at the set's own value.
-pub(super) fn maxima_panel(
-    set: &ParameterSet,
-    sweep: &Sweep,
-    diagram: &Diagram,
-    apart: &[Option<bool>],
-) -> Panel {
-    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
-    let symbol = lengths.displacement(sweep.of.symbol());
-    let length = |p: &SweepPoint, x: f64| lengths.ratio(axis.name, p.value) * x;
-    let (x, y) = (axis.edges(), reach(diagram, &length, 1e-3));
-    let mut layers = shaded((axis, sweep.keep), diagram, apart, (y, &length));
-    let own = axis.name.value(set);
-    if set.is_set(axis.name) && (axis.from..=axis.to).contains(&own) {
-        let name = format!("this set: {}", set.told(axis.name, own));
-        let line = vec![(own, y.0), (own, y.1)];
-        layers.push(Layer::line(&name, HERE, Dash::Dotted, line).stroke(THIN));
-    }
-    Panel {
-        title: format!("Local maxima of {symbol}"),
-        x: super::parameter_axis(set, axis.name, x),
-        y: lengths.axis_over(&symbol, y.0, y.1),
-        layers,
-    }
 }

@@ -1,14 +1,16 @@
 //! The studies of the paper's machine alone.
 
-pub(super) mod basin;
+mod basin;
 mod compare;
 mod diagram_orbits;
+mod labels;
 pub(super) mod lengths;
-pub(super) mod locus;
+mod locus;
 mod manifold;
+mod maxima_panel;
 mod motions;
 mod orbit;
-pub(super) mod orbits;
+mod orbits;
 mod plane;
 mod response;
 mod run;
@@ -16,13 +18,12 @@ mod stability;
 mod steady;
 mod steady_motion;
 mod strong;
-pub(super) mod sweep;
+mod sweep;
 
-pub use basin::{basins, check_basins};
 pub use compare::{accuracy, force_overlay, histories};
 pub use diagram_orbits::{CoveredRow, Covering, DiagramOrbits, sweep_family};
 pub(crate) use diagram_orbits::{doublings_in_words, end_in_words};
-pub use locus::{LocusCurve, loci};
+pub use locus::loci;
 pub use manifold::{branches, families, shapes};
 pub use motions::{Modulation, histories_of, portraits, running};
 pub use orbit::orbit;
@@ -33,4 +34,4 @@ pub use run::{RunLength, RunRequest, run};
 pub use stability::{masri, regions};
 pub use steady::steady;
 pub use strong::strong_case;
-pub use sweep::{overlay, periodic_ranges, spectra, sweep};
+pub use sweep::{overlay, periodic_ranges, spectra};

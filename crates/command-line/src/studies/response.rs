@@ -4,7 +4,7 @@
 use super::Study;
 use super::orbits::{measured, shown_unit, study_of, words};
 use crate::Result;
-use vibro_orbits::{Branch, Family, OrbitPoint, Stability, check_measure};
+use vibro_orbits::{Branch, Family, OrbitPoint, check_measure};
 use vibro_studies::{Error, significant};
 use vibro_studies::{Machine, Measure};
 
@@ -79,7 +79,7 @@ fn in_words(
         _ => String::new(),
     };
     let largest = |stable: bool| {
-        let held = |(point, _): &(&OrbitPoint, &f64)| !stable || point.stability == Stability::Stable;
+        let held = |(point, _): &(&OrbitPoint, &f64)| !stable || point.is_stable();
         let all = branch.points.iter().zip(tops).filter(|(_, top)| top.is_finite()).filter(held);
         all.max_by(|a, b| a.1.total_cmp(b.1))
     };
@@ -99,8 +99,8 @@ fn in_words(
 fn end_in_words(machine: &Machine, parameter: &str, point: &OrbitPoint) -> String {
     let value = machine.told(parameter, point.value);
     match &point.special {
-        Some(special) if special.element.is_empty() => format!("{} {value}", special.kind.name()),
-        Some(special) => format!("{} {} {value}", special.kind.name(), special.element),
+        Some(special) if special.element.is_empty() => format!("{} {value}", special.label),
+        Some(special) => format!("{} {} {value}", special.label, special.element),
         None => value,
     }
 }

@@ -1,4 +1,4 @@
-//! All Lyapunov exponents of a described machine's motion.
+//! The largest and all Lyapunov exponents of a described machine's motion.
 
 use super::design_sweep::{Labelled, with_spread};
 use super::{PANEL, Study};
@@ -7,10 +7,70 @@ use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use vibro_studies::significant;
-use vibro_studies::{Machine, Spectrum, Start, runs_on, spectrum};
+use vibro_studies::{Machine, Spectrum, Start, runs_on, settle, settled, spectrum};
 
 /// Most points of a curve in the picture.
 const POINTS: usize = 2000;
+
+/// Table of the largest exponent of a machine's motion from a start, over `periods` returns after
+/// `discard` discarded returns.
+///
+/// # Errors
+/// The errors of the machine and of its motion.
+pub fn assembly_exponent(
+    machine: &Machine,
+    start: &Start,
+    (discard, periods): (u32, u32),
+    name: &str,
+) -> Result<Study> {
+    let (motion, section) = machine.motion(start)?;
+    let mut motion = motion.without_energy_accounts();
+    settle(&mut motion, &section, discard)?;
+    if let Some(why) = runs_on(&machine.description, motion.time()) {
+        let problem =
+            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
+        return Err(crate::Error::Refused { what: why, problem: problem.into() });
+    }
+    let found = settled(&mut motion, &section, Some(periods))?;
+    let mut table =
+        TextTable::new(&["exponent", "error", "periods", "interval", "contacts", "rests", "class"]);
+    let exponent = found.exponent;
+    let number = |x: Option<f64>| x.map_or(String::new(), exact);
+    table.rows.push(vec![
+        number(exponent.map(|e| e.value)),
+        number(exponent.map(|e| e.error)),
+        exponent.map_or(String::new(), |e| e.periods.to_string()),
+        exact(found.interval),
+        exact(found.contacts),
+        found.rests.to_string(),
+        found.class.name(),
+    ]);
+    let told =
+        exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
+            (f64::NEG_INFINITY, _) => {
+                "-inf: contacts take every direction, or there is none but neutral ones".into()
+            }
+            (value, Some(period)) => {
+                format!(
+                    "{} 1/s, by the multipliers of {period}T to {}",
+                    significant(value),
+                    significant(e.error)
+                )
+            }
+            (value, None) => format!(
+                "{} 1/s, standard error {}, over {} returns",
+                significant(value),
+                significant(e.error),
+                e.periods
+            ),
+        });
+    let what = format!("largest Lyapunov exponent {told}");
+    let remarks = vec![format!("class: {}", found.class.name())];
+    Ok(Study {
+        tables: vec![(name.into(), table.csv()?)],
+        ..Study::without_figure(name, what).with_remarks(remarks)
+    })
+}
 
 /// Tables and picture of all exponents of a machine's motion from a start, over `periods` returns
 /// after `discard` discarded ones.

@@ -24,10 +24,25 @@ pub fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// `vibro` with its output in a folder, where the command writes one.
+/// Commands for the paper's machine alone.
+pub const OF_PAPER: [&str; 8] =
+    ["steady", "manifold", "stability", "plane", "compare", "isoperiodic", "template", "reproduce"];
+/// Commands for the machine of a FILE, which is their first argument, or for the paper's machine.
+pub const OF_BOTH: [&str; 9] =
+    ["run", "sweep", "bifurcation", "lyapunov", "response", "basin", "orbits", "orbit", "locus"];
+
+/// Whether arguments name a command for the paper's machine, which is called `vibro paper COMMAND`.
+fn is_of_paper(arguments: &[&str]) -> bool {
+    let Some((name, options)) = arguments.split_first() else { return false };
+    let has_file = options.first().is_some_and(|word| !word.starts_with('-'));
+    OF_PAPER.contains(name) || OF_BOTH.contains(name) && !has_file && options != ["--help"]
+}
+
+/// `vibro` with its output in a folder, where the command writes one. Commands for the paper's
+/// machine are called by their names alone here.
 pub fn command(out: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
-    command.args(arguments);
+    command.args(is_of_paper(arguments).then_some("paper")).args(arguments);
     if !arguments.iter().any(|word| ["check", "template", "new"].contains(word)) {
         command.arg("--out").arg(out);
     }

@@ -326,8 +326,12 @@ fn second_method_partial_derivatives_by_parameters_and_time_by_differences() {
     assert!(moved > 1000, "{moved}");
 }
 
-/// All initial unknowns; `None` where the start is refused.
-fn initial(plan: &Arc<Plan>, interface: Interface, time: f64, values: &[(u32, f64)]) -> Option<Vec<f64>> {
+/// The initial unknowns; `None` where the start is refused.
+fn initial(
+    (plan, unknowns): (&Arc<Plan>, &[u32]),
+    interface: Interface,
+    (time, values): (f64, &[(u32, f64)]),
+) -> Option<Vec<f64>> {
     let mut machine = Solver::instance(plan, interface);
     machine.set_experiment(None, time, None).unwrap();
     machine.enter_initialization();
@@ -336,8 +340,7 @@ fn initial(plan: &Arc<Plan>, interface: Interface, time: f64, values: &[(u32, f6
             return None;
         }
     }
-    let unknowns = plan.description().initial_unknowns;
-    let read = unknowns.iter().map(|unknown| get(&mut machine, unknown.reference)).collect::<Option<_>>()?;
+    let read = unknowns.iter().map(|&unknown| get(&mut machine, unknown)).collect::<Option<_>>()?;
     assert_eq!(machine.life().phase, Phase::Initialization);
     Some(read)
 }
@@ -345,11 +348,11 @@ fn initial(plan: &Arc<Plan>, interface: Interface, time: f64, values: &[(u32, f6
 #[test]
 fn second_method_initial_unknowns_by_differences() {
     for plan in plans() {
-        let lists = told(&[&plan.description().initial_unknowns]);
         let unknowns = plan.description().initial_unknowns;
+        let lists = told(&[&unknowns]);
         let outputs: Vec<u32> = unknowns.iter().map(|unknown| unknown.reference).collect();
         for interface in [Interface::ModelExchange, Interface::CoSimulation] {
-            let before = initial(&plan, interface, 0.0, &[]).unwrap();
+            let before = initial((&plan, &outputs), interface, (0.0, &[])).unwrap();
             for (reference, row) in (1..).zip(&plan.table.rows) {
                 let value = match row.quantity {
                     Quantity::Parameter(i) => plan.table.parameters[i].value,
@@ -362,7 +365,7 @@ fn second_method_initial_unknowns_by_differences() {
                     } else {
                         (0.0, vec![(reference, value)])
                     };
-                    let Some(after) = initial(&plan, interface, time, &set) else { continue };
+                    let Some(after) = initial((&plan, &outputs), interface, (time, &set)) else { continue };
                     for (k, &unknown) in outputs.iter().enumerate() {
                         let (a, b) = (before[k], after[k]);
                         let name = &plan.table.rows[unknown as usize - 1].name;

@@ -8,12 +8,11 @@ use super::super::orbit::Orbit;
 use super::super::place::{Family, Place};
 use super::super::position::doubling;
 use super::super::problem::{Problem, Residual};
-use super::LocusPoint;
 use crate::curve::{Equations, Linearization, slope};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
 use crate::test_functions::{SignedLog, is_on_circle, pair_test};
-use crate::two_parameters::{Border, Located, LocusEnd, TwoParameters, smallness};
+use crate::two_parameters::{Border, Located, LocusEnd, LocusPoint, TwoParameters, smallness};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::sync::Arc;
 
@@ -208,7 +207,7 @@ impl Locus {
             let (from, to) = self.families[k].range;
             self.values(w)[k].clamp(from, to)
         });
-        Ok(LocusPoint { values, period: orbit.period(), angle, end })
+        Ok(LocusPoint { values, period: orbit.period(), phases: Vec::new(), angle, end })
     }
 
     /// Values of the condition at a point.

@@ -1,14 +1,15 @@
 //! Which orbits a tree holds: whether a branch contains an orbit, and on which branch a settled
 //! motion lies.
 
-use super::branch::{Branch, OrbitPoint};
+use super::branch::Branch;
 use super::family::Family;
 use super::grower::SAME_PLACE;
 use super::orbit::{Orbit, canonical, newton, same_phases};
 use super::settled::first_phase;
 use super::system::System;
 use super::tree::Tree;
-use super::word::REPETITION;
+use crate::branch::OrbitPoint;
+use crate::stop_word::REPETITION;
 use std::f64::consts::{PI, TAU};
 use vibro_studies::Result;
 use vibro_studies::paper::attractor::Attractor;
@@ -64,7 +65,7 @@ impl Tree {
         let (word, phases) = canonical(word, phases, mirror);
         self.branches
             .iter()
-            .find(|b| b.word == word && b.passes(family, &phases, value, mirror))
+            .find(|b| *b.word() == word && b.passes(family, &phases, value, mirror))
             .map(|b| b.id)
     }
 
@@ -113,7 +114,7 @@ impl Tree {
     /// let attractor = observe(&mut Simulator::new(system.parameters(), &settled, 0.0)?)?;
     /// let covering = found.covering(&family, 1.5, &attractor)?.expect("the symmetric motion");
     /// assert!(covering.distance < 1e-9);
-    /// assert_eq!(found.branches[covering.branch].word.to_string(), "U");
+    /// assert_eq!(found.branches[covering.branch].word().to_string(), "U");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -125,7 +126,8 @@ impl Tree {
         }
         let system = family.system(&[value])?;
         let of = |b: &Branch| {
-            let stable = b.orbits_in(&system, value, |p| p.stable).into_iter().filter(Orbit::is_stable);
+            let stable =
+                b.orbits_in(&system, value, OrbitPoint::is_stable).into_iter().filter(Orbit::is_stable);
             stable.map(|orbit| (b.id, orbit)).collect::<Vec<_>>()
         };
         let compared = self.branches.iter().flat_map(of).filter_map(|(branch, orbit)| {
@@ -166,7 +168,7 @@ impl Branch {
         let mirror = family.is_symmetric();
         let (word, phases) = orbit.word().reduced(orbit.phases(), mirror, REPETITION);
         let (word, phases) = canonical(&word, &phases, mirror);
-        word == self.word && self.passes(family, &phases, value, mirror)
+        word == *self.word() && self.passes(family, &phases, value, mirror)
     }
 
     /// The pairs of neighbouring points between which a value lies.
@@ -183,25 +185,25 @@ impl Branch {
     fn guesses(value: f64, [a, b]: [&OrbitPoint; 2]) -> [Vec<f64>; 3] {
         let way = b.value - a.value;
         let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
-        let between = a.phases.iter().zip(&b.phases).map(|(a, b)| a + part * (b - a)).collect();
-        [between, a.phases.clone(), b.phases.clone()]
+        let between = a.phases().iter().zip(b.phases()).map(|(a, b)| a + part * (b - a)).collect();
+        [between, a.phases().to_vec(), b.phases().to_vec()]
     }
 
     /// Whether the branch contains an orbit of its word with given phases.
     fn passes(&self, family: &Family, phases: &[f64], value: f64, mirror: bool) -> bool {
-        if self.word.is_empty() {
+        if self.word().is_empty() {
             return self.pieces_around(value).next().is_some();
         }
         self.pieces_around(value).any(|pair| {
             let guesses = Self::guesses(value, pair);
-            let near = |tolerance, found: &[f64]| same_phases(&self.word, phases, found, mirror, tolerance);
+            let near = |tolerance, found: &[f64]| same_phases(self.word(), phases, found, mirror, tolerance);
             if !near(NEAR_ORBIT, &guesses[0]) {
                 return false;
             }
             let Ok(system) = family.system(&[value]) else { return false };
             guesses
                 .iter()
-                .any(|guess| newton(&system, &self.word, guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
+                .any(|guess| newton(&system, self.word(), guess).is_ok_and(|found| near(SAME_ORBIT, &found)))
         })
     }
 
@@ -214,8 +216,8 @@ impl Branch {
             let near =
                 |phases: &[f64]| phases.iter().zip(&guesses[0]).all(|(a, b)| (a - b).abs() < NEAR_ORBIT);
             let reached = |guess: &Vec<f64>| {
-                let phases = newton(system, &self.word, guess).ok().filter(|phases| near(phases))?;
-                Orbit::at(system, &self.word, &phases).ok().filter(Orbit::is_certified)
+                let phases = newton(system, self.word(), guess).ok().filter(|phases| near(phases))?;
+                Orbit::at(system, self.word(), &phases).ok().filter(Orbit::is_certified)
             };
             // Two pieces that meet at the value share one orbit, which is kept once.
             found.extend(

@@ -5,8 +5,8 @@
 //! return of the body belongs to the residual instead (docs/theory.md (112)).
 
 use super::system::{Anchor, System};
-use super::word::OrbitWord;
 use crate::obstacle::Obstacle;
+use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 

@@ -3,9 +3,9 @@
 use super::cycle::{Cycle, Functional};
 use super::orbit::{Orbit, unfolded_phases};
 use super::system::System;
-use super::word::{OrbitWord, REPETITION};
 use crate::curve::{Equations, Linearization, slope};
 use crate::obstacle::Obstacle;
+use crate::stop_word::{OrbitWord, REPETITION};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use vibro_studies::Error;

@@ -1,10 +1,12 @@
 //! The branch of the motion without impacts, in closed form. It ends where the block touches a
 //! stop.
 
-use super::branch::{Branch, OrbitPoint, Special};
+use super::branch::Branch;
 use super::family::Family;
 use super::orbit::Orbit;
+use super::path::stability;
 use super::switching::{FlightTouch, free_word};
+use crate::branch::{OrbitPoint, Special};
 use crate::label::Label;
 use nalgebra::DVector;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -85,8 +87,7 @@ pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>
         }
         let id = found.len();
         if points.len() > 1 {
-            let branch =
-                Branch { id, parent: None, depth: 0, word: free_word(family), points, closed: false };
+            let branch = Branch { id, ..Branch::new(free_word(family), points, false) };
             found.push((branch, contacts));
         }
         i = last + 1;
@@ -97,8 +98,14 @@ pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>
 fn point(family: &Family, value: f64) -> Result<OrbitPoint> {
     let system = family.system(&[value])?;
     let orbit = Orbit::find(&system, &free_word(family), &[])?;
-    let multipliers = orbit.multipliers();
-    Ok(OrbitPoint { value, phases: Vec::new(), multipliers, stable: orbit.is_stable(), special: None })
+    Ok(OrbitPoint {
+        value,
+        period: system.period(orbit.word()),
+        multipliers: orbit.multipliers().to_vec(),
+        stability: stability(orbit.is_stable()),
+        special: None,
+        u: family.point(&[], &[value]),
+    })
 }
 
 /// The touch of the motion without impacts at parameters where its clearance is zero.

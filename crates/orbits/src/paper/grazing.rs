@@ -4,9 +4,9 @@
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::flights::{self, PENETRATION_ROUNDING};
-use super::word::OrbitWord;
 use crate::curve::{Equations, Linearization, solve};
 use crate::obstacle::Obstacle;
+use crate::stop_word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub(super) struct Touch {
     /// Index of the touch in the longer word.
     pub index: usize,
     /// Phases and parameters as a point of a curve of the longer word.
-    #[serde(with = "super::stored::vector")]
+    #[serde(with = "crate::stored::vector")]
     pub u: DVector<f64>,
     /// Other impacts of the word with speed zero there: a repeated orbit touches a stop in each
     /// passage.

@@ -1,18 +1,21 @@
 //! Growth of a tree: the queue of starts, the special points that are known, and the starts at the
 //! special points of each traced branch.
 
-use super::branch::{Branch, Special};
+use super::branch::Branch;
 use super::family::Family;
 use super::free;
 use super::grazing::Touch;
-use super::path::PathEnd;
+use super::path::End;
 use super::seeds::{SeedOrbit, Seeds};
 use super::switching::{self, Departure, FlightTouch};
-use super::tree::{Traced, Tree};
+use super::tree::Tree;
 use super::tree_options::TreeOptions;
-use super::word::OrbitWord;
+use crate::branch::{OrbitPoint, Special};
 use crate::label::Label;
+use crate::path::PathEnd;
 use crate::path_options::PathOptions;
+use crate::stop_word::OrbitWord;
+use crate::traced::Traced;
 
 /// Starts that are traced in parallel. A constant, so that the result does not depend on the number
 /// of threads.
@@ -103,17 +106,17 @@ impl<'a> Grower<'a> {
     }
 
     /// Takes a branch into the tree, unless it is there already, and queues the starts on it.
-    pub fn add(&mut self, start: BranchStart, traced: Traced) {
-        let Traced { points, closed, ends } = traced;
+    pub fn add(&mut self, start: BranchStart, traced: Traced<End>) {
+        let Traced { points, closed, ends, .. } = traced;
         let BranchStart { depth, parent, word, departures, island } = start;
         self.tree.searched.followed += usize::from(island);
         if points.len() < 3 {
             self.tree.failures += usize::from(!island);
             return;
         }
-        if island && !points.iter().any(|p| p.stable) {
+        if island && !points.iter().any(OrbitPoint::is_stable) {
             let id = self.left_out.branches.len();
-            self.left_out.branches.push(Branch { id, parent, depth, word, points, closed });
+            self.left_out.branches.push(Branch { id, parent, depth, ..Branch::new(word, points, closed) });
             return;
         }
         let depth = if island { 0 } else { depth };
@@ -121,7 +124,7 @@ impl<'a> Grower<'a> {
         // The probe is away from the ends, where several branches lie close together.
         let middle = points.len() / 2;
         let probe = points[middle..].iter().find(|p| p.special.is_none()).unwrap_or(&points[middle]);
-        if self.tree.passing(self.family, &word, &probe.phases, probe.value).is_some() {
+        if self.tree.passing(self.family, &word, probe.phases(), probe.value).is_some() {
             return;
         }
         self.tree.searched.islands += usize::from(island);
@@ -131,17 +134,17 @@ impl<'a> Grower<'a> {
         }
         let starts: Vec<(usize, Label)> =
             points.iter().enumerate().filter_map(|(i, p)| Some((i, p.label()?))).collect();
-        self.tree.branches.push(Branch { id, parent, depth, word: word.clone(), points, closed });
-        let end_points: Vec<usize> = ends.iter().map(|e| e.0).collect();
+        let last = points.len() - 1;
+        self.tree.branches.push(Branch { id, parent, depth, ..Branch::new(word.clone(), points, closed) });
         for (point, label) in starts {
             let doubles = matches!(label, Label::PeriodDoubling | Label::BranchPoint);
-            if doubles && !end_points.contains(&point) && !(born && point == 0) {
+            if doubles && point != 0 && point != last {
                 self.offer_doubled(id, point, label);
             }
         }
-        for (point, end) in ends {
+        for (point, end) in [0, last].into_iter().zip(ends) {
             match end {
-                PathEnd::Touch(touch) => {
+                PathEnd::At(End::Touch(touch)) => {
                     let contact = FlightTouch::of(self.family, &touch);
                     let value = self.family.values(&touch.u)[0];
                     let fold = self.is_fold(&contact, &touch);
@@ -152,7 +155,7 @@ impl<'a> Grower<'a> {
                     self.offer_shorter(&contact, depth, (id, point));
                     self.offer_longer(&contact, depth, (id, point));
                 }
-                PathEnd::Primary(primary, u) => {
+                PathEnd::At(End::Primary(primary, u)) => {
                     let label = self.tree.branches[id].points[point].label();
                     let value = self.family.values(&u)[0];
                     self.know(label.unwrap_or(Label::BranchPoint), &word, value);
@@ -175,11 +178,11 @@ impl<'a> Grower<'a> {
     /// Whether the orbits with and without a touch exist on the same side of it.
     fn is_fold(&self, contact: &FlightTouch, touch: &Touch) -> Option<bool> {
         let with = switching::with_touch(self.family, touch).ok()?;
-        let longer = with.tangent[touch.longer.len()];
+        let longer = with.direction[touch.longer.len()];
         let shorter = if contact.shorter.is_empty() {
             free::towards_clear(self.family, &contact.u)?
         } else {
-            contact.departure(self.family).ok()?.tangent[contact.shorter.len()]
+            contact.departure(self.family).ok()?.direction[contact.shorter.len()]
         };
         Some(longer * shorter > 0.0)
     }
@@ -216,8 +219,8 @@ impl<'a> Grower<'a> {
 
     fn offer_doubled(&mut self, id: usize, point: usize, label: Label) {
         let branch = &self.tree.branches[id];
-        let (at, depth, word) = (&branch.points[point], branch.depth, branch.word.clone());
-        let u = self.family.point(&at.phases, &[at.value]);
+        let (at, depth, word) = (&branch.points[point], branch.depth, branch.word().clone());
+        let u = self.family.point(at.phases(), &[at.value]);
         let value = at.value;
         // The crossing of a doubled branch with another one is not a doubling.
         let Ok((word, departure)) = switching::doubled(self.family, &word, &u, label) else { return };

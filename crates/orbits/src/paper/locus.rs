@@ -9,22 +9,9 @@ use self::equations::Locus;
 use self::start::{Normal, first_point};
 use super::family::Family;
 use crate::obstacle::Obstacle;
-use crate::two_parameters::{LocusEnd, both_ways};
+use crate::two_parameters::{LocusEnd, LocusPoint, both_ways};
 use nalgebra::DVector;
 use vibro_studies::{Error, Result as Outcome};
-
-/// A point of a curve in two parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocusPoint {
-    /// The two parameters.
-    pub values: [f64; 2],
-    /// Phases of the drive at the impacts, rad.
-    pub phases: Vec<f64>,
-    /// For Neimark-Sacker points the angle of the multipliers, rad.
-    pub angle: Option<f64>,
-    /// Type of end, if the point is one.
-    pub end: Option<LocusEnd>,
-}
 
 /// The curve in the two parameters of a family on which the orbit has the bifurcation of a start,
 /// in both directions from it.
@@ -67,11 +54,12 @@ pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let normal = Normal::of(family, start)?;
     let (locus, u) = first_point(family, &normal).map_err(failed)?;
     let found = both_ways(&locus, &u).map_err(failed)?;
-    Ok(found.into_iter().map(|(u, end)| point(&locus, &u, end)).collect())
+    found.into_iter().map(|(u, end)| point(&locus, &u, end)).collect()
 }
 
-fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> LocusPoint {
+fn point(locus: &Locus, u: &DVector<f64>, end: Option<LocusEnd>) -> Outcome<LocusPoint> {
     let values = locus.family.values(u);
+    let period = locus.family.system(&values)?.period(locus.word);
     let phases = u.as_slice()[..locus.n()].to_vec();
-    LocusPoint { values: [values[0], values[1]], phases, angle: locus.angle(u), end }
+    Ok(LocusPoint { values: [values[0], values[1]], period, phases, angle: locus.angle(u), end })
 }

@@ -4,9 +4,9 @@
 use super::cycle::{Cycle, Functional};
 use super::flights;
 use super::system::System;
-use super::word::{OrbitWord, REPETITION};
 use crate::curve::{STEP_ROUNDING, STEP_STALLED};
 use crate::obstacle::Obstacle;
+use crate::stop_word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, Matrix6};
 use std::f64::consts::TAU;
 use vibro_impact::State;

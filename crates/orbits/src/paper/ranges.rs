@@ -1,7 +1,8 @@
 //! Stable ranges of branches between located bifurcations, and sequences of period doublings.
 
-use super::branch::{Branch, OrbitPoint};
+use super::branch::Branch;
 use super::orbit::Orbit;
+use crate::branch::OrbitPoint;
 use crate::label::Label;
 
 /// Largest difference of the parameter, relative to its size, at which two points count as one. A
@@ -59,8 +60,8 @@ impl Branch {
         let last = self.points.len().saturating_sub(1);
         let mut first = 0;
         while first < last {
-            let stable = self.points[first].stable;
-            let end = (first + 1..last).find(|i| self.points[*i].stable != stable).unwrap_or(last);
+            let stable = self.points[first].is_stable();
+            let end = (first + 1..last).find(|i| self.points[*i].is_stable() != stable).unwrap_or(last);
             if stable {
                 found.push(self.range(first, end));
             }
@@ -77,7 +78,7 @@ impl Branch {
         };
         let (a, b) = (end(first), end(last));
         let (from, to) = if a.value <= b.value { (a, b) } else { (b, a) };
-        let (letters, period) = (self.word.len(), self.word.period());
+        let (letters, period) = (self.word().len(), self.word().period());
         StableRange { branch: self.id, points: (first, last), letters, period, from, to }
     }
 
@@ -94,7 +95,7 @@ impl Branch {
             let near = |a: &&OrbitPoint, b: &&OrbitPoint| {
                 (a.value - value).abs().total_cmp(&(b.value - value).abs())
             };
-            let nearest = points.iter().min_by(near).map(|p| flight_times(&p.phases, self.word.span()));
+            let nearest = points.iter().min_by(near).map(|p| flight_times(p.phases(), self.word().span()));
             nearest.map_or(f64::INFINITY, |n| n.iter().zip(&own).map(|(a, b)| (a - b).abs()).sum())
         };
         let ranges = self.stable_ranges().into_iter().filter(inside);

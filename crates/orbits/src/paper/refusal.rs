@@ -1,8 +1,8 @@
 //! Refusals of words and machines, in words.
 
 use super::system::System;
-use super::word::OrbitWord;
 use crate::obstacle::Obstacle;
+use crate::stop_word::OrbitWord;
 use vibro_studies::Error;
 
 impl Obstacle {

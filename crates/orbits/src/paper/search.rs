@@ -2,8 +2,8 @@
 
 use super::orbit::Orbit;
 use super::system::System;
-use super::word::OrbitWord;
 use crate::obstacle::Obstacle;
+use crate::stop_word::OrbitWord;
 use vibro_studies::{Error, Result};
 
 /// Largest difference of phases, rad, at which two orbits count as one.

@@ -7,7 +7,7 @@ use super::orbit::{Orbit, canonical};
 use super::settled::{self, from_drive_units, in_drive_units};
 use super::system::System;
 use super::tree_options::TreeOptions;
-use super::word::OrbitWord;
+use crate::stop_word::OrbitWord;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::{Event, Simulator, State};

@@ -2,8 +2,8 @@
 
 use super::orbit::{Orbit, newton};
 use super::system::System;
-use super::word::{MOST_LETTERS, OrbitWord, REPETITION};
 use crate::obstacle::Obstacle;
+use crate::stop_word::{MOST_LETTERS, OrbitWord, REPETITION};
 use std::f64::consts::TAU;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Event, Simulator, State};

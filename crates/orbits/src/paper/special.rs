@@ -3,10 +3,10 @@
 use super::cycle::Cycle;
 use super::family::{ContactEquations, Family};
 use super::orbit::eigenvalues;
-use super::word::OrbitWord;
 use crate::curve::{gradient, meet};
 use crate::obstacle::Obstacle;
 use crate::paper::sample::{DOUBLING, test};
+use crate::stop_word::OrbitWord;
 use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 

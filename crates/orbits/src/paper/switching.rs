@@ -1,14 +1,14 @@
 //! Starts of branches: at settled orbits, at bifurcations of another branch, at touches.
 
-use super::branch::Special;
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
 use super::grazing::{self, Touch, Touching};
 use super::orbit::{Orbit, canonical, repeated_phases, unfolded_phases};
-use super::word::{OrbitWord, REPETITION};
+use crate::branch::Special;
 use crate::curve::{axis, least_vectors, tangent};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
+use crate::stop_word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, DVector};
 
 /// First step from an orbit, and from a point where branches meet.
@@ -18,20 +18,8 @@ const SWITCH_STEP: f64 = 1e-3;
 /// Step of the difference that tells on which side of a touch the block is clear of the stop.
 const SIDE_STEP: f64 = 1e-5;
 
-/// Start of a path.
-#[derive(Clone, Debug)]
-pub(super) struct Departure {
-    pub u: DVector<f64>,
-    /// The direction in which the path leaves.
-    pub tangent: DVector<f64>,
-    /// The first step.
-    pub step: f64,
-    /// The special point at which the path begins: a birth or a touch. That point is not certified
-    /// itself.
-    pub special: Option<Special>,
-    /// The multipliers at a touch, where the cycle does not give them.
-    pub multipliers: Option<[Complex<f64>; 6]>,
-}
+/// Start of a path, with the multipliers at a touch, where the cycle does not give them.
+pub(super) type Departure = crate::path::Departure<Option<[Complex<f64>; 6]>>;
 
 /// A touch within a flight of the shortest word that does not list it. All words that meet at a
 /// touch have the same `FlightTouch`.
@@ -121,16 +109,8 @@ impl FlightTouch {
         };
         // The shift of the extremum changes its value only in second order.
         let leaves = excess(SIDE_STEP)? - excess(-SIDE_STEP)? < 0.0;
-        let tangent = if leaves { along } else { -along };
-        let system = family.system_at(&self.u)?;
-        let orbit = Orbit::at(&system, &self.shorter, &self.u.as_slice()[..n])?;
-        Ok(Departure {
-            u: self.u.clone(),
-            tangent,
-            step: SWITCH_STEP,
-            special: Some(Special::of(Label::Grazing)),
-            multipliers: Some(orbit.multipliers()),
-        })
+        let direction = if leaves { along } else { -along };
+        at_touch(family, (&self.u, direction), &self.shorter, &self.u.as_slice()[..n])
     }
 }
 
@@ -145,17 +125,20 @@ pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Ob
     let contacts = ContactEquations { family, word: &touch.longer };
     let along = tangent(&contacts, &touch.u, &axis(n + 1, n))?;
     let gradient = grazing::speed_gradient(&Touching { contacts, index: touch.index }, &touch.u)?;
-    let tangent = if gradient.dot(&along) > 0.0 { along } else { -along };
-    let system = family.system_at(&touch.u)?;
-    let without = touch.without();
-    let orbit = Orbit::at(&system, &touch.shorter(), &without.as_slice()[..n - 1])?;
-    Ok(Departure {
-        u: touch.u.clone(),
-        tangent,
-        step: SWITCH_STEP,
-        special: Some(Special::of(Label::Grazing)),
-        multipliers: Some(orbit.multipliers()),
-    })
+    let direction = if gradient.dot(&along) > 0.0 { along } else { -along };
+    at_touch(family, (&touch.u, direction), &touch.shorter(), &touch.without().as_slice()[..n - 1])
+}
+
+/// Departure from a touch, with the multipliers of the orbit without the touching impact.
+fn at_touch(
+    family: &Family,
+    (u, direction): (&DVector<f64>, DVector<f64>),
+    shorter: &OrbitWord,
+    phases: &[f64],
+) -> Result<Departure, Obstacle> {
+    let of = Some(Orbit::at(&family.system_at(u)?, shorter, phases)?.multipliers());
+    let special = Some(Special::of(Label::Grazing));
+    Ok(Departure { u: u.clone(), direction, step: SWITCH_STEP, special, of })
 }
 
 /// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation
@@ -182,10 +165,10 @@ pub(super) fn doubled(
     let doubled = unfolded_phases(word, phases);
     let departure = Departure {
         u: family.point(&doubled, &family.values(u)),
-        tangent: direction,
+        direction,
         step: SWITCH_STEP,
         special: Some(Special::of(label)),
-        multipliers: None,
+        of: None,
     };
     Ok((word.unfolded(), departure))
 }
@@ -202,7 +185,7 @@ pub(super) fn both_ways(
     let u = family.point(&phases, &[value]);
     let along = tangent(&ContactEquations { family, word: &word }, &u, &axis(word.len() + 1, word.len()))?;
     let departure =
-        |tangent| Departure { u: u.clone(), tangent, step: FIRST_STEP, special: None, multipliers: None };
+        |direction| Departure { u: u.clone(), direction, step: FIRST_STEP, special: None, of: None };
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
@@ -217,14 +200,14 @@ pub(super) fn reduced_departure(
     let n = word.len();
     let (least, phases) = word.reduced(&departure.u.as_slice()[..n], family.is_symmetric(), REPETITION);
     let m = least.len();
-    let rates = &departure.tangent;
+    let rates = &departure.direction;
     let repeats = (m..n).all(|i| (rates[i] - rates[i - m]).abs() < REPETITION);
     if m == n || !repeats {
         return (word.clone(), departure.clone());
     }
     let u = family.point(&phases, &family.values(&departure.u));
-    let tangent = DVector::from_fn(m + 1, |i, _| if i < m { rates[i] } else { rates[n] }).normalize();
-    (least, Departure { u, tangent, ..departure.clone() })
+    let direction = DVector::from_fn(m + 1, |i, _| if i < m { rates[i] } else { rates[n] }).normalize();
+    (least, Departure { u, direction, ..departure.clone() })
 }
 
 /// A departure in the canonical word, so that one orbit has one start in a tree.
@@ -236,8 +219,8 @@ pub(super) fn canonical_departure(
     let n = word.len();
     let (canonical, turn) = word.canonical_turn(family.is_symmetric());
     let phases = word.turned_phases(&departure.u.as_slice()[..n], turn);
-    let (u, tangent) = (&departure.u, &departure.tangent);
+    let (u, rates) = (&departure.u, &departure.direction);
     let u = DVector::from_fn(n + 1, |i, _| if i < n { phases[i] } else { u[n] });
-    let tangent = DVector::from_fn(n + 1, |i, _| if i < n { tangent[(i + turn.by) % n] } else { tangent[n] });
-    (canonical, Departure { u, tangent, ..departure.clone() })
+    let direction = DVector::from_fn(n + 1, |i, _| if i < n { rates[(i + turn.by) % n] } else { rates[n] });
+    (canonical, Departure { u, direction, ..departure.clone() })
 }

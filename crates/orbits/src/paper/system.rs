@@ -4,7 +4,7 @@
 pub(super) use super::balance::Anchor;
 pub use super::balance::ConstantLoads;
 use super::balance::{Balance, balance};
-use super::word::OrbitWord;
+use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, Matrix2, Matrix4};
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
@@ -123,6 +123,11 @@ impl System {
             p.secondary_damping,
         ];
         needed.iter().all(|c| *c > 0.0)
+    }
+
+    /// The period of an orbit with a word, s.
+    pub(super) fn period(&self, word: &OrbitWord) -> f64 {
+        self.parameters.period() * f64::from(word.period())
     }
 
     /// The machine's parameters, without its [loads](Self::loads).

@@ -2,19 +2,21 @@
 //! range, from orbits near which other motions pass, from the motion without impacts, and from
 //! every special point of every branch; or of one branch alone.
 
-use super::branch::{Branch, OrbitPoint};
+use super::branch::Branch;
 use super::family::Family;
 use super::free;
 use super::grower::{BranchStart, Grower};
 use super::orbit::Orbit;
-use super::path::{Follower, PathEnd, follow};
+use super::path::{End, Follower};
 use super::seeds::seeds;
 use super::switching;
-use super::tree::{Traced, Tree};
+use super::tree::Tree;
 use super::tree_options::TreeOptions;
-use super::word::OrbitWord;
 use crate::obstacle::Obstacle;
+use crate::path::follow;
 use crate::path_options::PathOptions;
+use crate::stop_word::OrbitWord;
+use crate::traced::{self, Order, Traced};
 use rayon::prelude::*;
 use vibro_studies::Error;
 use vibro_studies::parts::{NoStore, PartStore, Task};
@@ -69,7 +71,7 @@ pub fn tree_in_parts(
         let batch = grower.next_batch();
         traced += batch.len();
         let batch: Vec<BranchStart> = batch.into_iter().filter(|s| !grower.tree_has(s)).collect();
-        let trace_all = |_| -> Result<Vec<Option<Traced>>, Error> {
+        let trace_all = |_| -> Result<Vec<Option<Traced<End>>>, Error> {
             let trace = |start: &BranchStart| trace(family, &grower.path, &options.marks, start).ok();
             Ok(batch.par_iter().map(trace).collect())
         };
@@ -141,7 +143,7 @@ pub fn branch(
     };
     let (Traced { points, closed, .. }, word) =
         followed().map_err(|obstacle: Obstacle| obstacle.error(&system, &word))?;
-    Ok(Branch { id: 0, parent: None, depth: 0, word, points, closed })
+    Ok(Branch::new(word, points, closed))
 }
 
 /// Follows a start in all its directions.
@@ -150,24 +152,8 @@ fn trace(
     options: &PathOptions,
     marks: &[f64],
     start: &BranchStart,
-) -> Result<Traced, Obstacle> {
+) -> Result<Traced<End>, Obstacle> {
     let follower = Follower { family, word: &start.word, options, marks };
-    let mut departures = start.departures.iter();
-    let first = departures.next().ok_or(Obstacle::NoConvergence)?;
-    let forward = follow(&follower, first.clone())?;
-    let closed = matches!(forward.end, PathEnd::Closed);
-    let second = departures.next().filter(|_| !closed);
-    let backward = second.map(|d| follow(&follower, d.clone())).transpose()?;
-    let mut points = Vec::new();
-    let mut ends = Vec::new();
-    if let Some(path) = backward {
-        // A point keeps the stability of the piece after it in the branch's order.
-        let pieces: Vec<bool> = path.points.iter().map(|p| p.stable).collect();
-        let reversed = path.points.into_iter().enumerate().skip(1).rev();
-        points.extend(reversed.map(|(i, point)| OrbitPoint { stable: pieces[i - 1], ..point }));
-        ends.push((0, path.end));
-    }
-    points.extend(forward.points);
-    ends.push((points.len() - 1, forward.end));
-    Ok(Traced { points, closed, ends })
+    let order = Order { is_back_first: false, are_pieces: true };
+    traced::trace(&start.departures, &order, |departure| follow(&follower, departure, options))
 }

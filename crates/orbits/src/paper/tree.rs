@@ -1,9 +1,7 @@
-//! All branches found of a family, and the result of tracing one start.
+//! All branches found of a family.
 
-use super::branch::{Branch, OrbitPoint};
-use super::path::PathEnd;
+use super::branch::Branch;
 use super::seeds::Searched;
-use serde::{Deserialize, Serialize};
 
 /// All branches found of a family.
 #[derive(Clone, Debug, Default)]
@@ -15,13 +13,4 @@ pub struct Tree {
     pub failures: usize,
     /// The search for orbits by simulation.
     pub searched: Searched,
-}
-
-/// Result of a start: the points of a branch, and its ends.
-#[derive(Serialize, Deserialize)]
-pub(super) struct Traced {
-    pub points: Vec<OrbitPoint>,
-    pub closed: bool,
-    /// Indices of end points with the ends there.
-    pub ends: Vec<(usize, PathEnd)>,
 }

@@ -1,8 +1,8 @@
 //! Options of tracing a tree.
 
 use super::settled::{LONGEST, Limits};
-use super::word::{MOST_LETTERS, OrbitWord};
 use crate::path_options::PathOptions;
+use crate::stop_word::{MOST_LETTERS, OrbitWord};
 use serde::{Deserialize, Serialize};
 use vibro_studies::Error;
 

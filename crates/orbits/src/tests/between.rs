@@ -3,7 +3,8 @@
 use super::closing::ball;
 use super::steps::{meissner, meissners_test};
 use super::*;
-use crate::path::{Departure, PathEnd, closes, follow};
+use crate::path::{PathEnd, closes};
+use crate::step::{Departure, follow};
 use nalgebra::DVector;
 use vibro_machine::Start;
 
@@ -12,7 +13,7 @@ const LOCATED: f64 = 1e-10;
 
 /// The values of the special points of a kind on a path.
 fn values(points: &[OrbitPoint], kind: &str) -> Vec<f64> {
-    let own = points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.kind.name() == kind));
+    let own = points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.label.name() == kind));
     own.map(|p| p.value).collect()
 }
 
@@ -24,7 +25,7 @@ fn departure(branch: &Branch, value: f64, sign: f64) -> Departure {
     let direction = crate::curve::tangent(&orbit.problem, &orbit.u, &axis).unwrap();
     let rises = direction[direction.len() - 1].signum();
     Departure {
-        problem: orbit.problem.clone(),
+        of: orbit.problem.clone(),
         u: orbit.u.clone(),
         direction: direction * (sign * rises),
         step: 0.05,
@@ -37,7 +38,7 @@ fn departure(branch: &Branch, value: f64, sign: f64) -> Departure {
 fn closed_form_a_flip_in_the_first_step_from_a_special_point() {
     let (branch, flip) = ball();
     let mut start = departure(&branch, 0.997 * flip, 1.0);
-    start.special = Some(Special { kind: Kind::As(crate::Label::Grazing), element: String::new() });
+    start.special = Some(Special::new(crate::Label::Grazing, ""));
     let points = follow(&start, &Default::default()).unwrap().points;
     let found = values(&points, "PD");
     assert!(nearest(&found, flip) < LOCATED, "{found:?} {flip}");
@@ -56,7 +57,7 @@ fn published_flip_in_the_last_step_before_a_touch() {
     let start = Departure { step: 0.2, ..departure(own.unwrap(), force + 1e-5, -1.0) };
     let options = crate::PathOptions { longest_step: 0.2, ..Default::default() };
     let path = follow(&start, &options).unwrap();
-    assert!(matches!(path.end, PathEnd::Broken(_)), "{:?}", path.points.last());
+    assert!(matches!(path.end, PathEnd::At(_)), "{:?}", path.points.last());
     let plain = path.points.iter().filter(|p| p.special.is_none()).count();
     let found = values(&path.points, "PD");
     assert!(nearest(&found, force) < digits && plain <= 1, "{found:?}, {plain} plain points");

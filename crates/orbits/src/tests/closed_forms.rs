@@ -71,14 +71,14 @@ fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
 #[test]
 fn closed_form_the_doubled_branch_of_a_ball_begins_at_its_flip() {
     let (found, flip) = super::closing::ball();
-    let ball = &found.problem.family.machine;
+    let ball = &found.of.family.machine;
     let family = Family::new(ball, "body.table.motion.amplitude", (0.95 * flip, 1.02 * flip)).unwrap();
     let start = found.orbits_at(0.985 * flip).pop().unwrap().start();
     let options = TreeOptions { seeds: 1, depth: 1, start, ..TreeOptions::default() };
     let branches = tree(&family, &options, &mut |_, _| true).unwrap();
     let doubled = branches.iter().find(|b| b.word().len() == 2 && b.word().periods == Some(2)).unwrap();
     let (parent, point) = doubled.parent.unwrap();
-    assert_eq!(branches[parent].points[point].special.as_ref().unwrap().kind.name(), "PD");
+    assert_eq!(branches[parent].points[point].special.as_ref().unwrap().label.name(), "PD");
     let begins = branches[parent].points[point].value;
     assert!((begins - flip).abs() < LOCATED && (doubled.points[0].value - flip).abs() < LOCATED, "{begins}");
 }

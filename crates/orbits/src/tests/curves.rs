@@ -25,12 +25,12 @@ fn curve(
     second: (&str, [f64; 2]),
 ) -> Vec<LocusPoint> {
     let second = Family::new(machine, second.0, (second.1[0], second.1[1])).unwrap();
-    let is_own = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind.name() == kind);
+    let is_own = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.label.name() == kind);
     let own = branches.iter().filter(|b| b.word().len() == events);
     let starts = own.flat_map(|b| (0..b.points.len()).filter(|k| is_own(&b.points[*k])).map(move |k| (b, k)));
     let kinds = || {
         let all = branches.iter().flat_map(|b| b.points.iter().map(move |p| (b.word().len(), p)));
-        all.filter_map(|(n, p)| Some((n, p.special.clone()?.kind.name(), p.value))).collect::<Vec<_>>()
+        all.filter_map(|(n, p)| Some((n, p.special.clone()?.label.name(), p.value))).collect::<Vec<_>>()
     };
     let (branch, point) = starts.into_iter().next().unwrap_or_else(|| panic!("{kind}: {:?}", kinds()));
     locus(&branch.locus_start(point).unwrap(), &second).unwrap()

@@ -4,22 +4,24 @@ use super::*;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Texts in memory, with the number of those that were found and kept.
+/// Paths in memory, with the number of those that were found and kept.
 #[derive(Default)]
-struct Memory(Mutex<(HashMap<u64, String>, [usize; 2])>);
+struct Memory(Mutex<(Paths, [usize; 2])>);
+
+type Paths = HashMap<u64, Vec<u8>>;
 
 impl KeptPaths for Memory {
-    fn find(&self, key: u64) -> Option<String> {
+    fn find(&self, key: u64) -> Option<Vec<u8>> {
         let mut own = self.0.lock().unwrap();
-        let text = own.0.get(&key).cloned();
-        own.1[0] += usize::from(text.is_some());
-        text
+        let bytes = own.0.get(&key).cloned();
+        own.1[0] += usize::from(bytes.is_some());
+        bytes
     }
 
-    fn keep(&self, key: u64, text: &str) {
+    fn keep(&self, key: u64, bytes: &[u8]) {
         let mut own = self.0.lock().unwrap();
         own.1[1] += 1;
-        own.0.insert(key, text.into());
+        own.0.insert(key, bytes.into());
     }
 }
 
@@ -56,16 +58,15 @@ fn invariant_a_growth_that_goes_on_has_the_branches_of_one_without_a_break() {
 }
 
 #[test]
-fn refused_damaged_texts_are_followed_anew() {
+fn refused_damaged_paths_are_followed_anew() {
     struct Damaged;
     impl KeptPaths for Damaged {
-        fn find(&self, key: u64) -> Option<String> {
-            ["", "plain\n", "broken 999\n1.0\t1.0\tstable\t\t\t\t1.0\n", "plain\n1.0\tx"]
-                .get(key as usize % 4)
-                .map(|x| (*x).into())
+        fn find(&self, key: u64) -> Option<Vec<u8>> {
+            // Nothing, no points, one point without its numbers, more points than bytes.
+            [&b""[..], &[0, 0], &[1, 0, 0], &[200, 1, 7]].get(key as usize % 4).map(|x| x.to_vec())
         }
 
-        fn keep(&self, _: u64, _: &str) {}
+        fn keep(&self, _: u64, _: &[u8]) {}
     }
     let (family, options) = (rattle(), TreeOptions { seeds: 2, depth: 0, ..TreeOptions::default() });
     let [whole, damaged] = [

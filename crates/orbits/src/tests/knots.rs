@@ -96,7 +96,7 @@ fn second_method_a_recorded_sine_has_the_branches_of_the_sine() {
         let family = Family::new(&machine(&text(&signal)), "gap", (0.9, 1.1)).unwrap();
         let orbit = Orbit::settled(&family.machine, &Start::default(), 1000).unwrap();
         let branch = branch(&family, &orbit, &Default::default()).unwrap();
-        let special = branch.points.iter().filter_map(|p| Some((p.special.as_ref()?.kind.name(), p.value)));
+        let special = branch.points.iter().filter_map(|p| Some((p.special.as_ref()?.label.name(), p.value)));
         special.collect::<Vec<_>>()
     });
     assert!(found[0].len() > 1 && found[0].len() == found[1].len(), "{found:?}");
@@ -139,12 +139,14 @@ fn closed_form_branches_end_where_their_impact_meets_a_knot() {
         assert_eq!(branches.len(), 2, "{restitution}");
         for own in branches.iter().chain([&alone.unwrap()]) {
             let ends = [&own.points[0], &own.points[own.points.len() - 1]];
-            let corner = ends.iter().find(|p| p.special.as_ref().unwrap().kind.name() == "CC");
+            let corner = ends.iter().find(|p| p.special.as_ref().unwrap().label.name() == "CC");
             let (value, special) = corner.map(|p| (p.value, p.special.clone().unwrap())).unwrap();
             assert!((value / end - 1.0).abs() < CORNER, "{restitution}: {value} {end}");
             assert_eq!(special.element, "stop.floor body.table");
             assert!(
-                own.points.iter().all(|p| p.value > end * (1.0 - CORNER) && !p.is(crate::Label::BranchPoint))
+                own.points
+                    .iter()
+                    .all(|p| p.value > end * (1.0 - CORNER) && p.label() != Some(crate::Label::BranchPoint))
             );
             for point in own.points.iter().filter(|p| p.special.is_none()).step_by(5) {
                 own.orbit(point).unwrap().check_by_motion().unwrap();

@@ -39,7 +39,8 @@ fn invariant_a_broken_symmetry_is_one_branch() {
     // twice.
     let family = Family::new(&touches::energy_sink(8.5), "body.base.motion.frequency", (8.35, 8.66)).unwrap();
     let branches = grown(&family, 6, 1);
-    let crossings = branches.iter().filter(|b| b.points.iter().any(|p| p.is(crate::Label::BranchPoint)));
+    let crossings =
+        branches.iter().filter(|b| b.points.iter().any(|p| p.label() == Some(crate::Label::BranchPoint)));
     assert!(crossings.count() == 2, "{}", branches.len());
     assert!(check_each_once(&branches, &["maximum.ball.s", "impact.speed.left"]) > 1);
 }

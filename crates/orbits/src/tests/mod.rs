@@ -49,7 +49,7 @@ fn grown(family: &Family, seeds: usize, depth: u32) -> Vec<Branch> {
 fn specials(branches: &[Branch], events: usize, kind: &str) -> Vec<f64> {
     let own = branches.iter().filter(|b| b.word().len() == events);
     let all = own.flat_map(|b| b.points.iter());
-    let of_kind = |p: &&OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind.name() == kind);
+    let of_kind = |p: &&OrbitPoint| p.special.as_ref().is_some_and(|s| s.label.name() == kind);
     all.filter(of_kind).map(|p| p.value).collect()
 }
 

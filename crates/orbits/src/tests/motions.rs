@@ -122,7 +122,7 @@ fn invariant_stops_hit_at_one_instant_are_undecided_and_end_their_branch() {
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     for end in [found.points.first(), found.points.last()] {
         let end = end.unwrap();
-        assert_eq!(end.special.as_ref().map(|s| s.kind), Some(Kind::Crossing));
+        assert_eq!(end.special.as_ref().map(|s| s.label), Some(Label::Crossing));
         assert!((end.value - 10.0).abs() < 1e-6, "{}", end.value);
     }
 }
@@ -149,7 +149,7 @@ fn invariant_a_branch_ends_where_the_parameters_values_end() {
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     for end in [found.points.first(), found.points.last()] {
         let end = end.unwrap();
-        assert_eq!((end.special.as_ref().unwrap().kind.name(), end.value), ("EP", 1.0));
+        assert_eq!((end.special.as_ref().unwrap().label.name(), end.value), ("EP", 1.0));
     }
 }
 

@@ -9,6 +9,8 @@ use vibro_studies::paper::{ParameterSet, find_group};
 const SAME: f64 = 1e-9;
 /// The load of f10 = 1, N.
 const LOAD: f64 = 0.1;
+/// Relative difference of two periods that is rounding.
+const ROUNDING: f64 = 1e-12;
 /// A touch within this of a bifurcation is one with it.
 const MERGED: f64 = 1e-8;
 
@@ -40,6 +42,13 @@ fn second_method_special_points_of_the_papers_machine() {
         }
     }
     assert!(compared > 15, "{compared}");
+    let theirs: Vec<&OrbitPoint> = theirs.branches.iter().flat_map(|b| &b.points).collect();
+    for fold in own.iter().flat_map(|b| &b.points).filter(|p| p.label() == Some(Label::Fold)) {
+        let is_one =
+            |p: &&&OrbitPoint| p.label() == fold.label() && (LOAD * p.value - fold.value).abs() < SAME;
+        let has_period = |p: &&OrbitPoint| (p.period / fold.period - 1.0).abs() < ROUNDING;
+        assert!(theirs.iter().filter(is_one).any(has_period), "{fold:?}");
+    }
     // Each point's own condition, in the shortest word of its orbit, is zero there too.
     let starts = own.iter().flat_map(|branch| {
         let of = |k| Some((branch.locus_start(k)?, branch.points[k].value));
@@ -48,7 +57,7 @@ fn second_method_special_points_of_the_papers_machine() {
     let starts: Vec<_> = starts.collect();
     let apart = |(start, value): &(LocusStart, f64)| {
         let again = start.located_again();
-        (start.special.kind.name(), *value, again.map(|again| (again - value).abs()))
+        (start.special.label.name(), *value, again.map(|again| (again - value).abs()))
     };
     let found: Vec<_> = starts.iter().map(apart).collect();
     let wrong: Vec<_> = found.iter().filter(|own| own.2.is_none_or(|apart| apart > SAME)).collect();

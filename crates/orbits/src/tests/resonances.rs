@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-10;
 
 /// The curve from the first special point of a kind on a branch.
 fn curve(branch: &Branch, kind: &str, second: &Family) -> Vec<LocusPoint> {
-    let is_own = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind.name() == kind);
+    let is_own = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.label.name() == kind);
     let point = branch.points.iter().position(is_own);
     let kinds =
         || branch.points.iter().filter_map(|p| Some((p.special.clone()?, p.value))).collect::<Vec<_>>();

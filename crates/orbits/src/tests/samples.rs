@@ -145,7 +145,7 @@ fn closed_form_a_branch_ends_where_a_sample_comes_to_a_limit() {
     let branches = grown(&family, 6, 0);
     let all = branches.iter().flat_map(|b| &b.points).filter_map(|p| Some((p.special.clone()?, p.value)));
     let own: Vec<f64> = all
-        .filter(|(special, _)| special.kind == Kind::Saturation && special.element == "block.control.u")
+        .filter(|(special, _)| special.label == Label::Saturation && special.element == "block.control.u")
         .map(|(_, value)| value)
         .collect();
     assert!(nearest(&own, push) < SPECIAL, "{own:?} {push}");
@@ -262,7 +262,7 @@ fn closed_form_curves_of_limits_over_two_parameters() {
         let second = Family::new(&machine, second, (range[0], range[1])).unwrap();
         let own = branches.iter().filter(|b| b.word().len() == events);
         let all = own.flat_map(|b| b.points.iter().enumerate().map(move |(k, p)| (b, k, p)));
-        let is_limit = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.kind == Kind::Saturation);
+        let is_limit = |p: &OrbitPoint| p.special.as_ref().is_some_and(|s| s.label == Label::Saturation);
         let least = all.filter(|own| is_limit(own.2)).min_by(|a, b| a.2.value.total_cmp(&b.2.value));
         let start = least.and_then(|(branch, k, _)| branch.locus_start(k)).unwrap();
         let points = locus(&start, &second).unwrap();

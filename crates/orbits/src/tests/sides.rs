@@ -47,7 +47,7 @@ fn closed_form_graze_of_a_compliant_stop_from_the_side_with_its_contact() {
         let m = stopped(stop);
         let family = Family::new(&m, "load.l.amplitude", (0.5, 3.0)).unwrap();
         let found = curves(&grown(&family, 6, 1), &m, ("stop.a.gap", 0.01, 0.05));
-        let grazes: Vec<_> = found.iter().filter(|(special, ..)| special.kind.name() == "GR").collect();
+        let grazes: Vec<_> = found.iter().filter(|(special, ..)| special.label.name() == "GR").collect();
         assert!(grazes.iter().any(|own| own.1 == 0) && grazes.iter().any(|own| own.1 > 1), "{stop}");
         for (_, events, points) in grazes {
             assert!(points.len() > FOLLOWED, "{events} events: {} points", points.len());
@@ -105,7 +105,7 @@ fn invariant_sticking_begins_at_loads_in_proportion_to_the_friction_from_either_
     assert_eq!(events, [2, 4]);
     let ratio = found[0].2[0].values[0] / found[0].2[0].values[1];
     for (special, events, points) in found {
-        assert_eq!((special.kind.name(), special.element.as_str()), ("ST", "friction.f"));
+        assert_eq!((special.label.name(), special.element.as_str()), ("ST", "friction.f"));
         assert!(points.len() > FOLLOWED, "{events} events: {} points", points.len());
         for LocusPoint { values: [load, friction], .. } in points {
             assert!((load / (friction * ratio) - 1.0).abs() < ROUNDING, "{events} events: {load} {friction}");
@@ -151,7 +151,7 @@ fn a_crossing_that_a_second_parameter_breaks_is_refused() {
     let family = Family::new(&m, "load.drive.amplitude", (0.03, 0.35)).unwrap();
     let branches = grown(&family, 12, 0);
     let crossings = branches.iter().flat_map(|b| (0..b.points.len()).filter_map(|k| b.locus_start(k)));
-    let crossing = crossings.into_iter().find(|start| start.special.kind.name() == "BP").unwrap();
+    let crossing = crossings.into_iter().find(|start| start.special.label.name() == "BP").unwrap();
     let gap = m.description.parameters().into_iter().find(|p| p.name.ends_with(".gap")).unwrap();
     let second = Family::new(&m, &gap.name, (0.9 * gap.value, 1.1 * gap.value)).unwrap();
     let error = locus(&crossing, &second).unwrap_err().to_string();

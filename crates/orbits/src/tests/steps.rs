@@ -190,7 +190,7 @@ fn closed_form_a_branch_ends_where_a_step_ceases_to_make_a_friction_slip() {
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     let end = found.points.iter().min_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
     let special = end.special.as_ref().unwrap();
-    assert_eq!((special.kind.name(), special.element.as_str()), ("ST", "friction.f"));
+    assert_eq!((special.label.name(), special.element.as_str()), ("ST", "friction.f"));
     assert!((end.value - 1.0).abs() < VANISHES, "{}", end.value);
 }
 
@@ -209,7 +209,7 @@ fn second_method_branches_over_a_gear_mesh_are_motions_at_any_step() {
         found
             .points
             .iter()
-            .filter_map(|p| Some((p.special.as_ref()?.kind.name(), p.value)))
+            .filter_map(|p| Some((p.special.as_ref()?.label.name(), p.value)))
             .collect::<Vec<_>>()
     });
     assert!(values[0].len() >= 2 && values[0].len() == values[1].len(), "{values:?}");
@@ -242,7 +242,7 @@ fn closed_form_a_step_lifts_a_mass_from_its_stop() {
     let family = Family::new(&machine, "load.p.repeat", (2.2, 4.5)).unwrap();
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     let end = found.points.iter().min_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
-    assert_eq!(end.special.as_ref().unwrap().kind.name(), "CH");
+    assert_eq!(end.special.as_ref().unwrap().label.name(), "CH");
     assert!((end.value - (rests - 1.0)).abs() < RESTS, "{} {}", end.value, rests - 1.0);
 }
 
@@ -256,7 +256,7 @@ fn closed_form_meissners_boundary_over_stiffness_and_damping() {
     let family = Family::new(&machine, "low", (0.4, 1.6)).unwrap();
     let orbit = Orbit::settled(&machine, &Start::default(), 2000).unwrap();
     let found = branch(&family, &orbit, &Default::default()).unwrap();
-    let is_own = |k: &usize| found.points[*k].special.as_ref().is_some_and(|s| s.kind.name() == "PD");
+    let is_own = |k: &usize| found.points[*k].special.as_ref().is_some_and(|s| s.label.name() == "PD");
     let start = (0..found.points.len()).find(is_own).and_then(|k| found.locus_start(k)).unwrap();
     let second = Family::new(&machine, "spring.k.damping", (0.01, 0.05)).unwrap();
     let points = locus(&start, &second).unwrap();

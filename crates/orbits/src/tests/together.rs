@@ -79,7 +79,7 @@ fn invariant_words_that_the_machine_has_on_neither_side_of_a_point_are_no_branch
     let family = Family::new(&m, "load.f.frequency", (1.5, 1.7)).unwrap();
     let branches = grown(&family, 6, 1);
     let crossings = branches.iter().flat_map(|branch| &branch.points).filter_map(|p| p.special.as_ref());
-    assert!(crossings.filter(|special| special.kind == Kind::Crossing).count() > 0);
+    assert!(crossings.filter(|special| special.label == Label::Crossing).count() > 0);
     branches.iter().for_each(|branch| assert!(branch.points.len() > 1, "{}", branch.id));
 }
 
@@ -114,7 +114,7 @@ fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
     };
     let of = |branch: &Branch| (0..branch.points.len()).filter_map(|k| branch.locus_start(k)).next();
     let (branch, start) = branches.iter().find_map(|branch| Some((branch, of(branch)?))).unwrap();
-    assert_eq!((start.special.kind, start.special.element.as_str()), (Kind::Stick, "spring.j"));
+    assert_eq!((start.special.label, start.special.element.as_str()), (Label::Stick, "spring.j"));
     let at = branch.points.iter().find(|point| point.special.as_ref() == Some(&start.special)).unwrap();
     assert!((force(at.value) - 1.0).abs() < ROUNDING, "{} {}", at.value, force(at.value));
     let refused = locus(&start, &Family::new(&m, "spring.j.slip", (0.5, 2.0)).unwrap()).unwrap_err();

@@ -51,7 +51,7 @@ fn invariant_impulses_of_every_orbit_next_to_a_double_touch_balance() {
             assert!(own.iter().all(|x| x.abs() > IMPULSE * size), "branch {}: {own:?}", branch.id);
         }
         for touch in
-            branch.points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.kind.name() == "GR"))
+            branch.points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.label.name() == "GR"))
         {
             let largest = touch.multipliers[0].norm();
             assert!(largest < LIMITED, "{}: {largest:e}", touch.value);
@@ -103,7 +103,7 @@ fn second_method_a_crossing_is_the_turn_of_the_branch_that_crosses() {
     let family = Family::new(&energy_sink(8.8), "body.base.motion.frequency", (8.38, 8.42)).unwrap();
     let branches = grown(&family, 4, 1);
     let of = |branch: &Branch| {
-        let own = branch.points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.kind.name() == "BP"));
+        let own = branch.points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.label.name() == "BP"));
         own.map(|p| p.value).collect::<Vec<_>>()
     };
     let all: Vec<Vec<f64>> = branches.iter().map(of).filter(|own| !own.is_empty()).collect();

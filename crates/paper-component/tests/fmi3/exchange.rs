@@ -199,22 +199,6 @@ fn states_that_no_motion_has_are_discarded() {
     solver.put(0.1, &[0.0, 1.5, 0.0, 0.0, 0.5, 0.0]);
 }
 
-#[test]
-fn closed_forms_and_foreign_calls_are_errors() {
-    let fmu = Fmu::exchange();
-    assert_eq!(fmu.set("mode", 2.0), OK);
-    // SAFETY: a live instance.
-    unsafe {
-        assert_eq!(fmi3EnterInitializationMode(fmu.c, 0, 0.0, 0.0, 0, 0.0), OK);
-        assert_eq!(fmi3ExitInitializationMode(fmu.c), ERROR);
-        assert!(fmu.last().contains("mode must be 1 (EventDriven) in Model Exchange"), "{}", fmu.last());
-        assert_eq!(fmi3Reset(fmu.c), OK);
-    }
-    fmu.initialize();
-    assert_eq!(fmu.try_step(0.0, 1.0).0, ERROR);
-    assert!(fmu.last().contains("not allowed in state EventMode of Model Exchange"), "{}", fmu.last());
-}
-
 /// In Event Mode: inputs, tunable parameters and the states that events do not change (FMI 3.0.2,
 /// 2.3.5); time only as it is.
 #[test]

@@ -1,13 +1,11 @@
 //! Sets of designs of a sweep.
 
-use crate::paper::parameter_set::Name;
-use crate::paper::start::StartRule;
 use crate::sobol::coordinate;
 use serde::{Deserialize, Serialize};
 
 /// Parameter with the values that it takes, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SampledAxis<N = Name> {
+pub struct SampledAxis<N> {
     /// The parameter.
     pub name: N,
     /// Values, at least one.
@@ -16,7 +14,7 @@ pub struct SampledAxis<N = Name> {
 
 /// Parameter with an interval, SI.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ParameterInterval<N = Name> {
+pub struct ParameterInterval<N> {
     /// The parameter.
     pub name: N,
     /// Lower end, included.
@@ -27,7 +25,7 @@ pub struct ParameterInterval<N = Name> {
 
 /// The designs of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Designs<N = Name> {
+pub enum Designs<N> {
     /// All combinations of the values, the last axis varying fastest.
     Grid(Vec<SampledAxis<N>>),
     /// A list.
@@ -97,17 +95,4 @@ pub(super) fn combination<N>(axes: &[SampledAxis<N>], index: usize) -> Vec<f64> 
     let mut values: Vec<f64> = axes.iter().rev().map(value).collect();
     values.reverse();
     values
-}
-
-/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
-/// are points of the Sobol sequence, the same in every sweep, without its first two; the second is
-/// the machine at rest.
-pub fn spread_starts(count: u32) -> Vec<StartRule> {
-    const REACH: f64 = 2.0;
-    let start = |index: u32| {
-        let [x1, w, x3, v1, v2, v3]: [f64; 6] = std::array::from_fn(|d| 2.0 * coordinate(index, d) - 1.0);
-        let state = [REACH * x1, REACH * x1 + w, REACH * x3, REACH * v1, REACH * v2, REACH * v3];
-        StartRule::scaled(state)
-    };
-    (2..count.saturating_add(2)).map(start).collect()
 }

@@ -1,7 +1,7 @@
 //! Row of a design: the summary of each measure over its motions.
 
 use super::{DesignMachine, MotionMeasures, SweepRequest};
-use crate::paper::attractor::MotionClass;
+use crate::class::MotionClass;
 use serde::{Deserialize, Serialize};
 
 /// Spread relative to a value up to which it is rounding.
@@ -19,7 +19,7 @@ pub struct Summary {
     /// First motion with the largest value, for [`SweepRequest::motion`] and [`DesignRow::motion`].
     pub at: usize,
     /// Half the distance from the largest value to the largest upper end of the motions' error
-    /// bars, which reach `BARS` [spreads](crate::paper::measures::Measured::spreads) up and down.
+    /// bars, which reach `BARS` [spreads](crate::measured::Measured::spreads) up and down.
     pub spread: f64,
     /// Largest lower end of these error bars.
     pub lower: f64,

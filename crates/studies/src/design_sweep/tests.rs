@@ -1,6 +1,7 @@
 use super::*;
-use crate::paper::measures::Measure;
-use crate::paper::measures::measure;
+use crate::paper::ParameterSet;
+use crate::paper::design_sweep::spread_starts;
+use crate::paper::measures::{Measure, measure};
 use crate::paper::motion::settled_simulator;
 use crate::paper::parameter_set::Name;
 use crate::paper::start::StartRule;
@@ -13,7 +14,7 @@ fn name(text: &str) -> Name {
     Name::find(text).unwrap()
 }
 
-fn axis(text: &str, values: &[f64]) -> SampledAxis {
+fn axis(text: &str, values: &[f64]) -> SampledAxis<Name> {
     SampledAxis { name: name(text), values: values.into() }
 }
 
@@ -22,7 +23,7 @@ fn measures(names: &[&str]) -> Vec<Measure> {
 }
 
 /// A grid of 6 designs with 6 motions each.
-fn request() -> SweepRequest {
+fn request() -> SweepRequest<ParameterSet> {
     SweepRequest {
         designs: Designs::Grid(vec![axis("stop.gap", &[0.8, 1.0]), axis("kappa", &[0.3, 0.5, 0.7])]),
         over: vec![axis("drive.frequency", &[0.95, 1.0, 1.04])],
@@ -127,7 +128,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
 fn what_every_row_depends_on_is_checked_first() {
     let good = request();
     assert!(good.check().is_ok());
-    let refused = |change: &dyn Fn(&mut SweepRequest)| {
+    let refused = |change: &dyn Fn(&mut SweepRequest<ParameterSet>)| {
         let mut request = good.clone();
         change(&mut request);
         request.check().unwrap_err().to_string()

@@ -7,29 +7,21 @@
 
 mod record;
 
-pub(crate) use record::{StroboscopicRecord, appended, comes_nearer, least_period};
+pub(crate) use record::{StroboscopicRecord, appended};
 
 use super::free_limit::limit_keeps_clear;
-pub use super::largest_exponent::ZERO_EXPONENT;
-use super::largest_exponent::{ExponentSign, LargestExponent, zero_exponent};
+use super::largest_exponent::zero_exponent;
 use super::lyapunov::Spectrum;
 use super::statistics::{Likeness, Statistics};
 use super::stroboscopic::{StroboscopicState, dimensionless};
+use crate::class::SAME;
+pub use crate::class::{LONGEST, MotionClass, OBSERVED, RETURN, Relation};
 use crate::error::Result;
+use crate::exponent::LargestExponent;
+pub use crate::exponent::ZERO_EXPONENT;
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::Simulator;
-
-/// Drive periods over which a motion is observed.
-pub const OBSERVED: u32 = 128;
-/// Longest period that is recognized, in drive periods. [`OBSERVED`] contains four such periods.
-pub const LONGEST: u32 = 32;
-/// Tolerance of a return: largest change of a coordinate (units of L and L ω10) over a period.
-/// After hundreds of periods the remaining transient is smaller, except near a bifurcation.
-pub const RETURN: f64 = 1e-5;
-/// Largest distance of states of one attractor reached in different ways. States of two attractors
-/// are farther apart.
-pub(crate) const SAME: f64 = 1e-3;
 
 /// A settled motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,66 +45,7 @@ pub struct Attractor {
     pub statistics: Option<Statistics>,
 }
 
-/// Relation of two attractors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Relation {
-    /// Equal.
-    Same,
-    /// Each is the mirror image of the other.
-    Mirror,
-    /// Neither equal nor mirror images.
-    Different,
-    /// Neither has a period, and their windows are too short to tell whether they are the same.
-    Undecided,
-}
-
-/// Class of a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum MotionClass {
-    /// Repeats after this number of drive periods.
-    Periodic(u32),
-    /// Never repeats; two exponents are zero.
-    QuasiPeriodic,
-    /// λ1 > 0.
-    Chaotic,
-    /// Periodic, since its exponents are negative, but the transient has not ended or the period
-    /// exceeds [`LONGEST`].
-    Settling,
-    /// Undecided: the followed part has no period up to [`LONGEST`], and the exponent's sign is
-    /// uncertain.
-    NotSettled,
-}
-
 impl MotionClass {
-    /// Name in tables: `1T`, `2T`, `quasi-periodic`, `chaotic`.
-    pub fn name(self) -> String {
-        match self {
-            Self::Periodic(n) => format!("{n}T"),
-            Self::QuasiPeriodic => "quasi-periodic".into(),
-            Self::Chaotic => "chaotic".into(),
-            Self::Settling => "periodic, settling".into(),
-            Self::NotSettled => "not settled".into(),
-        }
-    }
-
-    /// Whether it is periodic.
-    pub fn is_periodic(self) -> bool {
-        matches!(self, Self::Periodic(_) | Self::Settling)
-    }
-
-    /// Whether the class would stay the same if the motion were followed further; false for a
-    /// motion that is settling or not settled.
-    pub fn is_decided(self) -> bool {
-        !matches!(self, Self::Settling | Self::NotSettled)
-    }
-
-    /// Whether the class is decided and needs no second observation. A quasi-periodic class needs
-    /// one: the motion may have left a slightly unstable orbit and reached another orbit while its
-    /// exponent was measured.
-    pub(crate) fn is_final(self) -> bool {
-        self.is_decided() && self != Self::QuasiPeriodic
-    }
-
     /// The class of an attractor. `largest` is the largest exponent without the zero exponent of
     /// the drive phase, if it is known.
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
@@ -124,19 +57,6 @@ impl MotionClass {
                 Self::Settling
             }
             class => class,
-        }
-    }
-
-    /// The class from the period, the sign of the largest exponent, and whether returns come
-    /// nearer.
-    pub(crate) fn by_sign(period: Option<u32>, sign: Option<ExponentSign>, approaching: bool) -> Self {
-        match (period, sign) {
-            (Some(n), _) => Self::Periodic(n),
-            (None, Some(ExponentSign::Positive)) => Self::Chaotic,
-            (None, Some(ExponentSign::Negative)) => Self::Settling,
-            (None, Some(ExponentSign::Zero)) if !approaching => Self::QuasiPeriodic,
-            (None, Some(ExponentSign::Zero)) => Self::Settling,
-            (None, Some(ExponentSign::Undecided) | None) => Self::NotSettled,
         }
     }
 

@@ -1,34 +1,22 @@
-//! Bifurcation diagrams: local maxima of X2, or of another displacement, over one parameter in both
-//! directions, with period, class and exponents.
-//!
-//! As in the paper, section 4, some drive periods are discarded and some kept at each value, and
-//! the last state is the start of the next value. The motion from value to value is one chain and
-//! cannot be divided. The observation at each value does not depend on the other values: threads
-//! and computers share that part, and the motions of some values run
-//! [side by side](Workspace::run).
-
-mod windows;
-
-pub use windows::Window;
+//! Diagrams of the paper's machine: local maxima of X2, or of another displacement, with all seven
+//! exponents on request. The motions at some values run [side by side](Workspace::run).
 
 use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
 use super::lyapunov::{self, Spectrum};
 use super::maxima::Displacement;
 use super::motion::settled_simulator;
 use super::parameter_set::ParameterSet;
-use super::plane::{ParameterAxis, check_count};
-use super::start::StartRule;
 use super::stroboscopic::StroboscopicState;
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use super::verdict::{EXPONENT_PERIODS, Following, follow, has_arrived};
+use crate::axis::check_count;
+use crate::diagram::{DiagramMachine, DiagramRequest};
+pub use crate::diagram::{DiagramPoint, Window, diagram};
 use crate::error::{Error, Result};
-use crate::parts::{PartStore, Task};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
-use vibro_impact::simulator::{Simulator, State, TOGETHER};
+use vibro_impact::simulator::{Simulator, State};
 
-/// Values in a part.
-const BLOCK: usize = 2 * TOGETHER;
 /// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
 const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Resolution of maxima, units of L: six digits after the point are kept.
@@ -38,24 +26,10 @@ const RESOLUTION: f64 = 1e-6;
 /// some gaps away.
 const ROUNDING: f64 = 1e-12;
 
-/// Request of a bifurcation diagram.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sweep {
-    /// The parameter and its values.
-    pub axis: ParameterAxis,
-    /// Drive periods discarded at each value.
-    pub discard: u32,
-    /// Drive periods kept.
-    pub keep: u32,
-    /// Options of the exponents, if they are computed.
-    pub exponents: Option<lyapunov::SpectrumOptions>,
-    /// The displacement whose maxima are kept.
-    #[serde(default)]
-    pub of: Displacement,
-    /// Start of the motion at the first value, and at a value after a refused one.
-    #[serde(default)]
-    pub start: StartRule,
-}
+/// Request of a diagram of the paper's machine.
+pub type Sweep = DiagramRequest<ParameterSet>;
+/// Diagram of the paper's machine.
+pub type Diagram<P = SweepPoint> = crate::diagram::Diagram<P>;
 
 /// The motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,29 +45,6 @@ pub struct SweepPoint {
     pub class: MotionClass,
     /// Exponents in units of ω10, per unit of the dimensionless time τ.
     pub spectrum: Option<Spectrum>,
-}
-
-/// A diagram in both directions; `None` where the simulator refused a value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Diagram<P = SweepPoint> {
-    /// Motions with the value rising.
-    pub up: Vec<Option<P>>,
-    /// Motions with the value falling, in the order of rising values.
-    pub down: Vec<Option<P>>,
-}
-
-/// Motion at one value of a diagram, of any machine.
-pub trait DiagramPoint {
-    /// The parameter's value.
-    fn value(&self) -> f64;
-    /// Drawn values, ascending, each with its count.
-    fn maxima(&self) -> &[(f64, u32)];
-    /// Class of the motion.
-    fn class(&self) -> MotionClass;
-    /// Impacts a period.
-    fn contacts(&self) -> f64;
-    /// Whether another motion ended on another attractor; `None` where that is undecided.
-    fn differs(&self, other: &Self) -> Option<bool>;
 }
 
 impl DiagramPoint for SweepPoint {
@@ -122,13 +73,12 @@ impl DiagramPoint for SweepPoint {
     }
 }
 
-/// Start of the kept periods at one value: the machine with its state after the discarded periods;
-/// no state where the simulator refused.
+/// The machine with its states after the discarded periods and after the kept ones.
 #[derive(Clone, Copy, Debug)]
-struct SettledStart {
-    value: f64,
+pub struct SettledStart {
     parameters: Parameters,
-    state: Option<State>,
+    before: State,
+    after: State,
 }
 
 /// A state of a machine with gap `from` for a machine with gap `to`. Displacements and velocities
@@ -147,102 +97,106 @@ pub fn within_gap(state: State, from: f64, to: f64) -> State {
     scaled
 }
 
-/// The chain of states from value to value, in the order of rising values. After a value that the
-/// simulator refuses it begins anew at the sweep's start. The store may end it before any value.
-fn chain(
-    set: &ParameterSet,
-    sweep: &Sweep,
-    store: &dyn PartStore,
-    upward: bool,
-) -> Result<Vec<SettledStart>> {
-    let mut state: Option<State> = None;
-    let mut gap = set.parameters().stop_gap;
-    chained(sweep.axis.count, upward, store, &mut |i| {
-        let value = sweep.axis.value(i);
-        let p = *set.with(sweep.axis.name, value)?.parameters();
-        let first = match state {
-            Some(before) => within_gap(before, gap, p.stop_gap),
-            None => sweep.start.state(&p)?,
+impl DiagramMachine for ParameterSet {
+    type Of = Displacement;
+    type Exponents = lyapunov::SpectrumOptions;
+    type Point = SweepPoint;
+    type Settled = SettledStart;
+    type DiagramWorkspace = Workspace;
+
+    /// Refuses periods that cannot be counted, and results that do not fit into memory.
+    fn check_diagram(&self, request: &Sweep) -> Result<()> {
+        if request.at_section {
+            let text = "values at the section".into();
+            return Err(Error::Form { text, expected: "local maxima: the paper's machine has no section" });
+        }
+        let DiagramRequest { axis, discard, keep, .. } = request;
+        if discard.checked_add(*keep).is_none() {
+            let count = f64::from(*discard) + f64::from(*keep);
+            return Err(Error::TooMany {
+                what: "drive periods at a value",
+                count,
+                most: u32::MAX as usize,
+                side: None,
+            });
+        }
+        let states = 2 * LONGEST as usize * size_of::<StroboscopicState>();
+        let maxima =
+            MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
+        let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
+        // Both directions, and the parts beside the whole.
+        check_count("values of the diagram", axis.count, value.saturating_mul(4))
+    }
+
+    fn settled_at(
+        &self,
+        request: &Sweep,
+        value: f64,
+        before: Option<&SettledStart>,
+    ) -> Result<Option<SettledStart>> {
+        let p = *self.with(request.axis.name, value)?.parameters();
+        let first = match before {
+            Some(s) => within_gap(s.after, s.parameters.stop_gap, p.stop_gap),
+            None => request.start.state(&p)?,
         };
-        gap = p.stop_gap;
-        let (discard, all) = (f64::from(sweep.discard), f64::from(sweep.discard + sweep.keep));
-        let run = || -> vibro_impact::Result<(State, State)> {
+        let (discard, all) = (f64::from(request.discard), f64::from(request.discard + request.keep));
+        let run = || -> vibro_impact::Result<SettledStart> {
             let mut simulator = settled_simulator(&p, &first, discard)?;
             let before = simulator.state();
             simulator.advance_to(all * p.period())?;
-            Ok((before, simulator.state()))
+            Ok(SettledStart { parameters: p, before, after: simulator.state() })
         };
-        let run = run();
-        let settled = SettledStart { value, parameters: p, state: run.as_ref().ok().map(|r| r.0) };
-        state = run.ok().map(|r| r.1);
-        Ok(settled)
-    })
-}
-
-/// One pass through the values of a diagram: the results of `step`, in the order of rising values.
-/// The store may end it before any.
-pub(crate) fn chained<S>(
-    count: usize,
-    upward: bool,
-    store: &dyn PartStore,
-    step: &mut dyn FnMut(usize) -> Result<S>,
-) -> Result<Vec<S>> {
-    let mut starts = Vec::with_capacity(count);
-    for i in 0..count {
-        store.go_on()?;
-        starts.push(step(if upward { i } else { count - 1 - i })?);
+        Ok(run().ok())
     }
-    if !upward {
-        starts.reverse();
-    }
-    Ok(starts)
-}
 
-/// Observes the motions at some values side by side; `None` where the simulator refuses.
-fn observe_all(
-    starts: &[SettledStart],
-    sweep: &Sweep,
-    workspace: &mut Workspace,
-) -> Result<Vec<Option<SweepPoint>>> {
-    let mut points: Vec<Option<SweepPoint>> = vec![None; starts.len()];
-    let there: Vec<(usize, Start)> = starts
-        .iter()
-        .enumerate()
-        .filter_map(|(index, s)| Some((index, Start { parameters: s.parameters, state: s.state? })))
-        .collect();
-    let program = Program {
-        maxima: Some((sweep.of, sweep.keep)),
-        observed: true,
-        exponent: Some(EXPONENT_PERIODS),
-        ..Program::default()
-    };
-    let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
-    // Whether returns are so exact that the finding is final.
-    let mut arrived = vec![true; there.len()];
-    workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
-        let (index, start) = there[number];
-        if let Ok(outcome) = &outcome {
-            ends[number] = outcome.state;
-            let period = outcome.attractor.as_ref().and_then(|attractor| attractor.period);
-            arrived[number] = period.is_none_or(|n| has_arrived(outcome.record, n, &start.parameters));
-        }
-        match outcome.and_then(|outcome| point(starts[index].value, &start.parameters, outcome, sweep)) {
-            Ok(point) => points[index] = point,
-            Err(Error::Model(_)) => {}
-            Err(other) => refused = Err(other),
-        }
-    });
-    refused?;
-    let open: Vec<(usize, Start)> = there
-        .iter()
-        .zip(ends.iter().zip(&arrived))
-        .filter(|((index, _), (_, arrived))| {
-            points[*index].as_ref().is_some_and(|p| !(p.class.is_final() && **arrived))
-        })
-        .map(|((index, start), (end, _))| (*index, Start { state: *end, ..*start }))
-        .collect();
-    prolong(&open, &mut points, workspace);
-    Ok(points)
+    fn observe(
+        &self,
+        request: &Sweep,
+        starts: &[(f64, Option<SettledStart>)],
+        workspace: &mut Workspace,
+    ) -> Result<Vec<Option<SweepPoint>>> {
+        let mut points: Vec<Option<SweepPoint>> = vec![None; starts.len()];
+        let there: Vec<(usize, Start)> = starts
+            .iter()
+            .enumerate()
+            .filter_map(|(index, (_, s))| {
+                s.as_ref().map(|s| (index, Start { parameters: s.parameters, state: s.before }))
+            })
+            .collect();
+        let program = Program {
+            maxima: Some((request.of, request.keep)),
+            observed: true,
+            exponent: Some(EXPONENT_PERIODS),
+            ..Program::default()
+        };
+        let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
+        // Whether returns are so exact that the finding is final.
+        let mut arrived = vec![true; there.len()];
+        workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
+            let (index, start) = there[number];
+            if let Ok(outcome) = &outcome {
+                ends[number] = outcome.state;
+                let period = outcome.attractor.as_ref().and_then(|attractor| attractor.period);
+                arrived[number] = period.is_none_or(|n| has_arrived(outcome.record, n, &start.parameters));
+            }
+            match outcome.and_then(|outcome| point(starts[index].0, &start.parameters, outcome, request)) {
+                Ok(point) => points[index] = point,
+                Err(Error::Model(_)) => {}
+                Err(other) => refused = Err(other),
+            }
+        });
+        refused?;
+        let open: Vec<(usize, Start)> = there
+            .iter()
+            .zip(ends.iter().zip(&arrived))
+            .filter(|((index, _), (_, arrived))| {
+                points[*index].as_ref().is_some_and(|p| !(p.class.is_final() && **arrived))
+            })
+            .map(|((index, start), (end, _))| (*index, Start { state: *end, ..*start }))
+            .collect();
+        prolong(&open, &mut points, workspace);
+        Ok(points)
+    }
 }
 
 /// Follows motions without a final class until they have one.
@@ -256,7 +210,7 @@ fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace
     });
 }
 
-fn point(value: f64, p: &Parameters, outcome: MotionEnd<'_>, sweep: &Sweep) -> Result<Option<SweepPoint>> {
+fn point(value: f64, p: &Parameters, outcome: MotionEnd<'_>, request: &Sweep) -> Result<Option<SweepPoint>> {
     let MotionEnd { state, maxima, attractor: Some(attractor), exponent, .. } = outcome else {
         return Ok(None);
     };
@@ -269,102 +223,12 @@ fn point(value: f64, p: &Parameters, outcome: MotionEnd<'_>, sweep: &Sweep) -> R
         let mut simulator = Simulator::new(p, &state, 0.0)?.without_energy_accounts();
         Ok::<_, Error>(lyapunov::dimensionless(&mut simulator, options)?.spectrum)
     };
-    let spectrum = sweep.exponents.as_ref().map(exponents).transpose()?;
+    let spectrum = request.exponents.as_ref().map(exponents).transpose()?;
     let class = match &spectrum {
         Some(spectrum) => MotionClass::of(&attractor, Some(spectrum), p),
         None => MotionClass::by_largest(&attractor, exponent.as_ref(), p),
     };
     Ok(Some(SweepPoint { value, maxima, attractor, class, spectrum }))
-}
-
-/// Refuses periods that cannot be counted, and results that do not fit into memory.
-fn check(sweep: &Sweep) -> Result<()> {
-    let Sweep { axis, discard, keep, .. } = sweep;
-    if discard.checked_add(*keep).is_none() {
-        let count = f64::from(*discard) + f64::from(*keep);
-        return Err(Error::TooMany {
-            what: "drive periods at a value",
-            count,
-            most: u32::MAX as usize,
-            side: None,
-        });
-    }
-    let states = 2 * LONGEST as usize * size_of::<StroboscopicState>();
-    let maxima = MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
-    let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
-    // Both directions, and the parts beside the whole.
-    check_count("values of the diagram", axis.count, value.saturating_mul(4))
-}
-
-/// Number of parts of a sweep.
-pub fn count(sweep: &Sweep) -> usize {
-    parts(sweep.axis.count)
-}
-
-/// Number of parts of a diagram over `values` values.
-pub(crate) fn parts(values: usize) -> usize {
-    2 * values.div_ceil(BLOCK)
-}
-
-/// The diagram, on all threads, in [`count`] parts; `None` where parts belong to other shards. The
-/// result depends neither on threads nor on shards.
-///
-/// # Errors
-/// Ranges that are not allowed; [`Error::TooMany`] for more periods or values than fit; what the
-/// parts' folder refuses.
-pub fn diagram(set: &ParameterSet, sweep: &Sweep, task: &Task) -> Result<Option<Diagram>> {
-    check(sweep)?;
-    in_both_directions(
-        sweep.axis.count,
-        task,
-        &|upward| chain(set, sweep, task.store, upward),
-        &|workspace, starts| observe_all(starts, sweep, workspace),
-    )
-}
-
-/// Observes the motions from some starts in a workspace.
-type Observe<'a, S, W, P> = dyn Fn(&mut W, &[S]) -> Result<Vec<Option<P>>> + Sync + 'a;
-
-/// A diagram from its chains, one for each direction, and from observations of some of their starts
-/// at a time in a workspace that serves one part after another.
-pub(crate) fn in_both_directions<S: Send + Sync, W: Default, P>(
-    values: usize,
-    task: &Task,
-    chain: &(dyn Fn(bool) -> Result<Vec<S>> + Sync),
-    observe: &Observe<'_, S, W, P>,
-) -> Result<Option<Diagram<P>>>
-where
-    P: Clone + Serialize + serde::de::DeserializeOwned + Send,
-{
-    // A sweep whose parts are all in the store needs no chain.
-    let starts = std::sync::OnceLock::new();
-    let chains = || -> Result<[Vec<S>; 2]> {
-        let (up, down) = rayon::join(|| chain(true), || chain(false));
-        Ok([up?, down?])
-    };
-    if task.store.missing(parts(values)) > 0 {
-        // Nothing else sets the cell, so that this cannot fail.
-        let _ = starts.set(chains()?);
-    }
-    let blocks = values.div_ceil(BLOCK);
-    let make = |workspace: &mut W, index: usize| -> Result<Vec<Option<P>>> {
-        let fresh;
-        let both = match starts.get() {
-            Some(both) => both,
-            // Reached only for a stored part that cannot be read.
-            None => {
-                fresh = chains()?;
-                &fresh
-            }
-        };
-        let starts = &both[index / blocks];
-        let from = index % blocks * BLOCK;
-        let until = (from + BLOCK).min(starts.len());
-        observe(workspace, &starts[from..until])
-    };
-    let Some(mut all) = task.complete_with(parts(values), make)? else { return Ok(None) };
-    let down = all.split_off(blocks).concat();
-    Ok(Some(Diagram { up: all.concat(), down }))
 }
 
 #[cfg(test)]

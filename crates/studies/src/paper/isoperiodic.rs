@@ -1,70 +1,25 @@
-//! Simulated motion over a plane of two parameters: period, impacts and class (an isoperiodic
-//! diagram), for the 3-DOF machine beside the exact orbit with two symmetric impacts a period.
-//!
-//! Every point has a motion of its own. The motions of some rows are a part; those of the 3-DOF
-//! machine run [side by side](Workspace::run).
+//! The paper's machine as a [`PlaneMachine`]: its simulated motion stands beside the exact orbit with
+//! two symmetric impacts a period. The motions of some rows run [side by side](Workspace::run).
 
 use super::attractor::{MotionClass, OBSERVED};
 use super::parameter_set::ParameterSet;
-use super::plane::{self, ParameterAxis, SteadyStateClass, check_cells};
+use super::plane::{self, SteadyStateClass};
 pub use super::start::StartRule;
 use super::start::state;
 use super::stroboscopic::{dimensionless, moving_block};
 use super::trajectories::{MOTIONS, Start, Workspace};
 use super::verdict::{Followed, Following, PROLONGED, follow};
-use crate::design_sweep::{DesignMachine, Plain};
 use crate::error::{Error, Result};
-use crate::parts::Task;
+pub use crate::isoperiodic::{PlaneMachine, check, count, isoperiodic};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// Request of an isoperiodic diagram.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub struct IsoperiodicRequest<M: DesignMachine = ParameterSet> {
-    /// Horizontal axis.
-    pub x: ParameterAxis<M::Name>,
-    /// Vertical axis.
-    pub y: ParameterAxis<M::Name>,
-    /// Start of each motion.
-    pub start: M::Start,
-    /// Drive periods discarded before a motion is observed.
-    pub discard: u32,
-    /// Drive periods or returns over which the largest exponents are computed, if they are.
-    ///
-    /// For the 3-DOF machine these are the most drive periods at a time, for motions with impacts
-    /// and without a period; the computation ends when the class is decided, and an undecided
-    /// motion is [followed](crate::paper::verdict) further. For a described machine these are the returns
-    /// counted for every motion; for one without a period the computation goes on until the class
-    /// is decided.
-    pub exponents: Option<u32>,
-}
-
-/// Machine whose motions can be studied over a plane.
-pub trait PlaneMachine: DesignMachine {
-    /// Result at a point.
-    type Point: Plain;
-    /// Workspace reused from part to part; it does not change results.
-    type Workspace: Default;
-    /// Motions in a part, rounded to whole rows.
-    const IN_PLANE_PART: usize;
-
-    /// Checks the properties on which every point depends.
-    ///
-    /// # Errors
-    /// Starts and names that are not allowed.
-    fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()>;
-
-    /// The points of some rows, one row after the other.
-    fn points(
-        &self,
-        request: &IsoperiodicRequest<Self>,
-        rows: Range<usize>,
-        workspace: &mut Self::Workspace,
-    ) -> Vec<Self::Point>;
-}
+/// Request of an isoperiodic diagram of the paper's machine.
+pub type IsoperiodicRequest<M = ParameterSet> = crate::isoperiodic::IsoperiodicRequest<M>;
+/// Plane of motions of the paper's machine.
+pub type Isoperiodic<P = PlanePoint> = crate::isoperiodic::Isoperiodic<P>;
 
 /// Motion on which a start has settled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -102,13 +57,6 @@ pub struct PlanePoint {
     pub motion: Option<SettledMotion>,
 }
 
-/// Plane of motions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Isoperiodic<P = PlanePoint> {
-    /// Points, row by row of constant y from the lowest.
-    pub points: Vec<P>,
-}
-
 /// Agreement of theory and simulation, in numbers of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Agreement {
@@ -138,50 +86,6 @@ impl Isoperiodic {
             predicted: count(&|p| kind(p) && orbit(p)),
         }
     }
-}
-
-/// Rows of the plane in a part.
-fn rows<M: PlaneMachine>(request: &IsoperiodicRequest<M>, part: usize) -> Range<usize> {
-    let rows = M::IN_PLANE_PART.div_ceil(request.x.count.max(1));
-    part * rows..((part + 1) * rows).min(request.y.count)
-}
-
-/// Number of parts, each of one or more whole rows.
-pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
-    request.y.count.div_ceil(M::IN_PLANE_PART.div_ceil(request.x.count.max(1)))
-}
-
-/// The plane, on all threads; `None` where rows belong to other shards. The result depends neither
-/// on threads nor on shards.
-///
-/// # Errors
-/// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant
-/// loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the simulator
-/// refuses; what the parts' folder refuses.
-pub fn isoperiodic<M: PlaneMachine>(
-    machine: &M,
-    request: &IsoperiodicRequest<M>,
-    task: &Task,
-) -> Result<Option<Isoperiodic<M::Point>>> {
-    check(machine, request)?;
-    let part =
-        |workspace: &mut M::Workspace, part| Ok(machine.points(request, rows(request, part), workspace));
-    let parts = task.complete_with(count(request), part)?;
-    Ok(parts.map(|parts| Isoperiodic { points: parts.concat() }))
-}
-
-/// Checks the properties on which every point depends.
-///
-/// # Errors
-/// As [`isoperiodic`], before any computation.
-pub fn check<M: PlaneMachine>(machine: &M, request: &IsoperiodicRequest<M>) -> Result<()> {
-    if M::is_same_quantity(&request.x.name, &request.y.name) {
-        let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
-        return Err(Error::Form { text, expected: "two independent parameters" });
-    }
-    // The parts are put together beside the whole plane.
-    check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<M::Point>())?;
-    machine.check_plane(request)
 }
 
 impl PlaneMachine for ParameterSet {
@@ -292,6 +196,8 @@ fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> Settled
 mod tests {
     use super::*;
     use crate::paper::find_group;
+    use crate::paper::plane::ParameterAxis;
+    use crate::parts::Task;
 
     #[test]
     fn second_method_beyond_a_doubling_there_is_one_orbit() {

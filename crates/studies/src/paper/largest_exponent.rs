@@ -7,19 +7,14 @@
 //! batch.
 //!
 //! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
-//! of drive periods, whose scatter gives the standard error of their mean. docs/studies.md, "The
+//! of drive periods, whose scatter gives the standard error of their mean. docs/theory.md, "The
 //! largest exponent of many motions", states the rule.
 
 use super::variation::SingleVariation;
-use serde::{Deserialize, Serialize};
+use crate::exponent::{CONFIDENCE, ExponentSign, LEAST_GROWTH, LargestExponent, ZERO_EXPONENT};
 use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
-
-/// Threshold of the sign of an exponent, per unit of the dimensionless time τ. If the drive's
-/// frequency is less than ω10, the unit of time is that in which the drive turns by 1 rad. Over
-/// 1500 periods, estimates of a zero exponent are within a few 1e-4.
-pub const ZERO_EXPONENT: f64 = 1e-3;
 
 /// Threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
 /// chaos has exponents under 1e-3 ω10.
@@ -32,12 +27,6 @@ pub(crate) const BLOCK: u32 = 8;
 /// Number of first blocks, whose growth is not counted: the variation aligns with the most
 /// expanding direction in them.
 pub(crate) const ALIGN: u32 = 4;
-/// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
-/// decided; LEAST_GROWTH must be exceeded too.
-const CONFIDENCE: f64 = 6.0;
-/// Least logarithm of the variation's growth or shrinkage for which a sign is decided. On a torus
-/// the variation's length stays within some powers of ten for ever.
-const LEAST_GROWTH: f64 = 20.0;
 /// Least number of blocks whose scatter is meaningful.
 const LEAST_BLOCKS: u32 = 8;
 /// Squares of lengths between which a variation is not rescaled.
@@ -46,52 +35,10 @@ const SCALED: std::ops::Range<f64> = 1e-200..1e200;
 /// so that its square does not overflow.
 const LOOKED: f64 = 100.0;
 
-/// Largest exponent of a motion, without the zero exponent of the drive's phase.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LargestExponent {
-    /// Estimate, 1/s; -∞ where all variations end in rest.
-    pub value: f64,
-    /// Standard error of the estimate, 1/s.
-    pub error: f64,
-    /// Counted drive periods.
-    pub periods: u32,
-}
-
-/// Sign of an exponent, as far as it is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ExponentSign {
-    /// Certainly positive.
-    Positive,
-    /// Certainly negative.
-    Negative,
-    /// Between the thresholds, ± [`ZERO_EXPONENT`](crate::paper::attractor::ZERO_EXPONENT) times ω10 or
-    /// ω1, after a time in which an exponent beyond them would have changed the variation by e²⁰.
-    Zero,
-    /// Unknown.
-    Undecided,
-}
-
 impl LargestExponent {
     /// The sign at a machine's threshold.
     pub fn sign(&self, p: &Parameters) -> ExponentSign {
         self.sign_beyond(zero_exponent(p), p.period())
-    }
-
-    /// The sign at a threshold in 1/s, for a period in s.
-    pub(crate) fn sign_beyond(&self, threshold: f64, period: f64) -> ExponentSign {
-        let time = f64::from(self.periods) * period;
-        let clear = self.value.abs() - CONFIDENCE * self.error > threshold;
-        match (clear, self.value > 0.0) {
-            (true, positive) if self.value.abs() * time > LEAST_GROWTH => {
-                if positive {
-                    ExponentSign::Positive
-                } else {
-                    ExponentSign::Negative
-                }
-            }
-            _ if self.value.abs() <= threshold && threshold * time > LEAST_GROWTH => ExponentSign::Zero,
-            _ => ExponentSign::Undecided,
-        }
     }
 }
 

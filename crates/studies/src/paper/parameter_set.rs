@@ -4,7 +4,7 @@ mod caption;
 mod name;
 mod units;
 
-pub use name::{Name, find_field, find_group, physical_parameters, short, significant};
+pub use name::{Name, find_field, find_group, physical_parameters, short};
 pub use units::{Quantity, Unit, number, numbers, quantity_in, typed_unit};
 
 use crate::error::{Error, Result};

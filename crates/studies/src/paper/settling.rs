@@ -2,11 +2,12 @@
 //! periods need not be simulated.
 //!
 //! Impacts tell first, at no cost: their sequence, times and speeds, summed over each drive period,
-//! repeat. Then the states at whole drive periods are compared, and decide. docs/studies.md, "What
+//! repeat. Then the states at whole drive periods are compared, and decide. docs/theory.md, "What
 //! has settled is not simulated further", shows that the verdict at the end would be the same.
 
-use super::attractor::{RETURN, SAME, StroboscopicRecord, appended, distance};
+use super::attractor::{RETURN, StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
+use crate::class::SAME;
 
 /// Longest period that is recognized early, in drive periods.
 const LONGEST: u32 = 8;

@@ -3,7 +3,7 @@
 //!
 //! The observables are x1, x2, x3 and their squares, at whole drive periods and, for the mirror
 //! image, at half ones: two sets of six, which the mirror image of a motion has in the other order.
-//! docs/studies.md, "When two motions without a period are one attractor", states the test and its
+//! docs/theory.md, "When two motions without a period are one attractor", states the test and its
 //! limits.
 
 use super::stroboscopic::StroboscopicState;
@@ -14,9 +14,9 @@ const BLOCK: u32 = 8;
 /// Least number of blocks whose scatter is meaningful.
 const LEAST_BLOCKS: usize = 8;
 /// Resolution of the test: two means are the same when their difference plus two of its standard
-/// errors is less than this part of the observable's standard deviation, docs/studies.md (N1).
+/// errors is less than this part of the observable's standard deviation, docs/theory.md (N6).
 pub const EQUAL: f64 = 0.25;
-/// Distance of two means, in standard errors, beyond which they differ: docs/studies.md (N2).
+/// Distance of two means, in standard errors, beyond which they differ: docs/theory.md (N7).
 pub const CONFIDENCE: f64 = 6.0;
 /// Differences below this part of L, or of L² for a square, do not count.
 const FLOOR: f64 = 1e-3;
@@ -71,7 +71,7 @@ impl Statistics {
         Self { means: [image, own], ..*self }
     }
 
-    /// Whether two motions have the same means: docs/studies.md (N1), (N2).
+    /// Whether two motions have the same means: docs/theory.md (N6), (N7).
     pub fn likeness(&self, other: &Self) -> Likeness {
         let mut likeness = Likeness::Same;
         for (a, b) in self.means.iter().flatten().zip(other.means.iter().flatten()) {

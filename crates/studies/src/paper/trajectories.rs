@@ -5,9 +5,9 @@ mod queue;
 
 use self::queue::{LaneRecord, Motions};
 use super::attractor::{Attractor, StroboscopicRecord};
-pub use super::largest_exponent::LargestExponent;
 use super::maxima::Displacement;
 use crate::error::Result;
+pub use crate::exponent::LargestExponent;
 use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};

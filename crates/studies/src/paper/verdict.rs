@@ -4,16 +4,17 @@
 //! zero is chaotic or quasi-periodic as far as it was followed; the caller decides whether its
 //! window is long enough. All others are prolonged, twice as far each time, since a transient and a
 //! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
-//! attractor. docs/studies.md, "When a verdict is decided", has the reasons.
+//! attractor. docs/theory.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, SAME, StroboscopicRecord};
+use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
-use super::largest_exponent::LargestExponent;
 use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
+use crate::class::SAME;
 use crate::error::Result;
+use crate::exponent::LargestExponent;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 

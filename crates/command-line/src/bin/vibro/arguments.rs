@@ -14,10 +14,10 @@
 //! Identifiers of options are keys of manifests and are never changed; a new name is added as an
 //! alias.
 
-use crate::alias;
-use crate::common_arguments::{Common, FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
+use crate::common_arguments::{Common, FILE, WITH_FILE, WITHOUT_FILE, has_file};
 use crate::fit_arguments::FitArguments;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
+use crate::paper;
 use crate::plane_arguments::{Basin, SectionOfFile};
 use crate::ranges::{in_option, texts};
 use crate::run::RunArguments;
@@ -25,7 +25,7 @@ use crate::study_arguments::{
     Bifurcation, Compare, Fmu, Isoperiodic, Lyapunov, Manifold, Merge, New, Plane, Reproduce, Response,
     Stability, Template,
 };
-use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, Sweep, TABLE};
+use crate::sweep_arguments::Sweep;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -34,77 +34,43 @@ use vibro_studies::paper::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-`new` writes a machine's file to start from. `check`, `draw`, `run`, `sweep`, `bifurcation`, `lyapunov`, `response`, `basin`, `section`, `orbit`, `orbits`, `locus`, `fit` and `fmu` take a machine's FILE.
-Without it, and in all other commands, the machine is the paper's, of 3 degrees of freedom; figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+A machine is described by a FILE, which `new` writes to start from. `paper` has the commands for the machine of one paper, which has closed forms.";
 
 const PARAMETERS: &str = "\
-PARAMETERS of a machine's FILE are named in it (docs/machine-file.md). Those of the paper's machine:
-  Groups:  epsilon kappa f10 sigma1 gamma1 alpha23 beta2 sigma30 gamma3 mu13
-  SI:      box.m box.k box.c block.m secondary.m secondary.k secondary.c coupling.k
-           stop.gap stop.restitution drive.amplitude drive.frequency drive.phase
-  Loads:   load.box load.block load.secondary: constant forces in N, 0 unless set, for gravity or an off-centre gap
-  Symbols work as names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
-  Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
-  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
-  Where none was written, it is in SI; an angular frequency is then in rad/s. The rule holds in --set and on every axis (--vary,
-  --range, --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
-  more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
-  A parameter that is not set has its default, which is a reconstruction and not the paper's own data.
-  A parameter file is TOML with a table [si], a table [groups], or both; [groups] is applied after [si], and --set after the file.
-  `vibro template` writes a file with every parameter.
-
 EXAMPLES
-  vibro new damper && vibro draw damper.toml
+  vibro new damper_with_buffer machine.toml
   vibro check machine.toml
+  vibro draw machine.toml
   vibro run machine.toml --until 2s --samples 1000 --out my-machine
-  vibro bifurcation machine.toml --vary stop.upper.gap=1mm:8mm:200 --of box.s
-  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  vibro sweep machine.toml --vary stop.steel.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  vibro fit machine.toml --data record.csv --free stop.steel.gap,spring.mount.stiffness
+  vibro bifurcation machine.toml --vary stop.steel.gap=1mm:8mm:200 --of box.s
+  vibro lyapunov machine.toml --vary stop.steel.gap=1mm:8mm:200
   vibro response machine.toml --vary load.shaker.frequency=8Hz:12Hz --of amplitude.box.s
-  and of the paper's machine, whose parameters may be in a file too (--config):
-  vibro steady --set kappa=0.6 --set f10=2
-  vibro run --config parameters.toml --start x1=0.2,v2=1 --load box=record.csv
-  vibro response --values f10=1,1.5,2 --range sigma1=-1:1
-  vibro plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
-  vibro compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
-  vibro lyapunov --vary f10=1.9:4 --resolution 1051
-  vibro isoperiodic --pair sigma1,f10 --resolution 200
-  vibro template > parameters.toml    (fill it in; texts with a unit in quotation marks)
-  vibro bifurcation --config parameters.toml --vary drive.frequency=9Hz:11Hz:200
-  vibro plane --config parameters.toml --pair block.m,stop.gap --vary stop.gap=1mm:20mm
-  vibro sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 --over drive.frequency=9Hz:11Hz:21
-  vibro orbits --tree --vary f10=0.5:5
-  vibro bifurcation --orbits --vary f10=2:3:101
-  vibro orbit --word UUL --set f10=2.7
-  vibro locus --from vibro-out/special-points.csv:PD@2.373 --vary f10=0.5:3 --vary kappa=0.5:0.9
-  vibro basin --set f10=2.45 --shard 1/2 --out one    (another machine: --shard 2/2 --out two)
-  vibro merge one two";
+  vibro basin machine.toml --start block.s=-4mm:4mm --start block.v=-1:1
+  vibro section machine.toml --section steel
+  vibro orbit machine.toml --period 2T
+  vibro orbits machine.toml --tree --vary stop.steel.gap=1mm:8mm
+  vibro locus machine.toml --from vibro-out/special-points.csv:PD --vary stop.steel.gap=1mm:8mm --vary body.block.mass=0.2kg:0.5kg
+  vibro fmu machine.toml
+  vibro basin machine.toml --start block.s=-4mm:4mm --start block.v=-1:1 --shard 1/2 --out one    (another computer: --shard 2/2)
+  vibro merge one two
+  and of the paper's machine (`vibro paper --help`):
+  vibro paper steady --set kappa=0.6 --set f10=2
+  vibro paper bifurcation --vary f10=2:3:101 --orbits
+  vibro paper template > parameters.toml";
 
-/// Limits of the paper's machine.
-const LIMITS: &str = "\
-LIMITS of the paper's machine, which is meant where no FILE is named; a FILE describes machines of any bodies, with friction, links
-and compliant stops
-  Three bodies on one line: box, block, secondary oscillator. Both stops are rigid and have one coefficient of restitution.
-  No friction; springs and dampers are linear.";
-
-/// The command line as clap's command. The help of each command names the options of that command.
-/// It ends with the limits of the paper's machine if the command takes that machine.
+/// The command line as clap's command, with the commands for the paper's machine in a group. The
+/// help of each command names the options of that command.
 pub fn command() -> clap::Command {
-    let all = with_negative_numbers(with_notes(Arguments::command(), &[LIMITS]));
+    paper::grouped(ungrouped())
+}
+
+/// Every command with its options, under the heading of the machine that has them.
+fn ungrouped() -> clap::Command {
+    let all = with_negative_numbers(Arguments::command());
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
-    let all = all.mut_subcommands(|command| {
-        let notes: &[&str] = match command.get_name() {
-            "check" | "draw" | "section" | "fit" | "fmu" => &[NUMBERS],
-            "new" => &[],
-            "sweep" => &[EXAMPLES, EXAMPLES_OF_PAPER, TABLE, NUMBERS, LIMITS],
-            "run" | "bifurcation" | "lyapunov" | "orbits" | "orbit" | "response" | "basin" | "locus" => {
-                &[NUMBERS, LIMITS]
-            }
-            _ => &[LIMITS],
-        };
-        with_notes(with_shared(command, &shared), notes)
-    });
-    let alias = alias::alias(&all);
-    all.subcommand(alias)
+    all.mut_subcommands(|command| with_shared(command, &shared))
 }
 
 /// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
@@ -150,15 +116,17 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses a shared option for which the command has no use, an option of the paper's machine if a
+/// Refuses a FILE behind `vibro paper`, a shared option for which the command has no use, an option of the paper's machine if a
 /// FILE is named, and an option of a FILE if none is named.
 ///
 /// # Errors
 /// [`Error::Refused`] with the option and the allowed options.
-pub fn check_options(matches: &ArgMatches) -> Result<()> {
-    let (all, file) = (command(), file(matches));
+pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
+    let (all, file) = (ungrouped(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
     let Some(command) = all.find_subcommand(name) else { return Ok(()) };
+    paper::check_spelling(command, file, grouped)?;
+    let words = paper::spelled(command, file);
     let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
     let option = |arg: &Arg| format!("--{}", arg.get_long().unwrap_or_default());
     let is_unused = |arg: &&Arg| unused(name).contains(&arg.get_id().as_str());
@@ -167,7 +135,7 @@ pub fn check_options(matches: &ArgMatches) -> Result<()> {
         let taken: Vec<String> = taken.map(option).collect();
         let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
         let problem =
-            format!("`vibro {name}` has no use for it; of the options of all commands it takes {taken}");
+            format!("`vibro {words}` has no use for it; of the options of all commands it takes {taken}");
         return Err(Error::Refused { what: option(given), problem });
     }
     if !has_file(command) {
@@ -331,7 +299,7 @@ impl Command {
             Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
                 if a.vary.len() > 1 {
                     let what = format!("--vary {}", a.vary.join(" --vary "));
-                    let problem = "allowed is one parameter; planes of two: `vibro isoperiodic`".into();
+                    let problem = "allowed is one parameter; planes of two: `vibro paper isoperiodic`".into();
                     return Err(Error::Refused { what, problem });
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();

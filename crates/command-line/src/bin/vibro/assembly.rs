@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::machine::{Chosen, DerivativeRecord, Ended, MotionRecord};
 use vibro::manifest::Manifest;
-use vibro::part_folder::write_whole;
+use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
 use vibro_machine::Start;

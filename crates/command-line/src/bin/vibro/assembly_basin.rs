@@ -5,7 +5,7 @@ use crate::common_arguments::Common;
 use crate::long::perform_as;
 use crate::plane_arguments::Basin;
 use std::path::Path;
-use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
+use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
 use vibro_machine::Start;
 use vibro_studies::Machine;
@@ -65,6 +65,6 @@ pub fn basin(file: &Path, common: &Common, a: &Basin) -> Result<()> {
         ("discard", a.discard.to_string()),
     ];
     let invocation = invocation(common, &options);
-    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::Basin(request), machine };
-    perform_as(&LongStudy::of("basin", work), common, &invocation, a.share.shard)
+    let study = LongStudy::new("basin", StudyKind::Basin(request), &machine);
+    perform_as(&study, common, &invocation, a.share.shard)
 }

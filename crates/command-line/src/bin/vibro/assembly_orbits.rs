@@ -4,24 +4,24 @@
 use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
-use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile};
+use crate::loci::{Curves, chosen, followed};
+use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
 use crate::ranges::in_option;
 use crate::study_arguments::Response;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::part_folder::write_whole;
 use vibro::special_points::PointOfFile;
-use vibro::studies::{self, CurveOfFile, Study};
+use vibro::studies::{self, Study};
+use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::{Assembly, Start};
 use vibro_orbits::paper::PathOptions;
 use vibro_orbits::{
-    Branch, Family, KeptPaths, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord, WordSearch, branch,
-    check_second, locus, read_measure, tree_on,
+    Branch, Family, KeptPaths, LocusPoint, LocusStart, Orbit, TreeOptions, WantedPeriod, WantedWord,
+    WordSearch, branch, check_second, locus, read_measure, tree_on,
 };
 use vibro_studies::{Machine, Measure};
 
@@ -131,19 +131,19 @@ struct FolderOfPaths(PathBuf);
 
 impl FolderOfPaths {
     fn file(&self, key: u64) -> PathBuf {
-        self.0.join(format!("{key:016x}.txt"))
+        self.0.join(format!("{key:016x}.path"))
     }
 }
 
 impl KeptPaths for FolderOfPaths {
-    fn find(&self, key: u64) -> Option<String> {
-        std::fs::read_to_string(self.file(key)).ok()
+    fn find(&self, key: u64) -> Option<Vec<u8>> {
+        std::fs::read(self.file(key)).ok()
     }
 
-    fn keep(&self, key: u64, text: &str) {
+    fn keep(&self, key: u64, bytes: &[u8]) {
         // A path that is not kept is followed anew.
         let _ = std::fs::create_dir_all(&self.0);
-        let _ = write_whole(&self.file(key), text.as_bytes());
+        let _ = write_whole(&self.file(key), bytes);
     }
 }
 
@@ -168,73 +168,78 @@ fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<
     Ok((found, is_whole))
 }
 
-/// The remark of a study whose growth was interrupted.
-fn remark(is_whole: bool) -> Option<String> {
-    (!is_whole).then(|| "interrupted: further branches were not followed; the same command goes on".into())
+/// Branches over a parameter, as a command asks for them.
+struct Asked<'a> {
+    name: &'static str,
+    vary: &'a [String],
+    of: Option<&'a String>,
+    settling: &'a Settling,
+    step: f64,
+    /// Number of values at which motions settle and of switches; `None` for the one branch of the
+    /// settled motion.
+    tree: Option<(u32, u32)>,
 }
 
-/// The branches over a parameter: that of the settled motion, or all. Returns whether all were
-/// followed.
-pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
-    let settling = &a.of_file.settling;
-    let mut machine = machine(file, &settling.section(), common)?;
-    let family = family(&mut machine, &a.vary)?;
-    let start = start_of(&machine, &settling.start)?;
-    let measure = measure(&machine, a.of_file.of.as_ref())?;
-    let options = [
-        ("vary", in_words(&family)),
-        ("of", measure.to_string()),
-        ("tree", a.tree.to_string()),
-        ("start", start.to_string()),
-        ("discard", settling.discard.to_string()),
-        ("step", a.step.to_string()),
-    ];
-    let invocation = invocation(common, &options);
-    let destination = Destination::new(common, &invocation, &machine);
-    // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("orbits")])?;
-    let path = PathOptions { longest_step: a.step, ..PathOptions::default() };
-    let (branches, is_whole) = if a.tree {
-        let (seeds, discard) = (a.seeds as usize, settling.discard);
-        let options = TreeOptions { start, seeds, discard, depth: a.depth, path };
-        grown(&family, &options, out.join("orbits-paths"))?
-    } else {
-        let orbit = Orbit::settled(&machine, &start, settling.discard)?;
-        (vec![branch(&family, &orbit, &path)?], true)
-    };
-    let mut study = studies::assembly_orbits(&machine, &family, &branches, &measure, "orbits")?;
-    study.remarks.extend(remark(is_whole));
-    written(&[study], &machine, &destination, common).map(|()| is_whole)
-}
+type MakeStudy = fn(&Machine, &Family, &[Branch], &Measure, &str) -> Result<Study>;
 
-/// The response: the branches of the orbits on which motions settle, rising and falling. Returns
-/// whether all were followed.
-pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
-    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+/// Follows branches and writes their study. `options` are those of the command alone, for
+/// manifests; `vary` is the option of the range. Returns whether all were followed.
+fn branches(
+    file: &Path,
+    common: &Common,
+    asked: &Asked,
+    (vary, options): (&'static str, Vec<(&'static str, String)>),
+    study: MakeStudy,
+) -> Result<bool> {
+    let Asked { name, settling, step, .. } = *asked;
     let mut machine = machine(file, &settling.section(), common)?;
-    let family = family(&mut machine, &a.range)?;
+    let family = family(&mut machine, asked.vary)?;
     let start = start_of(&machine, &settling.start)?;
-    let measure = measure(&machine, a.of.as_ref())?;
-    let options = [
-        ("range", in_words(&family)),
+    let measure = measure(&machine, asked.of)?;
+    let all = [
+        (vary, in_words(&family)),
         ("of", measure.to_string()),
         ("start", start.to_string()),
         ("discard", settling.discard.to_string()),
-        ("seeds", seeds.to_string()),
-        ("depth", depth.to_string()),
         ("step", step.to_string()),
     ];
-    let invocation = invocation(common, &options);
+    let invocation = invocation(common, &[&all, &options[..]].concat());
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("response")])?;
-    let path = PathOptions { longest_step: *step, ..PathOptions::default() };
-    let (seeds, discard, depth) = (*seeds as usize, settling.discard, *depth);
-    let options = TreeOptions { start, seeds, discard, depth, path };
-    let (branches, is_whole) = grown(&family, &options, out.join("response-paths"))?;
-    let mut study = studies::assembly_response(&machine, &family, &branches, &measure, "response")?;
-    study.remarks.extend(remark(is_whole));
+    let out = destination.place(&[destination.result(name)])?;
+    let (path, discard) = (PathOptions { longest_step: step, ..PathOptions::default() }, settling.discard);
+    let (branches, is_whole) = match asked.tree {
+        Some((seeds, depth)) => {
+            let options = TreeOptions { start, seeds: seeds as usize, discard, depth, path };
+            grown(&family, &options, out.join(format!("{name}-paths")))?
+        }
+        None => (vec![branch(&family, &Orbit::settled(&machine, &start, discard)?, &path)?], true),
+    };
+    let mut study = study(&machine, &family, &branches, &measure, name)?;
+    if !is_whole {
+        study
+            .remarks
+            .push("interrupted: further branches were not followed; the same command goes on".into());
+    }
     written(&[study], &machine, &destination, common).map(|()| is_whole)
+}
+
+/// The branches over a parameter: that of the settled motion, or all.
+pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
+    let (of, settling) = (a.of_file.of.as_ref(), &a.of_file.settling);
+    let tree = a.tree.then_some((a.seeds, a.depth));
+    let asked = Asked { name: "orbits", vary: &a.vary, of, settling, step: a.step, tree };
+    let options = vec![("tree", a.tree.to_string())];
+    branches(file, common, &asked, ("vary", options), studies::assembly_orbits)
+}
+
+/// The response: the branches of the orbits on which motions settle, rising and falling.
+pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
+    let ResponseOfFile { settling, seeds, depth, step } = &a.of_file;
+    let (of, tree) = (a.of.as_ref(), Some((*seeds, *depth)));
+    let asked = Asked { name: "response", vary: &a.range, of, settling, step: *step, tree };
+    let options = vec![("seeds", seeds.to_string()), ("depth", depth.to_string())];
+    branches(file, common, &asked, ("range", options), studies::assembly_response)
 }
 
 /// Curves of special points over two parameters.
@@ -250,76 +255,44 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let [over, second] = &families;
     check_second(over, second)?;
     let number = |text: &str| Ok(machine.quantity(&over.parameter, text)?.value);
-    let mut points: Vec<(String, PointOfFile)> = Vec::new();
-    for selection in &a.from {
-        let chosen = selection.points_of_file(&over.parameter, &number).map_err(in_option("--from"))?;
-        let of_kind = |p: &PointOfFile| a.label.as_ref().is_none_or(|label| label == p.special.kind.name());
-        let told = |p: PointOfFile| (format!("{}:{}", selection.path.display(), p.row), p);
-        points.extend(chosen.into_iter().filter(of_kind).map(told));
-    }
-    if points.is_empty() {
-        let what = format!("--label {}", a.label.as_deref().unwrap_or_default());
-        return Err(Error::Refused { what, problem: "none of the points has this label".into() });
-    }
+    let points = chosen(a, &over.parameter, &number)?;
     let from: Vec<&str> = points.iter().map(|(from, _)| from.as_str()).collect();
     let options = [("vary", format!("{} {}", in_words(over), in_words(second))), ("from", from.join(" "))];
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     destination.place(&[destination.result("locus")])?;
-    let told = |from: &str, point: &PointOfFile, error: Error| {
-        format!("{from} ({} at {}): {error}", point.special.kind.name(), point.value)
-    };
-    let found: Vec<_> = points.par_iter().map(|(_, point)| start(over, point)).collect();
-    let (mut starts, mut problems) = (Vec::<Row>::new(), Vec::new());
-    for ((from, point), found) in points.into_iter().zip(found) {
-        match found {
-            Ok((start, shortest)) => match starts.iter_mut().find(|row| row.shortest.is_same(&shortest)) {
-                Some(same) => same.also.push(point.row),
-                None => starts.push(Row { from, point, start, shortest, also: Vec::new() }),
-            },
-            Err(error) => problems.push(told(&from, &point, error)),
-        }
-    }
-    let progress = Progress::new(starts.len(), "curves");
-    let followed = starts.par_iter().map(|row| {
-        let found = locus(&row.start, second);
-        progress.step();
-        found
-    });
-    let followed: Vec<_> = followed.collect();
-    drop(progress);
-    let mut curves = Vec::new();
-    for (Row { from, point, shortest, also, .. }, found) in starts.into_iter().zip(followed) {
-        match found {
-            Ok(points) => curves.push(CurveOfFile { from, point, start: shortest, points, also }),
-            Err(error) => problems.push(told(&from, &point, error.into())),
-        }
-    }
-    if curves.is_empty() {
-        return Err(Error::Refused { what: "--from".into(), problem: problems.join("; ") });
-    }
+    let (curves, problems) = followed(&families, &points)?;
     let study = studies::assembly_loci(&machine, [over, second], &curves, &problems)?;
     written(&[study], &machine, &destination, common)
 }
 
-/// A row with its special point, and further rows of that point.
-struct Row {
-    from: String,
-    point: PointOfFile,
-    start: LocusStart,
-    /// The start in the shortest word.
-    shortest: LocusStart,
-    also: Vec<usize>,
-}
+/// The curves over the parameters of two families.
+impl Curves for [Family; 2] {
+    type Point = PointOfFile;
+    /// The special point in the word of its row, and in its shortest word.
+    type Start = (LocusStart, LocusStart);
+    type Shown = LocusStart;
 
-/// The special point of a row, sought on the branch of the orbit beside it, also in its shortest
-/// word.
-fn start(
-    over: &Family,
-    PointOfFile { special, value, beside: (at, period, start), .. }: &PointOfFile,
-) -> Result<(LocusStart, LocusStart)> {
-    let start = LocusStart::from_beside(over, (special, *value), (*at, *period, start))?;
-    let shortest = start.shortest();
-    Ok((start, shortest))
+    /// The special point is sought on the branch of the orbit beside it.
+    fn start(&self, point: &PointOfFile) -> Result<Self::Start> {
+        let PointOfFile { special, value, beside: (at, period, start), .. } = point;
+        let start = LocusStart::from_beside(&self[0], (special, *value), (*at, *period, start))?;
+        let shortest = start.shortest();
+        Ok((start, shortest))
+    }
+
+    fn is_same(&self, (_, one): &Self::Start, (_, other): &Self::Start) -> bool {
+        one.is_same(other)
+    }
+
+    fn follow(
+        &self,
+        point: &PointOfFile,
+        (start, shortest): &Self::Start,
+    ) -> Result<(LocusStart, Vec<LocusPoint>)> {
+        let mut shown = shortest.clone();
+        shown.special = point.special.clone();
+        Ok((shown, locus(start, &self[1])?))
+    }
 }

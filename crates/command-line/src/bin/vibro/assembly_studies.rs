@@ -13,17 +13,17 @@ use crate::study_arguments::{Bifurcation, Lyapunov};
 use crate::sweep::{in_words, request};
 use crate::sweep_arguments::{AxisArgument, Sweep};
 use std::path::Path;
-use vibro::long_study::{AssemblyStudy, LongStudy, StudyOfMachine};
+use vibro::long_study::{LongStudy, StudyKind};
 use vibro::manifest::Invocation;
 use vibro::studies::{
     SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum, diagram_family,
 };
 use vibro::{Error, Result};
 use vibro_machine::Start;
-use vibro_studies::paper::isoperiodic;
-use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::isoperiodic;
 use vibro_studies::{
-    Machine, Measure, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare, section_of,
+    Machine, Measure, ParameterAxis, PoincareRequest, QuantityName, Section, SectionRule, diagram, poincare,
+    section_of,
 };
 
 /// Largest number of values on an axis of a plane.
@@ -100,7 +100,7 @@ fn diagram_request(
     vary: &str,
     a: &Bifurcation,
     exponents: Option<u32>,
-) -> Result<diagram::DiagramRequest> {
+) -> Result<diagram::DiagramRequest<Machine>> {
     let of = match &a.of {
         Some(of) => of.parse().map_err(in_option("--of"))?,
         None => default_quantity(machine)?,
@@ -156,16 +156,13 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         ("start", request.start.to_string()),
         ("periods", exponents.map_or(String::new(), |n| n.to_string())),
     ];
-    let kind = if a.orbits {
+    if a.orbits {
         options.push(("orbits", true.to_string()));
         diagram_family(&machine, &request)?;
-        AssemblyStudy::DiagramWithOrbits(request)
-    } else {
-        AssemblyStudy::Diagram(request)
-    };
+    }
     let invocation = invocation(common, &options);
-    let work = StudyOfMachine::Assembly { kind, machine };
-    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
+    let kind = StudyKind::Diagram { request, over: a.orbits };
+    perform_as(&LongStudy::new(&invocation.command, kind, &machine), common, &invocation, a.share.shard)
 }
 
 /// Draws the planes of the pairs, each as a separate study.
@@ -201,9 +198,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
             discard: a.discard,
             exponents,
         };
-        let work =
-            StudyOfMachine::Assembly { kind: AssemblyStudy::Isoperiodic(request), machine: machine.clone() };
-        let study = LongStudy::of(&name, work);
+        let study = LongStudy::new(&name, StudyKind::Isoperiodic(request), &machine);
         // All studies are checked before the first begins.
         study.check()?;
         studies.push((study, invocation));
@@ -321,8 +316,8 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
         ("again", a.again.to_string()),
     ];
     let invocation = invocation(common, &options);
-    let work = StudyOfMachine::Assembly { kind: AssemblyStudy::DesignSweep(request), machine };
-    perform_as(&LongStudy::of(&invocation.command, work), common, &invocation, a.share.shard)
+    let kind = StudyKind::DesignSweep(request);
+    perform_as(&LongStudy::new(&invocation.command, kind, &machine), common, &invocation, a.share.shard)
 }
 
 /// All outputs of a machine with unit and meaning.

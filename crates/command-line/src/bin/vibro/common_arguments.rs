@@ -139,7 +139,7 @@ pub struct ConstantLoads {
     /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on
     /// one body add. Gravity on a block of 0.6 kg in a vertical machine is block=-5.9N. A gap that
     /// is off centre by d is the pair block=-k23*d, secondary=k23*d. As an axis the force is the
-    /// parameter load.block. Loads from files: `vibro run`
+    /// parameter load.block. Loads from files: `vibro paper run`
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
 }

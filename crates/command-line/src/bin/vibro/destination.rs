@@ -11,10 +11,11 @@ use crate::common_arguments::{Common, DEFAULT_OUT};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use vibro::manifest::{Invocation, Manifest};
-use vibro::part_folder::{Occupancy, PartFolder, write_whole};
+use vibro::part_folder::{Occupancy, PartFolder};
 use vibro::studies::Study;
 use vibro::subject::Subject;
 use vibro::table::in_written_units;
+use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
 

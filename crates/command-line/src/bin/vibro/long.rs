@@ -9,12 +9,13 @@ use crate::ranges::{self, in_option};
 use crate::study_arguments::{Bifurcation, Isoperiodic, Lyapunov, Merge, Reproduce};
 use crate::{interruption, output};
 use std::path::{Path, PathBuf};
-use vibro::long_study::{LongStudy, StudyKind};
+use vibro::long_study::{LongStudy, OverSweep, StudyKind};
 use vibro::manifest::{Invocation, Manifest};
 use vibro::part_folder::PartFolder;
 use vibro::{Error, Result, report, studies};
 use vibro_orbits::paper::TreeOptions;
-use vibro_studies::paper::basin::{self, InitialValueRange};
+use vibro_studies::basin::BasinRequest;
+use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::paper::bifurcation::Sweep;
 use vibro_studies::paper::isoperiodic;
 use vibro_studies::paper::lyapunov::SpectrumOptions;
@@ -40,10 +41,10 @@ fn kind(
     a: &Bifurcation,
     exponents: Option<SpectrumOptions>,
     at: Vec<f64>,
-) -> Result<StudyKind> {
+) -> Result<StudyKind<ParameterSet>> {
     let of = displacement(a)?;
-    let sweep = Sweep { axis, discard: a.discard, keep: a.keep, exponents, of, start: a.of_paper.start };
-    Ok(StudyKind::Sweep { sweep, at, orbits: a.orbits.then(TreeOptions::default) })
+    let request = Sweep { exponents, start: a.of_paper.start, ..Sweep::new(axis, of, (a.discard, a.keep)) };
+    Ok(StudyKind::Diagram { request, over: OverSweep { at, orbits: a.orbits.then(TreeOptions::default) } })
 }
 
 fn displacement(a: &Bifurcation) -> Result<Displacement> {
@@ -75,9 +76,11 @@ fn name(study: &str, of: Displacement) -> String {
 }
 
 /// Refuses a parameter that orbits cannot vary before work begins.
-fn check_orbits(set: &ParameterSet, kind: &StudyKind) -> Result<()> {
+fn check_orbits(set: &ParameterSet, kind: &StudyKind<ParameterSet>) -> Result<()> {
     match kind {
-        StudyKind::Sweep { sweep, orbits: Some(_), .. } => studies::sweep_family(set, sweep).map(drop),
+        StudyKind::Diagram { request: sweep, over: OverSweep { orbits: Some(_), .. } } => {
+            studies::sweep_family(set, sweep).map(drop)
+        }
         _ => Ok(()),
     }
 }
@@ -104,9 +107,9 @@ pub fn lyapunov(set: &ParameterSet, common: &Common, a: &Lyapunov) -> Result<()>
 pub fn basin(set: &ParameterSet, common: &Common, a: &Basin) -> Result<()> {
     let p = set.parameters();
     let cells = |range: InitialValueRange| Ok::<_, Error>(range.scaled(p)?.cells(a.resolution.into()));
-    let start = a.of_paper.start.unwrap_or_else(basin::in_the_middle);
+    let start = a.of_paper.start.unwrap_or_else(in_the_middle);
     let (x, y) = (cells(a.of_paper.x)?, cells(a.of_paper.y)?);
-    let kind = StudyKind::Basin(basin::BasinRequest { x, y, discard: a.discard, start });
+    let kind = StudyKind::Basin(BasinRequest { x, y, discard: a.discard, start });
     perform(&LongStudy::new("basin", kind, set), common, a.share.shard)
 }
 

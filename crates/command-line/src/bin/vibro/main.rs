@@ -1,6 +1,5 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
-mod alias;
 mod arguments;
 mod assembly;
 mod assembly_basin;
@@ -13,11 +12,14 @@ mod fit_arguments;
 mod interruption;
 mod invocation;
 mod loads;
+mod loci;
 mod long;
 mod orbits;
 mod orbits_arguments;
 mod output;
 mod packing;
+mod paper;
+mod paper_words;
 mod plane_arguments;
 mod progress;
 mod ranges;
@@ -41,12 +43,12 @@ use vibro_studies::paper::{Name, ParameterSet, number, typed_unit};
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let matches = alias::without_alias(arguments::command().get_matches());
+    let (matches, grouped) = paper::without_group(arguments::command().get_matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
     let file = arguments::file(&matches);
     let clock = progress::Clock::start();
-    let done = arguments::check_options(&matches).and_then(|()| run(&mut arguments, file));
+    let done = arguments::check_options(&matches, grouped).and_then(|()| run(&mut arguments, file));
     drop(clock);
     match done {
         Ok(true) => ExitCode::SUCCESS,
@@ -89,7 +91,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     if !set.not_given().is_empty() {
         progress::clear();
         eprintln!(
-            "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro template` \
+            "warning: the machine is given in SI, but not {}; these are the default machine's values. `vibro paper template` \
              writes a file with every parameter",
             set.not_given_values()
         );

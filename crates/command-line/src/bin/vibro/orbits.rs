@@ -1,19 +1,20 @@
 //! `vibro orbits`, `vibro orbit`, `vibro locus`: from their arguments to the library's studies.
 
 use crate::common_arguments::Common;
+use crate::loci::{Curves, chosen, followed};
 use crate::long::perform_as;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, Which};
 use crate::ranges::{ParameterRange, in_option, shown};
-use vibro::long_study::{LongStudy, StudyKind};
+use vibro::long_study::{LongStudy, StudyOfMachine};
 use vibro::special_points::SpecialPoint;
-use vibro::studies::{self, LocusCurve, Study};
+use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_orbits::paper::{
-    Branch, Family, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, locus, orbit_of,
-    search, settle,
+    Branch, Family, LocusPoint, LocusStart, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch,
+    locus, orbit_of, search, settle,
 };
 use vibro_studies::paper::stroboscopic::moving_block;
-use vibro_studies::paper::{Name, ParameterSet, find_group, numbers};
+use vibro_studies::paper::{Name, ParameterSet, find_group, number, numbers};
 
 /// Number of guesses of the phases from which the orbits of a word are sought.
 const TRIES: u32 = 400;
@@ -88,8 +89,8 @@ fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
         marks: marks(a, &span)?,
         ..TreeOptions::default()
     };
-    let kind = StudyKind::Orbits { span, options };
-    perform_as(&LongStudy::new("orbits", kind, set), common, &common.invocation, None)
+    let work = StudyOfMachine::Branches { set: set.clone(), span, options };
+    perform_as(&LongStudy::of("orbits", work), common, &common.invocation, None)
 }
 
 /// The branches of single orbits; `None` with `--tree`, whose branches [`whole_tree`] computes and
@@ -134,36 +135,34 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
         ));
     };
     let family = Family::over_two(set, span(&first)?, span(&second)?)?;
-    let held = second.name.value(set);
-    let (mut curves, mut problems) = (Vec::new(), Vec::new());
-    for selection in &a.from {
-        let points = selection.points(first.name, held).map_err(in_option("--from"))?;
-        for SpecialPoint { row, start, .. } in points {
-            if a.label.as_ref().is_some_and(|label| label != start.label.name()) {
-                continue;
-            }
-            let from = format!("{}:{row}", selection.path.display());
-            let what = format!("{from} ({} of {} at {})", start.label, start.word, start.values[0]);
-            let known = |curve: &&LocusCurve| curve.start.is_same(&start, &family).unwrap_or(false);
-            if let Some(same) = curves.iter_mut().find(|c: &&mut LocusCurve| known(&&**c)) {
-                same.also.push(row);
-                continue;
-            }
-            let found = start.shortest(&family).and_then(|start| Ok((locus(&family, &start)?, start)));
-            match found {
-                Ok((points, start)) => curves.push(LocusCurve { from, row, start, points, also: Vec::new() }),
-                Err(error) => problems.push(format!("{what}: {error}")),
-            }
-        }
+    let curves = PaperCurves { family, held: second.name.value(set) };
+    let points = chosen(a, first.name.name(), &|text| Ok(number(first.name, text)?))?;
+    let (found, problems) = followed(&curves, &points)?;
+    studies::loci(set, &curves.family, &found, &problems)
+}
+
+/// The curves over the two parameters of a family, with the present value of the second one.
+struct PaperCurves {
+    family: Family,
+    held: f64,
+}
+
+impl Curves for PaperCurves {
+    type Point = SpecialPoint;
+    type Start = LocusStart;
+    type Shown = LocusStart;
+
+    fn start(&self, point: &SpecialPoint) -> Result<LocusStart> {
+        let SpecialPoint { label, word, phases, value, .. } = point.clone();
+        let start = LocusStart { label, word, phases, values: [value, self.held] };
+        Ok(start.shortest(&self.family)?)
     }
-    if curves.is_empty() {
-        return Err(match (problems.is_empty(), &a.label) {
-            (false, _) => Error::Refused { what: "--from".into(), problem: problems.join("; ") },
-            (true, label) => {
-                let what = format!("--label {}", label.as_deref().unwrap_or_default());
-                Error::Refused { what, problem: "none of the points has this label".into() }
-            }
-        });
+
+    fn is_same(&self, one: &LocusStart, other: &LocusStart) -> bool {
+        one.is_same(other, &self.family).unwrap_or(false)
     }
-    studies::loci(set, &family, &curves, &problems)
+
+    fn follow(&self, _: &SpecialPoint, start: &LocusStart) -> Result<(LocusStart, Vec<LocusPoint>)> {
+        Ok((start.clone(), locus(&self.family, start)?))
+    }
 }

@@ -19,10 +19,14 @@ const ARCHIVES: &str = "VIBRO_IMPACT_ARCHIVES";
 /// [`Error::Refused`] for an unknown name, and for a file that is there; [`Error::File`].
 pub fn begin(arguments: &New) -> Result<()> {
     let Some(name) = &arguments.name else {
-        let lines: Vec<String> = EXAMPLES.iter().map(|e| format!("{:12} {}", e.name, e.about())).collect();
+        let lines: Vec<String> = EXAMPLES.iter().map(|e| format!("{:20} {}", e.name, e.about())).collect();
         return output::say(&format!("{}\n\nvibro new NAME writes NAME.toml", lines.join("\n")));
     };
     let example = Example::find(name)?;
+    if name != example.name {
+        let new = example.name;
+        crate::note(&format!("`vibro new {name}` is now `vibro new {new}`; the old name works until 0.5"));
+    }
     let path = arguments.to.clone().unwrap_or_else(|| format!("{name}.toml").into());
     let written = example.write(&path)?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();

@@ -8,9 +8,9 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 pub use vibro::machine::note_of_unit;
 use vibro::{Error, Result};
-use vibro_studies::paper::plane::{AxisName, ParameterAxis};
 use vibro_studies::paper::{Name, ParameterSet, Unit, numbers};
 use vibro_studies::parts::Shard;
+use vibro_studies::{AxisName, ParameterAxis};
 
 /// A share of a long study.
 #[derive(Args, Debug)]

@@ -8,10 +8,11 @@ use std::fmt::Display;
 use vibro::design_file;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
-use vibro_studies::design_sweep::{DesignMachine, Designs, SweepRequest, spread_starts};
+use vibro_studies::AxisName;
+use vibro_studies::design_sweep::{DesignMachine, Designs, SweepRequest};
 use vibro_studies::paper::ParameterSet;
+use vibro_studies::paper::design_sweep::spread_starts;
 use vibro_studies::paper::measures::Measure;
-use vibro_studies::paper::plane::AxisName;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::sobol::DIMENSIONS;
 
@@ -96,7 +97,7 @@ pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
 
 /// All outputs of the paper's machine with unit and meaning.
 pub fn list() -> String {
-    let mut text = String::from("outputs of `vibro sweep --output NAME,…`, in SI:\n");
+    let mut text = String::from("outputs of `vibro paper sweep --output NAME,…`, in SI:\n");
     for measure in Measure::all() {
         let unit = if measure.unit() == "1" { "" } else { measure.unit() };
         text.push_str(&format!("  {:24} {unit:4} {}\n", measure.name(), measure.description()));

@@ -10,8 +10,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::{Error, Result};
+use vibro_studies::AxisName;
 use vibro_studies::design_sweep::{ParameterInterval, SampledAxis};
-use vibro_studies::paper::plane::AxisName;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, Unit};
 
@@ -28,14 +28,14 @@ EXAMPLES
 /// Examples of the paper's machine.
 pub const EXAMPLES_OF_PAPER: &str = "\
 EXAMPLES of the paper's machine
-  vibro sweep --config parameters.toml --vary stop.gap=2mm:24mm:100 --output amplitude.x1,impacts
+  vibro paper sweep --config parameters.toml --vary stop.gap=2mm:24mm:100 --output amplitude.x1,impacts
   1188 designs, each by its largest amplitude over a band of drive frequencies and two starts:
-    vibro sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 \\
+    vibro paper sweep --config parameters.toml --vary block.m=0.4kg:1.6kg:11 --vary stop.gap=2mm:24mm:12 \\
       --vary stop.restitution=0.5:0.9:9 --over drive.frequency=9Hz:11Hz:21 --start v2=1 --start x1=1,v2=-1 \\
       --output amplitude.x1,impact.impulse
-  vibro sweep --vary m2=0.8kg,1.2kg,1.6kg --vary L=5mm:10mm:6 --config parameters.toml
-  vibro sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config parameters.toml
-  vibro sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)";
+  vibro paper sweep --vary m2=0.8kg,1.2kg,1.6kg --vary L=5mm:10mm:6 --config parameters.toml
+  vibro paper sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config parameters.toml
+  vibro paper sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)";
 
 /// What the tables of a sweep contain.
 pub const TABLE: &str = "\

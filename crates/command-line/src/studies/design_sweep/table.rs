@@ -1,9 +1,9 @@
 //! The table of a sweep, as CSV and as Parquet, written row by row.
 
 use super::words::Labelled;
-use crate::part_folder::write_whole_by;
 use crate::subject::Subject;
 use crate::table::{column_in, exact, shown};
+use crate::whole_file::write_whole_by;
 use crate::{Error, Result};
 use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType};

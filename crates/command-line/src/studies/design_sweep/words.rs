@@ -1,14 +1,9 @@
 //! Names and units of parameters and measures in tables and pictures of a sweep.
 
-use crate::studies::paper::lengths::LengthUnit;
 use crate::subject::Subject;
-use vibro_figures::canvas::palette::{
-    BLACK, BLOCK, BLUE, BOX, GREEN, GREY, ORANGE, PURPLE, RELATIVE, SECONDARY, VERMILLION,
-};
+use vibro_figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION};
 use vibro_figures::chart::{Axis, Colour};
 use vibro_studies::design_sweep::DesignMachine;
-use vibro_studies::paper::measures::{Coordinate, Measure};
-use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::significant;
 
 /// A machine with names, units and colours of its parameters and measures for tables and pictures.
@@ -42,81 +37,6 @@ pub trait Labelled: DesignMachine + Subject {
     fn colour(&self, measure: &Self::Measure) -> Colour;
     /// Name of the periods in which motions are counted.
     fn periods() -> &'static str;
-}
-
-impl Labelled for ParameterSet {
-    fn symbol(&self, name: &Name) -> String {
-        self.symbol(*name)
-    }
-
-    fn axis(&self, name: &Name) -> Axis {
-        crate::studies::parameter_axis(self, *name, (0.0, 1.0))
-    }
-
-    fn shown(&self, name: &Name) -> f64 {
-        self.unit(*name).map_or(1.0, |unit| unit.number(1.0))
-    }
-
-    fn si_unit(&self, name: &Name) -> String {
-        name.unit().into()
-    }
-
-    fn symbol_is(&self, name: &Name, value: f64) -> String {
-        self.told(*name, value)
-    }
-
-    fn caption_but(&self, names: &[Name]) -> String {
-        self.caption_but(names)
-    }
-
-    fn caption_of_all(&self, _: &[Name]) -> Option<String> {
-        None
-    }
-
-    fn words(measure: &Measure) -> String {
-        words(*measure)
-    }
-
-    fn measure_unit(&self, measure: &Measure) -> &'static str {
-        measure.unit()
-    }
-
-    fn measure_shown(&self, measure: &Measure) -> MeasureUnit {
-        MeasureUnit::of(self, *measure)
-    }
-
-    fn is_class(measure: &Measure) -> bool {
-        *measure == Measure::Class
-    }
-
-    fn is_closed_form(measure: &Measure) -> bool {
-        *measure == Measure::AmplitudeWithoutBlock
-    }
-
-    /// Colour of the measure's body.
-    fn colour(&self, measure: &Measure) -> Colour {
-        use Coordinate::{Dw, V1, V2, V3, W, X1, X2, X3};
-        match measure {
-            Measure::Amplitude(c) | Measure::Rms(c) | Measure::PeakToPeak(c) | Measure::Maximum(c) => match c
-            {
-                X1 | V1 => BOX,
-                X2 | V2 => BLOCK,
-                X3 | V3 => SECONDARY,
-                W | Dw => RELATIVE,
-            },
-            Measure::PowerBoxDamper => BOX,
-            Measure::PowerSecondaryDamper => SECONDARY,
-            Measure::PowerImpact | Measure::ImpactSpeed | Measure::ImpactImpulse => RELATIVE,
-            Measure::ImpactsUpper => BLUE,
-            Measure::ImpactsLower => BLOCK,
-            Measure::AmplitudeWithoutBlock => GREY,
-            _ => BLACK,
-        }
-    }
-
-    fn periods() -> &'static str {
-        "drive periods"
-    }
 }
 
 /// Lengths below this, m, are shown in mm.
@@ -207,51 +127,16 @@ impl Labelled for vibro_studies::Machine {
     }
 }
 
-/// A measure in words, for pictures.
-fn words(measure: Measure) -> String {
-    match measure {
-        Measure::Amplitude(c) => format!("amplitude of {}", c.symbol()),
-        Measure::Rms(c) => format!("rms of {}", c.symbol()),
-        Measure::PeakToPeak(c) => format!("{} peak to peak", c.symbol()),
-        Measure::Maximum(c) => format!("largest {}", c.symbol()),
-        Measure::ImpactSpeed => "largest impact speed".into(),
-        Measure::ImpactImpulse => "largest impulse of an impact".into(),
-        Measure::Impacts => "impacts per drive period".into(),
-        Measure::ImpactsUpper => "impacts per drive period, upper stop".into(),
-        Measure::ImpactsLower => "impacts per drive period, lower stop".into(),
-        Measure::PowerInput => "power of the drive".into(),
-        Measure::PowerImpact => "power lost at impacts".into(),
-        Measure::PowerBoxDamper => "power lost in c₁".into(),
-        Measure::PowerSecondaryDamper => "power lost in c₃".into(),
-        Measure::Exponent => "largest Lyapunov exponent".into(),
-        Measure::AmplitudeWithoutBlock => "amplitude of x₁ without the block".into(),
-        Measure::Class => measure.name(),
-    }
-}
-
 /// Unit in which a picture shows a measure, with its factor from SI.
 #[derive(Clone, Debug)]
 pub struct MeasureUnit {
-    factor: f64,
-    symbol: String,
+    /// Factor from SI.
+    pub factor: f64,
+    /// Symbol; empty for a plain number.
+    pub symbol: String,
 }
 
 impl MeasureUnit {
-    /// The unit of the machine's lengths for a length, the unit of its speeds for a speed, and SI
-    /// for all other measures.
-    fn of(set: &ParameterSet, measure: Measure) -> Self {
-        let (p, lengths) = (set.parameters(), LengthUnit::of(set));
-        match measure.unit() {
-            "m" => Self { factor: lengths.per_metre, symbol: lengths.symbol },
-            "m/s" => {
-                let unit = lengths.of_rates(p.stop_gap * p.drive_frequency);
-                Self { factor: unit.per_metre, symbol: format!("{}/s", unit.symbol) }
-            }
-            "1" => Self { factor: 1.0, symbol: String::new() },
-            unit => Self { factor: 1.0, symbol: unit.replace('.', "·") },
-        }
-    }
-
     /// A value in this unit, from one in SI.
     pub fn number(&self, si: f64) -> f64 {
         si * self.factor

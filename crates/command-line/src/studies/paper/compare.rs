@@ -3,8 +3,9 @@
 use super::lengths::Lengths;
 use super::steady::{comparison_panel, four_panels};
 use super::steady_motion::{MotionSample, SteadyMotion, simulated};
-use super::sweep::{maxima_table, overlay};
+use super::sweep::overlay;
 use crate::Result;
+use crate::studies::diagram::maxima_table;
 use crate::studies::{PANEL, Study};
 use crate::table::{TextTable, exact};
 use rayon::prelude::*;
@@ -17,7 +18,6 @@ use vibro_studies::paper::bifurcation::{Sweep, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::motion::{amplitude, record_flights, settled_simulator};
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group, short};
 use vibro_studies::parts::Task;
 
@@ -157,14 +157,7 @@ pub fn force_overlay(
     done: &(dyn Fn() + Sync),
 ) -> Result<Study> {
     let axis = ParameterAxis::new(find_group("f10")?, range, count)?;
-    let sweep = Sweep {
-        axis,
-        discard: DISCARDED,
-        keep: KEPT,
-        exponents: None,
-        of: Displacement::X2,
-        start: StartRule::default(),
-    };
+    let sweep = Sweep::new(axis, Displacement::X2, (DISCARDED, KEPT));
     let found = diagram(set, &sweep, &Task { done: &|_| done(), ..Task::ALL })?;
     // All parts are computed here, so the diagram is complete.
     let Some(found) = found else { return Ok(no_motion("compare-16", "the sweep")) };

@@ -7,7 +7,9 @@ use super::lengths::Lengths;
 use super::orbits::{search_in_words, special_table};
 use crate::Result;
 use crate::studies::Study;
-use crate::studies::panels::{DIRECTIONS, method};
+use crate::studies::branches::{MAX_LISTED, listed};
+use crate::studies::diagram::method;
+use crate::studies::panels::DIRECTIONS;
 use crate::table::{CsvRows, exact};
 use drawn::{Drawn, NEVER_STABLE, UNSTABLE};
 use rayon::prelude::*;
@@ -28,8 +30,6 @@ const MOST_SEEDS: usize = 1001;
 /// Drive periods after which a row that no branch covers is examined again. By then, the transient
 /// of a row next to a bifurcation has decayed.
 const LATER: u32 = 20_000;
-/// Largest number of sequences of doublings, and of uncovered rows, listed on the screen.
-const MAX_LISTED: usize = 12;
 /// Decimals of a located value in words: ten digits are certain.
 const DECIMALS: usize = 10;
 
@@ -173,13 +173,11 @@ impl DiagramOrbits {
         )];
         let told = |what: &str, holds: &dyn Fn(&Covering) -> bool| {
             let rows: Vec<&CoveredRow> = self.rows.iter().filter(|row| holds(&row.covering)).collect();
-            let values = rows.iter().take(MAX_LISTED).map(|row| {
+            let row = |row: &&CoveredRow| {
                 let (value, way) = (set.with_unit(sweep.axis.name, row.value), DIRECTIONS[row.direction]);
                 format!("{value} {way} ({})", row.class.name())
-            });
-            let values: Vec<String> = values.collect();
-            let more = if rows.len() > MAX_LISTED { ", …" } else { "" };
-            (!rows.is_empty()).then(|| format!("{} {what}: {}{more}", rows.len(), values.join(", ")))
+            };
+            listed(what, rows.iter().map(row))
         };
         words.extend(told("rest at a stop, which words do not describe", &|c| matches!(c, Covering::Rests)));
         words.extend(told(
@@ -338,10 +336,11 @@ fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bo
     let state = dimensional(system.parameters(), state);
     let Some(orbit) = orbit_of(&system, &state).ok().filter(Orbit::is_stable) else { return Ok(false) };
     let options = PathOptions::default();
-    let Ok(found) = branch(family, orbit.word(), orbit.phases(), point.value, &options, &[]) else {
+    let Ok(mut found) = branch(family, orbit.word(), orbit.phases(), point.value, &options, &[]) else {
         return Ok(false);
     };
-    tree.branches.push(Branch { id: tree.branches.len(), ..found });
+    found.id = tree.branches.len();
+    tree.branches.push(found);
     Ok(true)
 }
 
@@ -354,7 +353,7 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     if let Some(found) = tree.covering(family, value, &point.attractor)? {
         let branch = &tree.branches[found.branch];
         if let Some(range) = branch.stable_range_of(&found.orbit, value) {
-            let word = branch.word.signed();
+            let word = branch.word().signed();
             return Ok(Covering::Branch { range, word, distance: found.distance });
         }
     }
@@ -376,7 +375,7 @@ fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
         CsvRows::new(["branch", "word", "closing", "period", &from, "label_from", &to, "label_to"])?;
     for branch in branches {
         for range in branch.stable_ranges() {
-            let word = &branch.word;
+            let word = branch.word();
             let own =
                 vec![branch.id.to_string(), word.to_string(), word.sign().into(), range.period.to_string()];
             table.push(

@@ -3,18 +3,19 @@
 
 use super::diagram_orbits::{DiagramOrbits, end_cells, end_in_words};
 use super::lengths::Lengths;
+use super::maxima_panel::maxima_panel;
 use crate::Result;
 use crate::studies::Study;
-use crate::studies::panels::{
-    DIRECTIONS, WIDE, contact_panel, hysteresis, maxima_panel, maxima_rows, method, remarks, window_table,
-};
+use crate::studies::diagram::{ShownDiagram, method};
+use crate::studies::panels::WIDE;
 use crate::table::{TextTable, exact};
-use vibro_figures::canvas::palette::{BLOCK, FAMILY, GREY};
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
-use vibro_studies::paper::attractor::MotionClass;
+use vibro_figures::canvas::palette::{BLOCK, FAMILY};
+use vibro_figures::chart::{Colour, Dash, Figure, Layer, Panel, Path, THIN};
+use vibro_studies::MotionClass;
 use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint};
+use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::paper::plane::{Method, ParameterAxis};
+use vibro_studies::paper::plane::Method;
 use vibro_studies::paper::response::{ResponsePoint, response};
 use vibro_studies::paper::{ParameterSet, short};
 
@@ -23,110 +24,82 @@ const NODES: usize = 400;
 /// Decimals of an exponent in words: the accuracy after a thousand periods.
 const DECIMALS: usize = 4;
 
-/// The study of a sweep: maxima, impacts and, if computed, exponents, with their tables.
-///
-/// # Errors
-/// [`Error::Output`](crate::Error::Output).
-pub fn sweep(set: &ParameterSet, sweep: &Sweep, diagram: &Diagram, name: &str) -> Result<Study> {
-    let apart = diagram.apart();
-    let (axis, lengths) = (&sweep.axis, Lengths::of(set));
-    let (symbol, along) = (lengths.displacement(sweep.of.symbol()), set.symbol(axis.name));
-    // The paper shows the block.
-    let as_paper = sweep.of == Displacement::X2 && axis.name.name() == "f10" && !set.is_si();
-    let (cf, alike) = if as_paper { (" (cf. the paper's figure 14)", " as in figure 14") } else { ("", "") };
-    let mut panels = vec![maxima_panel(set, sweep, diagram, &apart)];
-    if sweep.exponents.is_some() {
-        panels.push(exponent_panel(set, axis, &diagram.up));
-    }
-    let x = crate::studies::parameter_axis(set, axis.name, axis.edges());
-    panels.push(contact_panel("Impacts per drive period", x, "impacts per drive period", diagram));
-    letters(&mut panels);
-    let figure = Figure {
-        title: format!("Bifurcation diagram of {symbol} over {along}{cf}"),
-        caption: vec![method(sweep), format!("Elsewhere {}", set.caption_but(&[axis.name]))],
-        panels,
-        columns: 1,
-        panel: (2900, 1150),
-        shared_legend: false,
-    };
-    let remarks = remarks(axis.name.name(), diagram, Some(&apart), &|value| set.with_unit(axis.name, value));
-    let what = format!("local maxima of {symbol} over {along}{alike}, both directions");
-    Ok(Study {
-        tables: vec![
-            (name.into(), maxima_table(sweep, diagram)?),
-            (format!("{name}-points"), point_table(axis, diagram, &apart).csv()?),
-            (format!("{name}-windows"), window_table(axis.name.name(), diagram).csv()?),
+impl ShownDiagram for ParameterSet {
+    const SETTLES_EARLY: bool = false;
+    const HEADINGS: [&'static [&'static str]; 2] = [
+        &["impacts_upper", "impacts_lower", "rests", "symmetric"],
+        &[
+            "lambda1",
+            "lambda2",
+            "lambda3",
+            "lambda4",
+            "lambda5",
+            "lambda6",
+            "lambda7",
+            "deviation",
+            "periods",
         ],
-        figure: Some(figure),
-        ..Study::without_figure(name, what).with_remarks(remarks)
-    })
-}
+    ];
+    const IMPACTS: [&'static str; 2] = ["Impacts per drive period", "impacts per drive period"];
 
-pub(in crate::studies) fn letters(panels: &mut [Panel]) {
-    for (letter, panel) in ('a'..).zip(panels) {
-        panel.title = format!("({letter}) {}", panel.title);
+    fn titles(&self, sweep: &Sweep) -> [String; 3] {
+        let (lengths, name) = (Lengths::of(self), sweep.axis.name);
+        let (symbol, along) = (lengths.displacement(sweep.of.symbol()), self.symbol(name));
+        // The paper shows the block.
+        let as_paper = sweep.of == Displacement::X2 && name.name() == "f10" && !self.is_si();
+        let (cf, alike) =
+            if as_paper { (" (cf. the paper's figure 14)", " as in figure 14") } else { ("", "") };
+        [format!("Bifurcation diagram of {symbol} over {along}{cf}"), symbol, format!("{along}{alike}")]
     }
-}
 
-fn exponent_panel(set: &ParameterSet, axis: &ParameterAxis, points: &[Option<SweepPoint>]) -> Panel {
-    let x = axis.edges();
-    let curve = |index: usize| -> Path {
-        points
-            .iter()
-            .flatten()
-            .filter_map(|p| Some((p.value, p.spectrum.as_ref()?.exponents[index])))
-            .collect()
-    };
-    let colours = [FAMILY[0], FAMILY[2], FAMILY[4]];
-    let mut layers = vec![Layer::line("", GREY, Dash::Dotted, vec![(x.0, 0.0), (x.1, 0.0)]).stroke(THIN)];
-    for (index, name) in ["λ₁", "λ₂", "λ₃"].into_iter().enumerate() {
-        layers.push(Layer::line("", colours[index], Dash::Solid, curve(index)).stroke(THIN).labelled(name));
+    fn exponents_in_words(o: &SpectrumOptions) -> String {
+        format!(" Exponents over {} periods after {}.", o.periods, o.align)
     }
-    Panel {
-        title: "The three largest Lyapunov exponents, value rising".into(),
-        x: crate::studies::parameter_axis(set, axis.name, x),
-        y: Axis::new("λ (per unit of τ)"),
-        layers,
-    }
-}
 
-/// Table of all maxima with their counts.
-///
-/// # Errors
-/// [`Error::Output`](crate::Error::Output).
-pub fn maxima_table(sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
-    let maximum = format!("{}_maximum", sweep.of.name());
-    maxima_rows((sweep.axis.name.name(), &maximum), diagram, &|x| format!("{x:.6}"))
-}
-
-fn point_table(axis: &ParameterAxis, diagram: &Diagram, apart: &[Option<bool>]) -> TextTable {
-    let mut header = vec![axis.name.name(), "direction", "class", "period", "impacts_upper", "impacts_lower"];
-    header.extend(["rests", "symmetric", "hysteresis"]);
-    header.extend(["lambda1", "lambda2", "lambda3", "lambda4", "lambda5", "lambda6", "lambda7"]);
-    header.extend(["deviation", "periods"]);
-    let mut table = TextTable::new(&header);
-    for (direction, points) in DIRECTIONS.into_iter().zip([&diagram.up, &diagram.down]) {
-        for (point, apart) in points.iter().zip(apart) {
-            let Some(p) = point else { continue };
-            let a = &p.attractor;
-            let mut row = vec![exact(p.value), direction.into(), p.class.name()];
-            row.push(a.period.map_or(String::new(), |n| n.to_string()));
-            row.extend(a.impacts.map(exact));
-            // The symmetry of a settling motion is undecided.
-            let periodic = matches!(p.class, MotionClass::Periodic(_));
-            let symmetric = if periodic { a.is_symmetric().to_string() } else { String::new() };
-            row.extend([a.rests.to_string(), symmetric, hysteresis(*apart)]);
-            match &p.spectrum {
-                Some(s) => {
-                    row.extend(s.exponents.map(exact));
-                    row.extend([exact(s.deviation), s.periods.to_string()]);
-                }
-                None => row.extend((0..9).map(|_| String::new())),
-            }
-            table.rows.push(row);
-        }
+    fn column(of: &Displacement) -> String {
+        of.name().into()
     }
-    table
+
+    fn maximum(value: f64) -> String {
+        format!("{value:.6}")
+    }
+
+    fn maxima_panel(&self, sweep: &Sweep, diagram: &Diagram, apart: &[Option<bool>]) -> Result<Panel> {
+        Ok(maxima_panel(self, sweep, diagram, apart))
+    }
+
+    fn exponent_titles() -> [&'static str; 2] {
+        ["The three largest Lyapunov exponents, value rising", "λ (per unit of τ)"]
+    }
+
+    fn exponent_curves(points: &[Option<SweepPoint>]) -> Vec<Layer> {
+        let curve = |index: usize| -> Path {
+            let exponent = |p: &SweepPoint| Some((p.value, p.spectrum.as_ref()?.exponents[index]));
+            points.iter().flatten().filter_map(exponent).collect()
+        };
+        let layer = |(index, (name, colour)): (usize, (&str, Colour))| {
+            Layer::line("", colour, Dash::Solid, curve(index)).stroke(THIN).labelled(name)
+        };
+        let named = [("λ₁", FAMILY[0]), ("λ₂", FAMILY[2]), ("λ₃", FAMILY[4])];
+        named.into_iter().enumerate().map(layer).collect()
+    }
+
+    fn has_impacts(&self) -> bool {
+        true
+    }
+
+    fn cells(SweepPoint { attractor, class, spectrum, .. }: &SweepPoint) -> [Vec<String>; 2] {
+        let period = attractor.period.map_or(String::new(), |n| n.to_string());
+        let [upper, lower] = attractor.impacts.map(exact);
+        // The symmetry of a settling motion is undecided.
+        let periodic = matches!(class, MotionClass::Periodic(_));
+        let symmetric = if periodic { attractor.is_symmetric().to_string() } else { String::new() };
+        let exponents = spectrum.as_ref().map_or(vec![String::new(); 9], |s| {
+            let own = s.exponents.into_iter().chain([s.deviation]).map(exact);
+            own.chain([s.periods.to_string()]).collect()
+        });
+        [vec![period, upper, lower, attractor.rests.to_string(), symmetric], exponents]
+    }
 }
 
 /// Table 2: spectra at the sweep's values nearest to `values`, value rising; if branches were

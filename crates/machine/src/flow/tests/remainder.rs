@@ -12,7 +12,7 @@ use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;
 
 /// Random modes, and sub-steps of each.
-const MODES: u64 = 1250;
+const MODES: usize = 300;
 const STEPS: usize = 8;
 /// Order of the last exact term; 4^60/60! < 2e-46.
 const LAST: usize = 60;
@@ -314,8 +314,7 @@ fn second_method_series_and_tables_of_random_modes_in_77_digits() {
             }
         }
     }
-    assert_eq!(found.steps[0] + found.steps[1], 10_000);
-    assert!(found.steps.iter().all(|steps| *steps > 3_000), "{found:?}");
+    assert!(found.steps.iter().all(|steps| *steps > MODES * STEPS / 4), "{found:?}");
     // Bounds that hold with room to spare in all sub-steps would not be tried.
     let Found { norm, remainder: [series, tables], orders, behind, bend, .. } = found;
     assert!([norm, series, tables, orders, behind, bend].iter().all(|most| *most > ATTAINED), "{found:?}");

@@ -8,7 +8,7 @@ use crate::paper::family::{ContactEquations, Family};
 use crate::paper::grazing::Touching;
 use crate::paper::orbit::is_clear;
 use crate::paper::system::Anchor;
-use crate::paper::word::OrbitWord;
+use crate::stop_word::OrbitWord;
 use crate::two_parameters::{Border, LocusEnd, TwoParameters, smallness};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;

@@ -1,14 +1,15 @@
 //! Special points between two points of a branch.
 
 use super::{Follower, Position};
+use crate::branch::{OrbitPoint, Special};
 use crate::curve::{CurvePoint, correct};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
-use crate::paper::branch::{OrbitPoint, Special};
 use crate::paper::cycle::Cycle;
 use crate::paper::orbit::newton;
 use crate::paper::sample::{DOUBLING, PAIR, TESTS, UNIT, test};
 use crate::paper::special;
+use crate::path::Follow;
 use crate::test_functions::SignedLog;
 use nalgebra::Complex;
 
@@ -32,7 +33,7 @@ struct LabelledPoint {
 }
 
 /// The number of multipliers outside the unit circle.
-fn outside(multipliers: &[Complex<f64>; 6]) -> usize {
+fn outside(multipliers: &[Complex<f64>]) -> usize {
     multipliers.iter().filter(|m| m.norm() > 1.0).count()
 }
 
@@ -81,9 +82,9 @@ impl Follower<'_> {
         let mut points = Vec::new();
         for (LabelledPoint { arc, at, label }, end) in found.into_iter().zip(ends) {
             let middle = self.at_arc(last, next, 0.5 * (arc + end))?;
-            let stable = self.look_certified(middle)?.stable;
+            let stability = self.look_certified(middle)?.stability;
             let position = self.look_certified(at)?;
-            points.push(OrbitPoint { stable, ..self.point(&position, Some(Special::of(label))) });
+            points.push(OrbitPoint { stability, ..self.point(&position, Some(Special::of(label))) });
         }
         Ok(points)
     }

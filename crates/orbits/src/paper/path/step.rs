@@ -1,17 +1,18 @@
 //! One step along a branch: to the next point, or to the end of the branch before it.
 
-use super::{Advance, COSINE, Follower, LEAST_STEP, PathEnd, Position};
+use super::{Advance, End, Follower, Position};
+use crate::branch::Special;
 use crate::curve::{self, CurvePoint, correct};
 use crate::label::Label;
 use crate::obstacle::Obstacle;
-use crate::paper::branch::Special;
 use crate::paper::cycle::Cycle;
 use crate::paper::grazing::{self, ExaminedTouch, Touch};
 use crate::paper::orbit::{Orbit, eigenvalues, newton, unfolded_phases};
 use crate::paper::sample::{DOUBLING, UNIT, test};
 use crate::paper::special;
 use crate::paper::switching::FlightTouch;
-use crate::paper::word::OrbitWord;
+use crate::path::{COSINE, Follow, LEAST_STEP, PathEnd};
+use crate::stop_word::OrbitWord;
 use nalgebra::DVector;
 
 /// Largest correction of a step in parts of the step.
@@ -83,7 +84,7 @@ impl Follower<'_> {
         }
         let between = self.between(last, &next)?;
         let end = label.map(|_| PathEnd::Plain);
-        Ok(Advance { between, next, label: label.map(Special::of), end })
+        Ok(Advance { between, next, special: label.map(Special::of), end, begins: None })
     }
 
     /// Ends the path at the first of the touches that are met on the way to `next`.
@@ -124,13 +125,12 @@ impl Follower<'_> {
         let without = FlightTouch::of(self.family, &touch);
         let phases = &without.u.as_slice()[..without.shorter.len()];
         let multipliers = Orbit::at(&system, &without.shorter, phases)?.multipliers();
-        let tangent = last.tangent.clone();
-        let at = Position { u, tangent, steps: 3, multipliers, stable: false, tests };
+        let at = self.at_end(&system, (u, last.tangent.clone()), multipliers, tests);
         let between = self.between(last, &at)?;
         let label = if pressed { Label::Chatter } else { Label::Grazing };
         let special = Special { longer: Some(touch.longer.clone()), ..Special::of(label) };
-        let end = if pressed { PathEnd::Plain } else { PathEnd::Touch(Box::new(touch)) };
-        Ok(Advance { between, next: at, label: Some(special), end: Some(end) })
+        let end = Some(if pressed { PathEnd::Plain } else { PathEnd::At(End::Touch(Box::new(touch))) });
+        Ok(Advance { between, next: at, special: Some(special), end, begins: None })
     }
 
     /// Ends the path at the branch from which it is born by doubling.
@@ -149,10 +149,10 @@ impl Follower<'_> {
         // On the way to the birth the test function for doubling may change its sign; that for a
         // multiplier 1 touches zero at the end.
         let tests = [None, test(&cycle, DOUBLING), None];
-        let tangent = last.tangent.clone();
-        let next = Position { u: doubled, tangent, steps: 3, multipliers, stable: false, tests };
+        let next = self.at_end(&system, (doubled, last.tangent.clone()), multipliers, tests);
         let between = self.between(last, &next)?;
         let label = if word.closing() < 0 { Label::BranchPoint } else { Label::PeriodDoubling };
-        Ok(Advance { between, next, label: Some(Special::of(label)), end: Some(PathEnd::Primary(word, u)) })
+        let (special, end) = (Some(Special::of(label)), Some(PathEnd::At(End::Primary(word, u))));
+        Ok(Advance { between, next, special, end, begins: None })
     }
 }

@@ -39,7 +39,7 @@ fn invariant_a_whole_word_of_a_symmetric_orbit_gives_its_branch() {
     let system = family.system(&[1.5]).unwrap();
     let orbit = Orbit::find(&system, &OrbitWord::new("UL", 1, 2).unwrap(), &[5.5, 8.6]).unwrap();
     let whole = branch(&family, orbit.word(), orbit.phases(), 1.5, &PathOptions::default(), &[]).unwrap();
-    assert_eq!(whole.word, half.word);
+    assert_eq!(whole.word(), half.word());
     assert!(whole.holds(&family, &orbit, 1.5) && half.holds(&family, &orbit, 1.5));
     let values =
         |b: &Branch| b.points.iter().filter(|p| p.label().is_some()).map(|p| p.value).collect::<Vec<_>>();
@@ -94,9 +94,9 @@ fn invariant_points_of_a_tree_are_orbits_and_stability_changes_at_special_points
         }
         for point in branch.points.iter().step_by(7).filter(|p| p.special.is_none()) {
             let system = family.system(&[point.value]).unwrap();
-            let orbit = Orbit::find(&system, &branch.word, &point.phases).unwrap();
-            assert!(orbit.is_certified(), "{} at {}", branch.word, point.value);
-            assert_eq!(found.passing(&family, &branch.word, &point.phases, point.value), Some(branch.id));
+            let orbit = Orbit::find(&system, branch.word(), point.phases()).unwrap();
+            assert!(orbit.is_certified(), "{} at {}", branch.word(), point.value);
+            assert_eq!(found.passing(&family, branch.word(), point.phases(), point.value), Some(branch.id));
         }
     }
 }
@@ -108,7 +108,7 @@ fn special_points(tree: &Tree) -> Vec<(String, u32, &'static str, f64)> {
         .iter()
         .flat_map(|b| b.points.iter().filter_map(move |p| Some((b, p.label()?, p.value))))
         .filter(|(_, label, _)| *label != Label::EndPoint)
-        .map(|(b, label, value)| (b.word.to_string(), b.word.half_periods(), label.name(), value))
+        .map(|(b, label, value)| (b.word().to_string(), b.word().half_periods(), label.name(), value))
         .collect();
     found.sort_by(|a, b| (&a.0, a.1, a.2).cmp(&(&b.0, b.1, b.2)).then(a.3.total_cmp(&b.3)));
     found
@@ -176,11 +176,11 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
     );
     let born = |b: &&Branch| b.points[0].label() == Some(Label::PeriodDoubling);
     let doubled = found.branches.iter().find(born).unwrap();
-    let h = doubled.word.len() / 2;
+    let h = doubled.word().len() / 2;
     let ratio = |point: &OrbitPoint| {
         let amplitude = (0..h).map(|i| {
-            let half = 0.5 * doubled.word.span();
-            (point.phases[h + i] - point.phases[i] - half).powi(2)
+            let half = 0.5 * doubled.word().span();
+            (point.phases()[h + i] - point.phases()[i] - half).powi(2)
         });
         (point.value - doubled.points[0].value) / amplitude.sum::<f64>()
     };
@@ -290,7 +290,7 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
         branch(&family, &symmetric(), &[5.5], 1.5, &PathOptions::default(), &[BREAKING - 0.01]).unwrap();
     let on_other = labelled(&found, Label::UserValue).next().unwrap();
     let word = symmetric().unfolded();
-    let doubled = crate::paper::orbit::unfolded_phases(&symmetric(), &on_other.phases);
+    let doubled = crate::paper::orbit::unfolded_phases(&symmetric(), on_other.phases());
     for rounding in [1e-12, 0.0, -1e-12] {
         let point =
             |apart: f64, value: f64| family.point(&[doubled[0] + apart, doubled[1] - apart], &[value]);

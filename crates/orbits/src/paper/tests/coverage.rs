@@ -4,7 +4,6 @@ use crate::paper::{Family, Span, Tree, TreeOptions, tree};
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_studies::parts::Task;
 
@@ -19,14 +18,7 @@ fn family(from: f64, to: f64) -> Family {
 /// Periodic rows without rest of a simulated diagram, in both directions.
 fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     let axis = ParameterAxis::new(find_group("f10").unwrap(), (from, to), count).unwrap();
-    let sweep = Sweep {
-        axis,
-        discard: DISCARD,
-        keep: 0,
-        exponents: None,
-        of: Displacement::X2,
-        start: StartRule::default(),
-    };
+    let sweep = Sweep::new(axis, Displacement::X2, (DISCARD, 0));
     let found = diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap().unwrap();
     let rows = found.up.into_iter().chain(found.down).flatten();
     rows.filter(|row| row.attractor.period.is_some() && !row.attractor.rests).collect()

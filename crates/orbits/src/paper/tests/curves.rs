@@ -18,8 +18,12 @@ fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::paper::Lo
     let [first, second] =
         [(f10, 0.3, 3.0), (second, from, to)].map(|(n, from, to)| Span::new(n, from, to).unwrap());
     let two = Family::over_two(&set, first, second).unwrap();
-    let start =
-        LocusStart { label, word: symmetric(), phases: point.phases.clone(), values: [point.value, kappa] };
+    let start = LocusStart {
+        label,
+        word: symmetric(),
+        phases: point.phases().to_vec(),
+        values: [point.value, kappa],
+    };
     locus(&two, &start).unwrap()
 }
 
@@ -129,8 +133,8 @@ fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     for point in points {
         let start = LocusStart {
             label: Label::NeimarkSacker,
-            word: one.word.clone(),
-            phases: point.phases.clone(),
+            word: one.word().clone(),
+            phases: point.phases().to_vec(),
             values: [point.value, BOX],
         };
         let curve = locus(&two, &start).unwrap();

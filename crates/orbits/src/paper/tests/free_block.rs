@@ -249,7 +249,7 @@ fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
     assert_eq!(values, [0.0, 0.4]);
     for point in &found.points {
         let exact = exact_orbit::solve(set.with(along, point.value).unwrap().parameters()).unwrap();
-        let apart = (point.phases[0] - exact.upper.unwrap().drive_phase()).rem_euclid(std::f64::consts::PI);
+        let apart = (point.phases()[0] - exact.upper.unwrap().drive_phase()).rem_euclid(std::f64::consts::PI);
         assert!(apart.min(std::f64::consts::PI - apart) < CLOSED_FORM, "{} {apart}", point.value);
     }
 }
@@ -282,6 +282,6 @@ fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_
     let free = whole.points.iter().find(|p| p.value == 0.0).unwrap();
     let p = Parameters { coupling_stiffness: 0.0, ..*set.parameters() };
     let exact = exact_orbit::solve(&p).unwrap().upper.unwrap();
-    let apart = (free.phases[0] - exact.drive_phase()).rem_euclid(std::f64::consts::PI);
+    let apart = (free.phases()[0] - exact.drive_phase()).rem_euclid(std::f64::consts::PI);
     assert!(apart.min(std::f64::consts::PI - apart) < CLOSED_FORM, "{apart}");
 }

@@ -57,9 +57,9 @@ fn golden_orbits_in_thirty_digits() {
         assert!((point.value - value).abs() < LOCATION, "{label} {letters}: {:e}", point.value - value);
         let (canonical, golden) = canonical(&word, &phases, true);
         assert!(
-            same_phases(&canonical, &golden, &point.phases, true, PHASES),
+            same_phases(&canonical, &golden, point.phases(), true, PHASES),
             "{label} {letters}: {:?} {golden:?}",
-            point.phases
+            point.phases()
         );
         count += 1;
     }

@@ -24,7 +24,7 @@ fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_i
     let found = tree(&family, &options, &|_, _| ()).unwrap();
     for value in WINDOWS {
         let stable = |b: &&Branch| {
-            b.word.period() == 3
+            b.word().period() == 3
                 && b.stable_ranges().iter().any(|r| r.from.value < value && value < r.to.value)
         };
         let branch = found.branches.iter().find(stable).unwrap_or_else(|| panic!("no window at {value}"));

@@ -14,7 +14,12 @@ fn span(name: &str, from: f64, to: f64) -> Span {
 fn starts(tree: &Tree, held: f64) -> Vec<LocusStart> {
     let row = |b: &Branch, p: &OrbitPoint| {
         let label = p.label().filter(|label| Label::STARTS.contains(label))?;
-        Some(LocusStart { label, word: b.word.clone(), phases: p.phases.clone(), values: [p.value, held] })
+        Some(LocusStart {
+            label,
+            word: b.word().clone(),
+            phases: p.phases().to_vec(),
+            values: [p.value, held],
+        })
     };
     tree.branches.iter().flat_map(|b| b.points.iter().filter_map(move |p| row(b, p))).collect()
 }

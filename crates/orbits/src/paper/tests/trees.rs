@@ -48,7 +48,7 @@ fn invariant_every_point_of_a_tree_is_certified() {
         let touch = |l| matches!(l, Some(Label::Grazing | Label::Chatter));
         for point in branch.points.iter().filter(|p| !touch(p.label())) {
             let orbit = branch.orbit(&family, point).unwrap();
-            assert!(orbit.is_certified(), "branch {} ({}) at {}", branch.id, branch.word, point.value);
+            assert!(orbit.is_certified(), "branch {} ({}) at {}", branch.id, branch.word(), point.value);
             specials += usize::from(point.special.is_some());
         }
     }
@@ -164,11 +164,12 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
     let family = family(2.0, 3.0);
     let once = grow(&family, &TreeOptions { depth: 1, ..options() });
     let twice = grow(&family, &TreeOptions { depth: 1, repetitions: 2, ..options() });
-    let words = |tree: &Tree| tree.branches.iter().map(|b| b.word.to_string()).collect::<Vec<_>>();
+    let words = |tree: &Tree| tree.branches.iter().map(|b| b.word().to_string()).collect::<Vec<_>>();
     let (known, all) = (words(&once), words(&twice));
     assert!(known.iter().all(|word| all.contains(word)));
     // At a touch of a word of n letters the repeated words have 2 n + 1.
-    let new: Vec<&Branch> = twice.branches.iter().filter(|b| !known.contains(&b.word.to_string())).collect();
+    let new: Vec<&Branch> =
+        twice.branches.iter().filter(|b| !known.contains(&b.word().to_string())).collect();
     assert!(!new.is_empty());
     for branch in new {
         let (id, point) = branch.parent.unwrap();
@@ -178,7 +179,7 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
         }
         // The repeated branches begin at the parameter of the touch.
         assert!((branch.points[0].value - parent.points[point].value).abs() < 1e-11);
-        assert!(branch.word.len() > parent.word.len());
+        assert!(branch.word().len() > parent.word().len());
     }
 }
 
@@ -203,7 +204,7 @@ fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_cons
         let lost = |i: &usize| {
             let changes = found.stability_around(*i);
             found.points[*i].label() == Some(Label::PeriodDoubling)
-                && changes.0 != changes.1
+                && changes[0] != changes[1]
                 && found.points[*i].value > value
         };
         let all = (0..found.points.len()).filter(lost).map(|i| found.points[i].value);
@@ -223,15 +224,16 @@ fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_cons
 fn specials(tree: &Tree, mirrored: bool) -> Vec<(String, u32, &'static str, f64)> {
     let word = |b: &Branch| {
         let sign = if mirrored { -1 } else { 1 };
-        let turned = (0..b.word.len()).map(|by| {
-            let letter = |i: usize| sign * b.word.letters()[(i + by) % b.word.len()];
-            (0..b.word.len()).map(|i| if letter(i) > 0 { 'U' } else { 'L' }).collect::<String>()
+        let turned = (0..b.word().len()).map(|by| {
+            let letter = |i: usize| sign * b.word().letters()[(i + by) % b.word().len()];
+            (0..b.word().len()).map(|i| if letter(i) > 0 { 'U' } else { 'L' }).collect::<String>()
         });
         turned.max().unwrap_or_default()
     };
     let all = tree.branches.iter().flat_map(|b| b.points.iter().map(move |p| (b, p)));
-    let mut found: Vec<_> =
-        all.filter_map(|(b, p)| Some((word(b), b.word.half_periods(), p.label()?.name(), p.value))).collect();
+    let mut found: Vec<_> = all
+        .filter_map(|(b, p)| Some((word(b), b.word().half_periods(), p.label()?.name(), p.value)))
+        .collect();
     found.sort_by(|a, b| (&a.0, a.1, a.2).cmp(&(&b.0, b.1, b.2)).then(a.3.total_cmp(&b.3)));
     found
 }
@@ -300,7 +302,7 @@ fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
     let found = grow(&family, &options);
     assert!(found.branches.len() > 3, "{}", found.branches.len());
     for branch in &found.branches {
-        assert!(branch.word.len() <= 4 && branch.word.period() <= 2, "{}", branch.word.signed());
+        assert!(branch.word().len() <= 4 && branch.word().period() <= 2, "{}", branch.word().signed());
     }
     let periods = found.searched.values.iter().flat_map(|v| [v.rising, v.falling]).flatten();
     assert!(periods.max() <= Some(2));
@@ -321,11 +323,15 @@ fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simu
         assert_eq!(orbit.word().closing(), -1);
         let options = TreeOptions { seeds: 3, depth: 0, ..options() };
         let mut branches = grow(&family, &options).branches;
-        branches.retain(|branch| !branch.word.is_empty());
+        branches.retain(|branch| !branch.word().is_empty());
         let path = PathOptions::default();
         branches.push(branch(&family, orbit.word(), orbit.phases(), 0.0, &path, &[]).unwrap());
         for branch in branches {
-            assert!(branch.word.closing() > 0 && branch.points.len() > 10, "{load} {}", branch.word.signed());
+            assert!(
+                branch.word().closing() > 0 && branch.points.len() > 10,
+                "{load} {}",
+                branch.word().signed()
+            );
             for point in branch.points.iter().filter(|p| p.special.is_none()).step_by(10) {
                 let orbit = branch.orbit(&family, point).unwrap();
                 let (system, start) = (orbit.system(), orbit.start_state());
@@ -334,7 +340,7 @@ fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simu
                 simulator.advance_to(f64::from(orbit.word().period()) * p.period()).unwrap();
                 let end = simulator.state();
                 let moved = start.x.iter().zip(end.x).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(moved < RETURN, "{load} {} {}: {moved:e}", branch.word, point.value);
+                assert!(moved < RETURN, "{load} {} {}: {moved:e}", branch.word(), point.value);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Record of a motion over drive periods, from which its attractor is recognized.
 
-use super::{Attractor, LONGEST, OBSERVED, RETURN, distance};
+use super::{Attractor, distance};
+use crate::class::{LONGEST, OBSERVED, RETURN, comes_nearer, least_period};
 use crate::paper::free_limit::{is_damped, limit_keeps_clear};
 use crate::paper::statistics::Blocks;
 use crate::paper::stroboscopic::StroboscopicState;
@@ -171,16 +172,6 @@ pub(super) fn period(periods: &[ObservedPeriod]) -> Option<u32> {
     least_period(periods, |a, b| a.pattern == b.pattern && distance(&a.state, &b.state) < RETURN)
 }
 
-/// The least n up to [`LONGEST`] for which each of the last 4 n returns is the same as the one n
-/// before.
-pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> Option<u32> {
-    (1..=LONGEST).take_while(|&n| 4 * n as usize <= returns.len()).find(|&n| {
-        let lag = n as usize;
-        let last = &returns[returns.len() - 4 * lag..];
-        last[lag..].iter().zip(last).all(|(a, b)| same(a, b))
-    })
-}
-
 /// Largest distance between a state and the one a lag of periods later.
 fn farthest_return(periods: &[ObservedPeriod], lag: usize) -> f64 {
     let pairs = periods.iter().zip(periods.iter().skip(lag));
@@ -191,21 +182,4 @@ fn farthest_return(periods: &[ObservedPeriod], lag: usize) -> f64 {
 /// falls from each eighth of the record to the next.
 pub(super) fn approaches(periods: &[ObservedPeriod]) -> bool {
     comes_nearer(periods, |a, b| distance(&a.state, &b.state))
-}
-
-/// [`approaches`] for any kind of return with its distance.
-pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
-    const EIGHTHS: usize = 8;
-    (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
-        let (later, earlier) = (&returns[lag..], &returns[..returns.len() - lag]);
-        let eighth = later.len().div_ceil(EIGHTHS);
-        let gap = |(a, b): (&R, &R)| distance(a, b);
-        let mut most = later
-            .chunks(eighth)
-            .zip(earlier.chunks(eighth))
-            .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
-        let mut before = f64::INFINITY;
-        // Ends with the first eighth that does not fall.
-        most.all(|most| std::mem::replace(&mut before, most) > most)
-    })
 }

@@ -1,9 +1,14 @@
 use super::*;
-use crate::paper::{ParameterSet, find_group};
+use crate::basin::basins;
+use crate::paper::find_group;
+use crate::parts::Task;
+
+fn axis(coordinate: usize, from: f64, to: f64, count: usize) -> StartAxis {
+    StartAxis { name: COORDINATES[coordinate].into(), from, to, count }
+}
 
 #[test]
 fn axes_without_width_or_cells_are_refused() {
-    let axis = |coordinate, from, to, count| InitialValueAxis { coordinate, from, to, count };
     let good = axis(0, -1.0, 1.0, 4);
     let bad = [
         axis(4, 1.0, 1.0, 4),
@@ -13,13 +18,9 @@ fn axes_without_width_or_cells_are_refused() {
         axis(4, 0.0, 1.0, 0),
     ];
     for y in bad {
-        for (x, y) in [(good, y), (y, good)] {
-            let error = basin(
-                &Parameters::default(),
-                &BasinRequest { x, y, discard: 1, start: in_the_middle() },
-                &Task::ALL,
-            )
-            .unwrap_err();
+        for (x, y) in [(good.clone(), y.clone()), (y, good.clone())] {
+            let request = BasinRequest { x, y, discard: 1, start: in_the_middle() };
+            let error = basins(&ParameterSet::basic(), &request, &Task::ALL).unwrap_err();
             assert!(error.to_string().contains("v2="), "{error}");
         }
     }
@@ -47,16 +48,16 @@ fn motion(x: f64) -> Followed {
 
 #[test]
 fn more_attractors_than_numbers_are_refused() {
-    let found = |x: f64| BasinAttractor { attractor: motion(x).attractor, class: MotionClass::Periodic(1) };
-    let mut full = Basin::default();
+    let found = |x: f64| ClassedAttractor { attractor: motion(x).attractor, class: MotionClass::Periodic(1) };
+    let mut full = Basins::default();
     for k in 0..=u16::MAX {
-        assert_eq!(full.add(found(f64::from(k))).unwrap(), Destination::Attractor(k));
+        assert_eq!(full.add(found(f64::from(k))).unwrap(), BasinCell::Attractor(k));
     }
-    assert_eq!(full.destination(&motion(-7.0)).unwrap(), Some(Destination::Mirror(7)));
+    assert_eq!(full.destination(&motion(-7.0)).unwrap(), Some(BasinCell::Mirror(7)));
     let another = motion(0.5);
-    let mut one = Basin::default();
+    let mut one = Basins::default();
     one.add(found(0.5)).unwrap();
-    for refused in [full.destination(&another).unwrap_err(), full.append(&one).unwrap_err()] {
+    for refused in [full.destination(&another).unwrap_err(), full.append(one).unwrap_err()] {
         assert!(refused.to_string().contains("65536 attractors"), "{refused}");
     }
 }
@@ -64,7 +65,7 @@ fn more_attractors_than_numbers_are_refused() {
 #[test]
 fn a_motion_whose_period_is_not_decided_is_no_attractor() {
     let open = Followed { class: MotionClass::Settling, ..motion(0.5) };
-    let mut found = Basin::default();
+    let mut found = Basins::default();
     assert!(found.destination(&open).unwrap().is_none() && found.attractors.is_empty());
 }
 
@@ -72,7 +73,7 @@ fn a_motion_whose_period_is_not_decided_is_no_attractor() {
 fn invariant_rows_put_together_are_the_whole() {
     let cells = [0.1, 0.2, -0.1, 0.3, -0.2, 0.1, -0.3, 0.3];
     let whole = |cells: &[f64]| {
-        let mut found = Basin::default();
+        let mut found = Basins::default();
         for x in cells {
             let cell = found.destination(&motion(*x)).unwrap().unwrap();
             found.cells.push(cell);
@@ -81,17 +82,17 @@ fn invariant_rows_put_together_are_the_whole() {
     };
     for cut in 0..=cells.len() {
         let mut found = whole(&cells[..cut]);
-        found.append(&whole(&cells[cut..])).unwrap();
+        found.append(whole(&cells[cut..])).unwrap();
         assert_eq!(found, whole(&cells), "cut at {cut}");
     }
 }
 
 /// The plane of starts of `vibro basin`.
-fn plane(f10: f64, count: usize) -> Basin {
-    let axis = |coordinate, to: f64| InitialValueAxis { coordinate, from: -to, to, count };
-    let p = *ParameterSet::basic().with(find_group("f10").unwrap(), f10).unwrap().parameters();
-    let request = BasinRequest { x: axis(0, 1.0), y: axis(4, 2.0), discard: 300, start: in_the_middle() };
-    basin(&p, &request, &Task::ALL).unwrap().unwrap()
+fn plane(f10: f64, count: usize) -> Basins<ClassedAttractor> {
+    let set = ParameterSet::basic().with(find_group("f10").unwrap(), f10).unwrap();
+    let (x, y) = (axis(0, -1.0, 1.0, count), axis(4, -2.0, 2.0, count));
+    let request = BasinRequest { x, y, discard: 300, start: in_the_middle() };
+    basins(&set, &request, &Task::ALL).unwrap().unwrap()
 }
 
 /// Two chaotic attractors, each the mirror image of the other, without a way between them.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::class::MotionClass;
 use crate::paper::motion::{amplitude, record_flights, settled_simulator};
 use crate::paper::stroboscopic::moving_block;
 use crate::{Machine, settled};
@@ -193,8 +194,8 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
 
-/// In chaos the spread of one window predicts the scatter of many: of an extreme by (N6), of a mean
-/// square by (N7).
+/// In chaos the spread of one window predicts the scatter of many: of an extreme by (N3), of a mean
+/// square by (N4).
 #[test]
 fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     const WINDOWS: usize = 60;
@@ -202,7 +203,7 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     /// Sixty windows give their scatter to a tenth. Parts of ten drive periods are not quite
     /// independent, so that the spread of a mean may be too small. The limit law of extremes holds
     /// for long parts: where the motion reaches the edge of its attractor in most windows, an
-    /// extreme scatters less than (N6) says.
+    /// extreme scatters less than (N3) says.
     const LEAST: f64 = 0.65;
     const MOST: f64 = 5.0;
     let names = ["amplitude.x1", "amplitude.x2", "impact.speed", "rms.x1"];

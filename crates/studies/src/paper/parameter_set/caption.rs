@@ -1,7 +1,7 @@
 //! Captions of a parameter set.
 
-use super::name::significant;
 use super::{Base, Given, Name, ParameterSet, Unit};
+use crate::significant;
 use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
 /// Relative difference of two values that is the rounding of a conversion there and back.

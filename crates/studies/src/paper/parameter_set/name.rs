@@ -143,7 +143,7 @@ impl Name {
     pub fn with_unit(self, value: f64) -> String {
         match self.unit() {
             "1" => short(value),
-            unit => format!("{} {}", significant(value), unit.replace('.', "·")),
+            unit => format!("{} {}", crate::significant(value), unit.replace('.', "·")),
         }
     }
 
@@ -260,13 +260,6 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
         }
     };
     Error::UnknownName { name: name.into(), advice }
-}
-
-/// A number to seven digits with a true minus sign, for captions.
-pub fn significant(value: f64) -> String {
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    let plain = rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs());
-    if plain { format!("{rounded}") } else { format!("{rounded:e}") }.replace('-', "−")
 }
 
 /// A number for captions: four decimals at most, a true minus sign.

@@ -1,7 +1,8 @@
 use super::*;
+use crate::basin::{BasinRequest, Basins, basins};
 use crate::paper::ParameterSet;
 use crate::paper::attractor::{Relation, distance};
-use crate::paper::basin::{Basin, BasinRequest, InitialValueRange, basin};
+use crate::paper::basin::{ClassedAttractor, InitialValueRange, in_the_middle};
 use crate::paper::motion::settled_simulator;
 use crate::paper::stroboscopic::{dimensional, dimensionless, moving_block};
 use crate::parts::Task;
@@ -31,21 +32,16 @@ fn damper() -> ParameterSet {
     set(&[&parts[..], &rest[..]].concat())
 }
 
-fn found(set: &ParameterSet, side: usize, discard: u32) -> Basin {
+fn found(set: &ParameterSet, side: usize, discard: u32) -> Basins<ClassedAttractor> {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(side);
-    let request = BasinRequest {
-        x: axis("x1=-1:1"),
-        y: axis("v2=-2:2"),
-        discard,
-        start: crate::paper::basin::in_the_middle(),
-    };
-    basin(set.parameters(), &request, &Task::ALL).unwrap().unwrap()
+    let request = BasinRequest { x: axis("x1=-1:1"), y: axis("v2=-2:2"), discard, start: in_the_middle() };
+    basins(set, &request, &Task::ALL).unwrap().unwrap()
 }
 
 /// A short window of long flights looks like many attractors. There is one, whatever is discarded.
 #[test]
 fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded() {
-    let one = |basin: &Basin, most_open: f64| {
+    let one = |basin: &Basins<ClassedAttractor>, most_open: f64| {
         assert_eq!(basin.attractors.len(), 1, "{:?}", basin.attractors);
         assert_eq!(basin.attractors[0].class, MotionClass::Chaotic);
         let share: f64 = basin.shares(0).iter().sum();

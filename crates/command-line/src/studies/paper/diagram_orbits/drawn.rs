@@ -2,9 +2,9 @@
 //! where stability changes.
 
 use crate::Result;
-use crate::studies::panels::maxima_panel;
+use crate::studies::branches::{MARKS, colour, period_name};
 use crate::studies::paper::lengths::Lengths;
-use crate::studies::paper::orbits::{COLOURED, MARKS, colour};
+use crate::studies::paper::maxima_panel::maxima_panel;
 use crate::table::{CsvRows, exact};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -50,7 +50,7 @@ impl Drawn {
             }
             found
         };
-        let is_drawn = |b: &&Branch| b.word.period() <= NEVER_STABLE || b.points.iter().any(|p| p.stable);
+        let is_drawn = |b: &&Branch| b.word().period() <= NEVER_STABLE || b.is_somewhere_stable();
         let shown: Vec<&Branch> = branches.iter().filter(is_drawn).collect();
         let found: Vec<(Vec<BranchCurve>, Vec<StabilityMark>)> = shown
             .par_iter()
@@ -59,11 +59,11 @@ impl Drawn {
                 // minima of this one with the opposite sign. Under constant loads there is no
                 // mirror image.
                 let mut sides = vec![scaled(branch, weights)];
-                if branch.word.closing() > 0 && family.is_symmetric() {
+                if branch.word().closing() > 0 && family.is_symmetric() {
                     sides.push(scaled(branch, weights.map(|w| -w)));
                 }
                 let all = sides.iter().flat_map(|maxima| curves(branch, maxima));
-                let curves = all.filter(|curve| curve.stable || branch.word.period() <= UNSTABLE).collect();
+                let curves = all.filter(|curve| curve.stable || branch.word().period() <= UNSTABLE).collect();
                 (curves, marks(branch, &sides))
             })
             .collect();
@@ -88,14 +88,14 @@ impl Drawn {
         // Drawn by period, unstable curves below.
         let mut pieces: BTreeMap<(bool, Colour), Vec<Path>> = BTreeMap::new();
         for curve in &self.curves {
-            let tint = colour(branches[curve.branch].word.period());
+            let tint = colour(branches[curve.branch].word().period());
             pieces.entry((curve.stable, tint)).or_default().push(curve.points.clone());
         }
         for ((stable, colour), pieces) in pieces {
             let (dash, stroke) = if stable { (Dash::Solid, LINE) } else { (Dash::Dashed, THIN) };
             panel.layers.push(Layer::lines("", colour, dash, pieces).stroke(stroke));
         }
-        let mut periods: Vec<u32> = self.curves.iter().map(|c| branches[c.branch].word.period()).collect();
+        let mut periods: Vec<u32> = self.curves.iter().map(|c| branches[c.branch].word().period()).collect();
         periods.sort_unstable();
         let mut names: Vec<(String, Colour)> =
             periods.iter().map(|p| (period_name(*p), colour(*p))).collect();
@@ -128,7 +128,7 @@ impl Drawn {
             &maximum,
         ])?;
         for (i, curve) in self.curves.iter().enumerate() {
-            let word = &branches[curve.branch].word;
+            let word = branches[curve.branch].word();
             for (value, maximum) in &curve.points {
                 table.push([
                     i.to_string(),
@@ -155,10 +155,6 @@ fn pale(layer: &mut Layer) {
         Shape::Band { .. } => layer.colour = layer.colour.towards(WHITE, PALE),
         _ => {}
     }
-}
-
-fn period_name(period: u32) -> String {
-    if period as usize <= COLOURED { format!("{period}T") } else { "longer".into() }
 }
 
 /// Marks at the ends of a branch's stable ranges, at the largest maximum of the orbit and of its
@@ -190,7 +186,7 @@ fn curves(branch: &Branch, maxima: &[Vec<f64>]) -> Vec<BranchCurve> {
         found.extend(curves.map(|points| BranchCurve { branch: branch.id, stable, points }));
     };
     for (pair, tops) in branch.points.windows(2).zip(maxima.windows(2)) {
-        let stable = pair[0].stable;
+        let stable = pair[0].is_stable();
         if state != Some(stable) {
             close(&mut open, state.unwrap_or(stable), &mut found);
             open = tops[0].iter().map(|top| vec![(pair[0].value, *top)]).collect();

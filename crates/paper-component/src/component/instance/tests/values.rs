@@ -112,26 +112,6 @@ fn between_steps_only_inputs_and_tunable_parameters_are_set() {
 }
 
 #[test]
-fn experiments_are_checked_and_needed() {
-    let mut fmu = instance();
-    assert!(fmu.life().experiment.is_none());
-    for (tolerance, start, stop) in [
-        (Some(-1.0), 0.0, None),
-        (Some(f64::NAN), 0.0, None),
-        (None, f64::INFINITY, None),
-        (None, 1.0, Some(0.5)),
-        (None, 0.0, Some(f64::NAN)),
-    ] {
-        assert!(fmu.set_experiment(tolerance, start, stop).is_err());
-    }
-    assert!(fmu.life().experiment.is_none());
-    fmu.set_experiment(None, 0.0, None).unwrap();
-    fmu.set_experiment(None, 7.0, Some(7.0)).unwrap();
-    fmu.enter_initialization();
-    assert_eq!(get(&mut fmu, "time"), 7.0);
-}
-
-#[test]
 fn input_derivatives_are_checked() {
     let mut fmu = initialized();
     let body = reference("box.f");

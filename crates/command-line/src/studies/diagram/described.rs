@@ -1,0 +1,83 @@
+//! Diagrams of described machines in tables and pictures.
+
+use super::{ShownDiagram, across};
+use crate::Result;
+use crate::studies::panels::{reach, shaded};
+use crate::table::exact;
+use vibro_figures::canvas::palette::FAMILY;
+use vibro_figures::chart::{Axis, Dash, Layer, Panel, Path, THIN};
+use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::{Diagram, Machine, QuantityName};
+
+/// Lengths below this, m, are shown in mm.
+const SMALL: f64 = 0.1;
+
+impl ShownDiagram for Machine {
+    const SETTLES_EARLY: bool = true;
+    const HEADINGS: [&'static [&'static str]; 2] =
+        [&["interval", "contacts", "rests"], &["exponent", "error"]];
+    const IMPACTS: [&'static str; 2] = ["Impacts and first touches a period", "contacts a period"];
+
+    fn titles(&self, request: &DiagramRequest<Self>) -> [String; 3] {
+        let (of, over) = (request.of.to_string(), request.axis.name.clone());
+        [format!("{}: {of} over {over}", self.description.name), of, over]
+    }
+
+    fn exponents_in_words(_: &u32) -> String {
+        String::new()
+    }
+
+    fn column(of: &QuantityName) -> String {
+        of.to_string()
+    }
+
+    fn maximum(value: f64) -> String {
+        exact(value)
+    }
+
+    fn maxima_panel(
+        &self,
+        request: &DiagramRequest<Self>,
+        diagram: &Diagram<AssemblyPoint>,
+        apart: &[Option<bool>],
+    ) -> Result<Panel> {
+        let unit = request.of.find(&self.description)?.unit;
+        let range = reach(diagram, &|_, value| value, 0.0);
+        let (factor, symbol) = match unit {
+            "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),
+            unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
+        };
+        let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
+        let of = &request.of;
+        Ok(Panel {
+            title: format!("{drawn} of {of}"),
+            x: across(self, request),
+            y: Axis::over(format!("{of} ({symbol})"), range.0, range.1).times(factor),
+            layers: shaded((&request.axis, request.keep), diagram, apart, (range, &|_, value| value)),
+        })
+    }
+
+    fn exponent_titles() -> [&'static str; 2] {
+        ["Largest Lyapunov exponent, value rising", "λ₁ (1/s)"]
+    }
+
+    fn exponent_curves(points: &[Option<AssemblyPoint>]) -> Vec<Layer> {
+        let exponent = |p: &AssemblyPoint| Some((p.value, p.settled.exponent?.value));
+        let curve: Path = points.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite()).collect();
+        vec![Layer::line("", FAMILY[0], Dash::Solid, curve).stroke(THIN)]
+    }
+
+    fn has_impacts(&self) -> bool {
+        !self.description.stops.is_empty()
+    }
+
+    fn cells(AssemblyPoint { settled, .. }: &AssemblyPoint) -> [Vec<String>; 2] {
+        let period = settled.period.map_or(String::new(), |n| n.to_string());
+        let number = |x: Option<f64>| x.map_or(String::new(), exact);
+        let exponent = settled.exponent;
+        [
+            vec![period, exact(settled.interval), exact(settled.contacts), settled.rests.to_string()],
+            vec![number(exponent.map(|e| e.value)), number(exponent.map(|e| e.error))],
+        ]
+    }
+}

@@ -1,0 +1,350 @@
+"""Fits of machines of your own to records."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats, array, number, quantity, seconds, whole
+from ._machine_description import MachineDescription
+from ._machine_start import StartLike, numbers_of
+from ._base import AnyMachine
+from ._paper_parameters import SI_NAMES
+from ._progress import Bar
+from ._start import Start
+from ._show import Line, lines
+from ._result import Result
+from ._paper_values import ParameterValues
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._base import RecordLike
+
+_LOSSES = ("linear", "soft_l1", "huber")
+
+
+@dataclasses.dataclass(frozen=True)
+class Segment:
+    """The start of a segment of a fitted motion."""
+
+    time: float
+    "Time of the record, s."
+    state: dict[str, float]
+    "Its state by name, SI."
+    defect: dict[str, float]
+    "The end of the segment before less this state, by name, SI."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Fit(Result):
+    """A machine of your own fitted to a record; all numbers in SI."""
+
+    verdict: str
+    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason: errors hold only where the motion is the record's."
+    machine: AnyMachine
+    "The machine with the fitted numbers."
+    start: Start
+    "The start of its motion; empty for the machine's own."
+    values: dict[str, float]
+    "The fitted numbers by name."
+    errors: dict[str, Optional[float]]
+    "Standard error of each; none where the record does not determine it."
+    white_errors: dict[str, Optional[float]]
+    "Standard error of each if the residuals were white noise."
+    correlation: Floats
+    "Correlations of the numbers, shape (n, n); 0 beside one that is not determined."
+    undetermined: list[dict[str, float]]
+    "Combinations of relative changes that the record does not determine, by name."
+    rms: dict[str, float]
+    "Root mean square of the residuals of each column, and of the times of each stop's contacts."
+    t: Floats
+    "Times of the record, shape (m,), s."
+    residuals: dict[str, Floats]
+    "By column the fitted motion less the record, shape (m,)."
+    contacts: dict[str, Floats]
+    "By stop the times of the fitted motion's contacts less those of the record, s; NaN where it has none."
+    simulations: int
+    "Number of motions that were followed."
+    near_until: float
+    "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
+    persistence: float
+    "Correlation of a residual with the next one of its column."
+    segments: list[Segment]
+    "Segments after the first, each with a start of its own; empty of one motion."
+    lost: list[str]
+    "Why the fitted motion has no derivative by a number from some time on, where differences stand."
+
+    def _picture(self) -> str:
+        some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
+        return lines(some, "time (s)", "fitted motion less record, SI")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class PaperFit(Fit):
+    """A :class:`PaperMachine` fitted to a record."""
+
+    machine: AnyMachine
+    "The machine with the fitted numbers."
+    twin: AnyMachine
+    "The same as a machine of your own, whose names columns and starts have."
+
+
+def _table(path: Union[str, os.PathLike[str]], machine: MachineDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
+    """The columns of a table in SI, with its times; `names` has other names of the machine's columns."""
+    with open(path, newline="", encoding="utf-8") as file:
+        text = file.read()
+    try:
+        found = _native.columns_of_table(machine._described, text, dict(names))
+    except ValueError as problem:
+        raise ValueError(f"{path}: {problem}") from None
+    columns = {name: np.array(values) for name, values in found}
+    if "time" not in columns or len(columns) < len(found):
+        first = ",".join(name for name, _ in found)
+        raise ValueError(f"{path}: its first line names {first[:200]!r}; expected 'time' and columns such as 'box.s', each once")
+    t = columns.pop("time")
+    return {name: (t, values) for name, values in columns.items()}
+
+
+def _record(record: RecordLike, machine: MachineDescription) -> tuple[Floats, list[tuple[str, Floats]]]:
+    """The times and the columns of a record of a machine."""
+    if isinstance(record, (str, os.PathLike)):
+        record = _table(record, machine, {})
+    if not isinstance(record, Mapping):
+        allowed = "a dictionary such as {'box.s': (t, s)}, or the path of a table"
+        raise TypeError(f"record is of type {type(record).__name__}: allowed is {allowed}")
+    t: Optional[Floats] = None
+    columns = []
+    for name, pair in record.items():
+        if not isinstance(name, str) or not isinstance(pair, tuple) or len(pair) != 2:
+            raise TypeError(f"record[{name!r}]: allowed is a name such as 'box.s' with a pair of times and values")
+        times, values = (array(f"record[{name!r}][{k}]", part, "an array of shape (n,)") for k, part in enumerate(pair))
+        if times.shape != values.shape:
+            raise ValueError(f"record[{name!r}] has shapes {times.shape} and {values.shape}: allowed are two of one length")
+        if t is not None and not np.array_equal(t, times):
+            raise ValueError(f"record[{name!r}] has other times than the column before: allowed are columns at the same times")
+        t = times
+        columns.append((name, values))
+    return np.empty(0) if t is None else t, columns
+
+
+# Where each parameter of `PaperMachine` stands in the file of the same machine.
+_TWIN = """
+name = "Machine"
+body.box = {{ mass = "= box_m" }}
+body.block = {{ mass = "= block_m" }}
+body.secondary = {{ mass = "= secondary_m" }}
+spring.mount = {{ between = ["ground", "box"], stiffness = "= box_k", damping = "= box_c" }}
+spring.secondary_mount = {{ between = ["ground", "secondary"], stiffness = "= secondary_k", damping = "= secondary_c" }}
+spring.coupling = {{ between = ["block", "secondary"], stiffness = "= coupling_k" }}
+stop.upper = {{ between = ["box", "block"], gap = "= stop_gap", restitution = "= stop_restitution" }}
+stop.lower = {{ between = ["block", "box"], gap = "= stop_gap", restitution = "= stop_restitution" }}
+load.drive = {{ on = "box", amplitude = "= drive_amplitude", frequency = "= drive_frequency / (2*pi)", phase = "= drive_phase" }}
+load.box = {{ on = "box", constant = "= load_box" }}
+load.block = {{ on = "block", constant = "= load_block" }}
+load.secondary = {{ on = "secondary", constant = "= load_secondary" }}
+[parameters]
+{parameters}
+"""
+
+
+def _twin(machine: ParameterValues) -> MachineDescription:
+    """The machine of the 3-DOF core as a machine of bodies and elements, by whose names it is set."""
+    text = _TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES))
+    found: MachineDescription = machine._described_by(text)
+    return found
+
+
+def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[str], start: Any, arguments: dict[str, Any]) -> PaperFit:
+    """The fit of the twin, by the machine's own names."""
+    from ._arguments import state
+
+    names = [free] if isinstance(free, str) else list(free)
+    unknown = [name for name in names if name not in SI_NAMES and not name.startswith(("start.", "record."))]
+    if unknown:
+        allowed = "allowed are its physical parameters (SI_NAMES), start.BODY.s, start.BODY.v, record.shift and record.offset.COLUMN"
+        raise ValueError(f"free: {unknown[0]!r} of a PaperMachine cannot be fitted: {allowed}")
+    if start is None or isinstance(start, Mapping) and not any(str(name).endswith((".s", ".v")) for name in start):
+        values = np.asarray(state("start", start, machine._system), dtype=np.float64)
+        bodies = ("box", "block", "secondary")
+        start = {f"{body}.{what}": float(values[3 * k + i]) for k, what in enumerate("sv") for i, body in enumerate(bodies)}
+    dotted = {f"{body}_{what}": f"{body}.{what}" for body in ("box", "block", "secondary") for what in "sv"}
+    twin = _twin(machine)
+    record = _table(record, twin, dotted) if isinstance(record, (str, os.PathLike)) else record
+    columns = {dotted.get(name, name): pair for name, pair in record.items()}
+    found = fit(twin, columns, free=names, start=start, **arguments)
+    fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
+    parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
+    return PaperFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
+
+
+def fit(
+    machine: AnyMachine,
+    record: RecordLike,
+    *,
+    free: Iterable[str],
+    within: Optional[Mapping[str, tuple[Union[float, str], Union[float, str]]]] = None,
+    events: Optional[Mapping[str, ArrayLike]] = None,
+    sigma: Optional[Mapping[str, Union[float, str]]] = None,
+    loss: str = "linear",
+    segments: Union[str, float] = "auto",
+    starts: int = 0,
+    start: StartLike = None,
+    progress: bool = False,
+) -> Fit:
+    """Numbers of a machine fitted to a record, with their errors: ``vibro fit FILE``.
+
+    A :class:`PaperMachine` is fitted as the same machine of bodies and elements: `free` are its physical parameters, columns ``box.s`` or
+    ``box_s`` and so on, stops ``upper`` and ``lower``, `start` as of :meth:`PaperMachine.simulate`; the result is a :class:`PaperFit`.
+
+    >>> import vibro_impact as vi
+    >>> slide = vi.Machine({
+    ...     "name": "Slide", "body": {"a": {"mass": 1.0, "start": {"s": 0.001}}},
+    ...     "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
+    ... })
+    >>> run = slide.simulate(until=0.2)
+    >>> found = vi.fit(slide.replace({"spring.k.stiffness": 9e3}), {"a.s": (run.t, run["a.s"])}, free=["spring.k.stiffness"])
+    >>> abs(found.values["spring.k.stiffness"] - 1e4) < 1e-3
+    True
+
+    Parameters
+    ----------
+    machine
+        The machine with the values from which the fit begins.
+    record
+        By column, such as ``box.s``, times (s) and values (SI); all columns at the same times. Or the path of a table (CSV) whose first
+        line names ``time`` and columns, as the command line's ``--data``; it may name units, as ``box.s [mm]``.
+    free
+        The numbers that are fitted: parameters, numbers of the start, ``record.shift``, ``record.offset.COLUMN``.
+    within
+        Least and largest value of a free number, in SI or as texts with units.
+    events
+        By stop the times of its impacts or first touches, s.
+    sigma
+        Standard deviation of the noise of each column, in SI or as a text with a unit, and of the times of ``events`` as ``"contacts"``; by
+        the residuals without it.
+    loss
+        ``linear``, ``soft_l1`` or ``huber``: how residuals count.
+    segments
+        ``"auto"``, ``"none"``, or a length in s: whether the motion is divided into segments with starts of their own, each continuing the
+        one before. ``"auto"`` divides where one motion does not lead to the record, as of chaotic ones.
+    starts
+        Number of further starts of the fit, spread over ``within``.
+    start
+        Where the motion begins, as of :meth:`Machine.simulate`. Without it the machine's own start: of a :class:`PaperMachine` that in units of the
+        gap that it is given with.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arguments out of their range, unknown names, and records that are empty or not finite.
+    RuntimeError
+        Where no motion of the machine covers the record.
+    """
+    if isinstance(machine, ParameterValues):
+        arguments = {"within": within, "events": events, "sigma": sigma, "loss": loss, "segments": segments, "starts": starts}
+        return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
+    if not isinstance(machine, MachineDescription):
+        raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Machine and PaperMachine")
+    names = [free] if isinstance(free, str) else list(free)
+    t, columns = _record(record, machine)
+    if events is not None and not isinstance(events, Mapping):
+        raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
+    contacts = [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
+    unknown = [name for name in within or {} if name not in names]
+    if unknown:
+        raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
+    ranges = {name: _range(machine, name, ends) for name, ends in (within or {}).items()}
+    if loss not in _LOSSES:
+        raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
+    with Bar(progress, 1, "fit") as bar:
+        found = _native.fit(
+            machine._described,
+            numbers_of(machine, start),
+            t,
+            columns,
+            contacts,
+            [(name, ranges.get(name)) for name in names],
+            _sigma(machine, sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
+            loss,
+            _length(segments),
+            whole("starts", starts, 0, 10_000),
+            bar.report,
+        )
+    return _fitted(type(machine), names, t, [name for name, _ in columns], found)
+
+
+def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:
+    """The range of a free number, SI."""
+    if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
+        raise TypeError(f"within: {name} = {ends!r}: allowed is a pair of its least and largest value, in SI or as texts with units")
+    return _bound(machine, name, ends[0]), _bound(machine, name, ends[1])
+
+
+def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> float:
+    """An end of the range of a free number, SI."""
+    if not isinstance(value, str):
+        return number("within", value)
+    if name == "record.shift":
+        return float(seconds(f"within: {name}", value))
+    if name.startswith("start."):
+        own = name.removeprefix("start.")
+        return dict(numbers_of(machine, {own: value}))[own]
+    if name.startswith("record."):
+        raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
+    return number("within", machine._in_si(name, value))
+
+
+def _length(segments: Union[str, float]) -> Optional[float]:
+    """None of ``auto``, 0 of ``none``."""
+    if isinstance(segments, str):
+        if segments not in ("auto", "none"):
+            raise ValueError(f"segments = {segments!r}: allowed are 'auto', 'none' and a length in s")
+        return None if segments == "auto" else 0.0
+    length = number("segments", segments)
+    if not length > 0:
+        raise ValueError(f"segments = {segments!r}: allowed is a length above 0 s")
+    return length
+
+
+def _sigma(machine: MachineDescription, sigma: Optional[Mapping[str, Union[float, str]]], names: list[str]) -> Optional[list[float]]:
+    if sigma is None:
+        return None
+    missing: Union[set[str], Any] = set(names) ^ set(sigma)
+    if missing:
+        raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or no column: needed are {', '.join(names)}")
+    found = []
+    for name in names:
+        value, unit = sigma[name], "s" if name == "contacts" else machine.measures.get(f"maximum.{name}", "1").split(":")[0]
+        own = quantity(f"sigma[{name!r}]", unit, value) if isinstance(value, str) else number(f"sigma[{name!r}]", value)
+        if not own > 0.0:
+            raise ValueError(f"sigma[{name!r}] = {value!r}: allowed is a finite number above 0")
+        found.append(own)
+    return found
+
+
+def _fitted(kind: type[MachineDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> Fit:
+    return Fit(
+        verdict=found["verdict"],
+        machine=kind(found["machine"]),
+        start=Start(dict(found["start"])),
+        values=dict(zip(names, found["values"])),
+        errors=dict(zip(names, found["errors"])),
+        white_errors=dict(zip(names, found["white_errors"])),
+        correlation=np.array(found["correlation"]),
+        undetermined=[dict(parts) for parts, _ in found["undetermined"]],
+        rms=dict(found["rms"]),
+        t=t,
+        residuals=dict(zip(columns, found["residuals"])),
+        contacts={stop: np.array(times) for stop, times in found["contacts"]},
+        simulations=found["simulations"],
+        near_until=found["near_until"],
+        persistence=found["persistence"],
+        segments=[Segment(time, dict(state), dict(zip([name for name, _ in state], defect))) for time, state, defect in found["segments"]],
+        lost=found["lost"],
+    )

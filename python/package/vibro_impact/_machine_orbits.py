@@ -1,0 +1,299 @@
+"""Periodic orbits of machines of your own, stable or not, and their branches along a parameter."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import Floats, number, seconds, whole
+from ._machine_locus import Locus, locus_of, ranges_of
+from ._machine_many import SectionLike, positive, section_of
+from ._machine_start import StartLike, numbers_of
+from ._base import merged
+from ._progress import Bar
+from ._start import Start
+from ._show import lines, pieces
+from ._result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ._machine_description import MachineDescription
+
+#: What is special at a point of a branch of a machine of your own.
+LABELS = {
+    "LP": "fold: the branch turns round in the parameter",
+    "BP": "branch point: two branches cross",
+    "PD": "period doubling",
+    "NS": "Neimark-Sacker: a second frequency appears",
+    "GR": "a stop is touched with speed zero",
+    "ST": "a friction begins or ceases to stick, or slips once more",
+    "CC": "two events of different elements change places",
+    "SA": "an output of a block comes to a limit or leaves it",
+    "CH": "impacts cease to accumulate",
+    "EP": "end of the parameter's range",
+    "MX": "the branch could not be followed on",
+}
+
+#: Labels of points at which curves over two parameters begin.
+_BEGINS = tuple(label for label in LABELS if label not in ("EP", "MX"))
+#: Number of points on either side of a special point among which the next orbit is searched.
+_BESIDE = 6
+
+_MOST_RETURNS = 10_000_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Orbit(Result):
+    """A periodic orbit of a machine of your own."""
+
+    machine: MachineDescription
+    "Whose orbit it is."
+    word: str
+    "Its events in their order: ``impact steel, press buffer, free buffer``."
+    period: float
+    "The period, s."
+    periods: Optional[int]
+    "The period in common periods of the drive; none of a machine that nothing drives."
+    multipliers: NDArray[np.complex128]
+    "Multipliers of the period that are not 1 by theory, largest first."
+    stability: str
+    "``stable``, ``unstable``, ``neutral`` (a machine without losses) or ``undecided``."
+    violation: Optional[str]
+    "Why it is no motion of the machine; none where it is one."
+    start: Start
+    "A start on it, in the middle of its longest flight."
+    events: list[tuple[float, str, str]]
+    "Time (s), kind and element of each event."
+    _handle: Optional[_native.Orbit] = dataclasses.field(repr=False)
+
+    @property
+    def stable(self) -> bool:
+        """Whether it attracts its neighbourhood."""
+        return self.stability == "stable"
+
+    def measure(self, name: str) -> float:
+        """An output of :func:`measure_many` over a period, such as ``amplitude.box.s``, in SI; not powers, class and exponent."""
+        if not isinstance(name, str):
+            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+        return self._solved().measure(name)
+
+    def gradient(self, name: str) -> dict[str, Optional[float]]:
+        """The derivatives of an output, as of :meth:`measure`, by every number of the machine but those of its start, by name, in SI.
+
+        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. All flights and events are those of the orbit's word. None where there is no
+        derivative: at a fold, and where neither a larger nor a smaller value leaves an orbit, such as a frequency of which the others are
+        multiples.
+        """
+        if not isinstance(name, str):
+            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+        return {parameter: value for parameter, value, _ in self._solved().gradient(name)}
+
+    def energies(self) -> Optional[dict[str, float]]:
+        """The energy that each load puts in and each other element takes, J a period; none where no motion stays on the orbit."""
+        found = self._solved().energies()
+        return None if found is None else dict(found)
+
+    def follow(
+        self, name: str, low: Union[float, str], high: Union[float, str], *, of: Optional[str] = None, progress: bool = False
+    ) -> Branch:
+        """The branch of the orbit along a parameter, stable or not, with its bifurcations.
+
+        Parameters
+        ----------
+        name
+            The parameter.
+        low, high
+            Its range, which holds the machine's own value; in SI, or texts with units.
+        of
+            The output that is kept of each orbit; the amplitude of the first free body without one.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range.
+        RuntimeError
+            Where the orbit cannot be followed.
+        """
+        ends, of = _ends(self.machine, name, low, high), _of(self.machine, of)
+        with Bar(progress, 1, "branches") as bar:
+            found = _native.follow(self._solved(), name, ends, of, bar.report)
+        return _branch(self.machine, name, of, found)
+
+    def _solved(self) -> _native.Orbit:
+        """The library's orbit; of one from another process it is solved for again, from its start."""
+        handle = self._handle
+        if handle is None:
+            time = self.period if self.periods is None else None
+            own = (self.machine._described, list(self.start.items()), 0, None, self.word or None, self.periods, time, 0)
+            handle = _native.orbit(*own)
+            object.__setattr__(self, "_handle", handle)
+        return handle
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_handle": None}
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Branch(Result):
+    """A branch of periodic orbits along a parameter."""
+
+    machine: MachineDescription
+    "The machine with all other parameters."
+    name: str
+    "The parameter."
+    word: str
+    "The events of all its orbits."
+    periods: Optional[int]
+    "The period in common periods of the drive."
+    closed: bool
+    "Whether it ends where it begins."
+    parent: Optional[tuple[int, int]]
+    "Branch and point from which it begins; none of one from a settled motion."
+    value: Floats
+    "The parameter along the branch, shape (n,), SI."
+    period: Floats
+    "The period of each orbit, shape (n,), s."
+    multipliers: list[NDArray[np.complex128]]
+    "Multipliers of each orbit, largest first."
+    stability: NDArray[np.str_]
+    "Stability of the piece from a point to the next, shape (n,)."
+    stable: NDArray[np.bool_]
+    "Whether that piece is stable, shape (n,)."
+    labels: NDArray[np.str_]
+    "What is special at a point, shape (n,): a key of :data:`LABELS`, or empty."
+    elements: NDArray[np.str_]
+    "The element that is meant there, shape (n,), or empty."
+    of: str
+    "The output that is kept."
+    measure: Floats
+    "That output of each orbit, shape (n,), SI."
+    starts: list[Optional[Start]]
+    """A start on each orbit, none where it cannot be told: with the machine of a point,
+    ``machine.replace({branch.name: branch.value[i]})``, it leads :meth:`Machine.orbit` back to the orbit."""
+
+    @property
+    def special(self) -> list[tuple[str, float, str]]:
+        """Special points as (label, value of the parameter, element), in the branch's order."""
+        return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
+
+    def locus(
+        self, point: int, ranges: Optional[Mapping[str, tuple[Any, Any]]] = None, *, progress: bool = False, **more: tuple[Any, Any]
+    ) -> Locus:
+        """The curve over two parameters on which the orbit keeps a special point of this branch: ``vibro locus FILE``.
+
+        ``branch.locus(k, {branch.name: (0.01, 0.05), "stop.floor.restitution": (0.4, 0.8)})`` for each k of ``np.flatnonzero(branch.labels == "LP")``
+
+        Parameters
+        ----------
+        point
+            Index of the special point among the points of this branch.
+        ranges, **more
+            The branch's parameter and a second one, each with (from, to), in SI or as texts with units. The curve begins at the second parameter's
+            value in the machine and stays in both ranges.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For arguments out of their range, a point at which no curve begins, and where no curve passes the point.
+        """
+        point = whole("point", point, 0, len(self.value) - 1)
+        label, value, name = str(self.labels[point]), float(self.value[point]), self.name
+        if label not in _BEGINS:
+            expected = [k for k in range(len(self.value)) if self.labels[k] in _BEGINS]
+            raise ValueError(f"point = {point}: no curve begins at this point ({label or 'not special'}); expected one of {expected}")
+        own, second = ranges_of(self.machine, name, merged(ranges, more, "ranges"))
+        low, high = own[1]
+        if not low <= value <= high:
+            raise ValueError(f"{name} = {value} at point {point}: the curve begins here, so it must lie in the range {low} to {high}")
+        near = (k for step in range(1, _BESIDE + 1) for k in (point - step, point + step) if 0 <= k < len(self.value) and not self.labels[k])
+        orbits = ((k, self.starts[k]) for k in near if low <= self.value[k] <= high)
+        beside = [(float(self.value[k]), float(self.period[k]), list(start.items())) for k, start in orbits if start is not None]
+        return locus_of(self.machine, (own, second), (label, str(self.elements[point]), value), beside, progress)
+
+    def _picture(self) -> str:
+        return lines(pieces(self.value, self.measure, self.stable), self.name, f"{self.of}, SI")
+
+
+def _ends(machine: MachineDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
+    if not isinstance(name, str):
+        raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
+    return number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high))
+
+
+def _of(machine: MachineDescription, of: Optional[str]) -> str:
+    if of is None:
+        return next((name for name in machine.measures if name.startswith("amplitude.")), "impacts")
+    if not isinstance(of, str):
+        raise TypeError(f"of = {of!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+    return of
+
+
+def _branch(machine: MachineDescription, name: str, of: str, found: dict[str, Any]) -> Branch:
+    for key in ("stability", "labels", "elements"):
+        found[key] = np.array(found[key], dtype=np.str_)
+    found["starts"] = [None if numbers is None else Start(dict(numbers)) for numbers in found["starts"]]
+    return Branch(machine=machine, name=name, of=of, **found)
+
+
+def find_orbit(
+    machine: MachineDescription,
+    wanted: tuple[Optional[str], Union[None, float, str], int],
+    start: StartLike,
+    settle: int,
+    section: SectionLike,
+    progress: bool,
+) -> Orbit:
+    """The orbit on which a motion settles, or one with a word or period."""
+    word, period, tries = wanted
+    numbers = numbers_of(machine, start)
+    settle, tries = whole("settle", settle, 0, _MOST_RETURNS), whole("tries", tries, 0, 100_000)
+    if word is not None and not isinstance(word, str):
+        raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
+    periods, time = _period(machine, period)
+    with Bar(progress, 1, "orbits" if word is None and period is None else "returns at most") as bar:
+        found = _native.orbit(
+            machine._described, numbers, settle, section_of(section), word, periods, time, tries, bar.report
+        )
+    own = Start(dict(found.start))
+    return Orbit(
+        machine, found.word, found.period, found.periods, found.multipliers, found.stability, found.violation, own, found.events, found
+    )
+
+
+def _period(machine: MachineDescription, period: Union[None, float, str]) -> tuple[Optional[int], Optional[float]]:
+    """A period as a number of common periods of the drive, or as a time, s."""
+    if period is None:
+        return None, None
+    if not isinstance(period, str):
+        return None, positive("period", period)
+    turns = period.strip()
+    if turns.endswith("T"):
+        if not turns[:-1].strip().isdecimal() or not 1 <= int(turns[:-1]) <= 32:
+            raise ValueError(f"period = {period!r}: allowed are '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
+        return int(turns[:-1]), None
+    return None, positive("period", seconds("period", period))
+
+
+def find_branches(
+    machine: MachineDescription,
+    name: str,
+    ends: tuple[Union[float, str], Union[float, str]],
+    of: Optional[str],
+    options: tuple[StartLike, int, int, int, SectionLike],
+    progress: bool,
+) -> list[Branch]:
+    """All branches over a range of a parameter."""
+    start, seeds, depth, settle, section = options
+    of, low_high = _of(machine, of), _ends(machine, name, *ends)
+    seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
+    settle = whole("settle", settle, 0, _MOST_RETURNS)
+    with Bar(progress, 0, "branches") as bar:
+        found = _native.branches(
+            machine._described, name, low_high, of, numbers_of(machine, start), seeds, depth, settle, section_of(section), bar.report
+        )
+    return [_branch(machine, name, of, one) for one in found]

@@ -1,0 +1,199 @@
+"""Results of machines of your own, and their sketch."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Optional
+
+import numpy as np
+
+from ._arguments import Floats
+from ._machine_description import MachineDescription
+from ._start import Start
+from ._show import Line, lines
+from ._result import EVENT, Result, column_of, fields_of, place_of, records
+from ._tables import dataset, frame
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from numpy.typing import NDArray
+
+#: Energies, J: kinetic, stored, and what work and steps of stiffness put in less losses since the start;
+#: kinetic + stored - balance is constant.
+ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
+
+
+def _masked(
+    varied: Optional[tuple[Floats, NDArray[np.bool_]]], place: int
+) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+    """The derivatives in a column, masked where there are none."""
+    numbers, known = varied if varied is not None else (np.zeros((0, 1)), np.zeros((0, 1), bool))
+    return np.ma.MaskedArray(numbers[:, place], ~known[:, place])
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Run(Result):
+    """A motion of a machine of your own; ``run["box.s"]`` is an array."""
+
+    machine: MachineDescription
+    "Whose motion it is."
+    t: Floats
+    "Instants, shape (n,), s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI; just after an event at that instant."
+    events: NDArray[np.void]
+    "All events, fields t (s), kind, element, value, stops."
+    energy: NDArray[np.void]
+    "Energies, shape (n,), fields kinetic, stored, balance, J."
+    end: Start
+    "Time and state at the end, a start of a further motion."
+    parameters: list[str] = dataclasses.field(default_factory=list)
+    "The parameters by which there are derivatives."
+    lost: dict[str, str] = dataclasses.field(default_factory=dict)
+    "By parameter, for those by which there is no derivative from some time on: time, element and reason."
+    _derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
+    _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
+
+    def derivative(self, column: str, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+        """The exact derivative of a column by a parameter that :meth:`Machine.simulate` was asked for, shape (n,), SI.
+
+        It is masked from the time on from which there is none; :attr:`lost` says why.
+
+        Raises
+        ------
+        KeyError
+            For another column or parameter.
+        """
+        place = place_of(self.columns, column) * len(self.parameters) + place_of(self.parameters, parameter)
+        return _masked(self._derivatives, place)
+
+    def event_derivative(self, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
+        """The derivative of the time of each of :attr:`events` by a parameter, masked where there is none.
+
+        Raises
+        ------
+        KeyError
+            For another parameter.
+        """
+        return _masked(self._event_derivatives, place_of(self.parameters, parameter))
+
+    def __getitem__(self, name: str) -> Floats:
+        return column_of(self.columns, self.values, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The samples as a table of pandas, which must be installed, with times as index."""
+        return frame(dict(zip(self.columns, self.values.T)), self.t)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
+        return dataset(self.machine, self.columns, self.values, self.t)
+
+    def _picture(self) -> str:
+        names = [name for name in self.columns if name.endswith(".s")][:4]
+        return lines([Line(self.t, self[name], name, colour=k) for k, name in enumerate(names)], "time (s)", "displacements, SI")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Ends(Result):
+    """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
+
+    t: float
+    "Time of the ends, s."
+    columns: list[str]
+    "Names of the columns of `values`."
+    values: Floats
+    "Shape (n, k), SI."
+    error: Optional[NDArray[Any]] = None
+    "With ``errors='row'`` the reason why a motion has no end, None where it has one; its numbers are then masked."
+
+    def __getitem__(self, name: str) -> Floats:
+        return column_of(self.columns, self.values, name)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Transition(Result):
+    """The derivatives of a motion's state at its end by its state at the start, through impacts, contacts and sticking."""
+
+    machine: MachineDescription
+    "Whose motion it is."
+    start: Start
+    "The start, with all its numbers."
+    end: Start
+    "The end."
+    states: list[str]
+    "Names of rows and columns: coordinates that links leave free, ``box.s``, then their rates, ``box.v``."
+    matrix: np.ma.MaskedArray[Any, np.dtype[np.float64]]
+    "Shape (k, k), SI: `matrix[i, j]` is that of number i at the end by number j at the start, masked where there is none."
+    lost: dict[str, str]
+    "By number at the start, for those by which there is no derivative at the end: time, element and reason."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Direction(Result):
+    """The settled motions of one direction of a diagram."""
+
+    value: Floats
+    "The parameter, shape (n,), SI, rising."
+    kind: NDArray[np.str_]
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled; refused."
+    period: NDArray[np.int32]
+    "Period in returns to the section, shape (n,); 0 where it has none up to 32."
+    contacts: Floats
+    "Impacts and first touches a return, shape (n,)."
+    rests: NDArray[np.bool_]
+    "Whether a stop stays closed or a friction sticks in its course, shape (n,)."
+    maxima: Floats
+    "Maxima, or values at the section, each once, shape (k,), SI, to seven digits."
+    at: NDArray[np.int64]
+    "The index in `value` of each, shape (k,)."
+    met: NDArray[np.uint32]
+    "How often it was met, shape (k,)."
+    exponent: Floats
+    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed, and where :attr:`kind` is not decided."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Diagram(Result):
+    """A bifurcation diagram in both directions."""
+
+    machine: MachineDescription
+    "The machine whose parameter varies."
+    name: str
+    "The parameter."
+    of: str
+    "The quantity."
+    up: Direction
+    "With the value rising."
+    down: Direction
+    "With the value falling, in the order of rising values."
+    hysteresis: NDArray[np.bool_]
+    "Where the two end on different motions for certain, shape (n,)."
+    at_section: bool
+    "Whether `maxima` has values at the section instead."
+
+    def _picture(self) -> str:
+        down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
+        return lines([down, up], self.name, f"{self.of}, SI")
+
+
+def run_of(machine: MachineDescription, t: Floats, found: dict[str, Any], parameters: list[str]) -> Run:
+    energy = fields_of(ENERGY, found["energy"])
+    lost = {name: why for name, why in zip(parameters, found["lost"]) if why}
+    varied = (found["derivatives"], found["event_derivatives"]) if parameters else (None, None)
+    values, events = found["values"], records(EVENT, found)
+    end = Start(dict(found["end"]))
+    return Run(machine, t, machine.columns, values, events, energy, end, parameters, lost, *varied)
+
+
+def transition_of(machine: MachineDescription, found: dict[str, Any]) -> Transition:
+    numbers, known = found["matrix"]
+    lost = {name: why for name, why in zip(found["names"], found["lost"]) if why}
+    start, end = (Start(dict(found[of])) for of in ("start", "end"))
+    return Transition(machine, start, end, found["names"], np.ma.MaskedArray(numbers, ~known), lost)

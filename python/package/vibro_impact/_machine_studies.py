@@ -1,0 +1,190 @@
+"""Basins of attraction, sections and exponents of machines of your own."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._arguments import MOST_PERIODS, Floats, number, whole
+from ._machine_many import SectionLike, section_of
+from ._machine_start import StartLike, numbers_of
+from ._progress import Bar
+from ._start import Start
+from ._show import Line, cells, lines
+from ._result import Result
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ._machine_description import MachineDescription
+
+#: Most cells of a plane in one direction, and most points of a section.
+_MOST_CELLS = 5_000
+_MOST_POINTS = 10_000_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Attractor(Result):
+    """An attractor of a machine of your own."""
+
+    kind: str
+    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
+    period: Optional[int]
+    "Its period in returns to the section, up to 32."
+    contacts: float
+    "Impacts and first touches a return."
+    rests: bool
+    "Whether a stop stays closed or a friction sticks for a while."
+    interval: float
+    "Mean time between returns, s."
+    word: str
+    "The events of its orbit in their order; empty without a period or events."
+    stability: str
+    "Stability of that orbit; empty where none was found."
+    start: Start
+    "A start on it, or near it where it has no period."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Basins(Result):
+    """Basins of attraction over two numbers of the starts."""
+
+    machine: MachineDescription
+    "The machine."
+    names: tuple[str, str]
+    "The numbers across and up: ``block.s``, ``block.v``, ``time``."
+    x: Floats
+    "Centres of the cells across, shape (nx,), SI."
+    y: Floats
+    "Centres of the cells up, shape (ny,), SI."
+    attractors: tuple[Attractor, ...]
+    "The attractors in the order in which the cells meet them; motions without a period count as one of their class."
+    cells: NDArray[np.int32]
+    """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start that violates a
+    rigid stop, -2 where the motion was not decided, -3 where it ends, -4 where it comes to rest."""
+    ended: Optional[str]
+    "Why the first motion that ended did."
+    edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
+    "Ends of the plane: left, right, bottom, top."
+
+    def _picture(self) -> str:
+        return cells(self.cells, self.edges, *self.names)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Section(Result):
+    """A Poincaré section of a machine of your own: ``section["box.s"]`` is a column."""
+
+    machine: MachineDescription
+    "Whose motion it is."
+    at: Union[float, str, None]
+    "The section: a period, s, an element's name, or none for the common period of the harmonics."
+    t: Floats
+    "Times, shape (n,), s."
+    phase: Optional[Floats]
+    "Phase of the common period of what drives the machine, shape (n,), rad; none where nothing does."
+    speed: Optional[Floats]
+    "Closing speed at a stop's events, shape (n,), m/s or rad/s; none at others."
+    values: Floats
+    "All columns of the machine, shape (n, k), just after an event."
+
+    def __getitem__(self, column: str) -> Floats:
+        names = self.machine.columns
+        if column not in names:
+            raise KeyError(f"{column}: allowed are {', '.join(names)}")
+        found: Floats = self.values[:, names.index(column)]
+        return found
+
+    def _picture(self) -> str:
+        if self.phase is not None and self.speed is not None:
+            return lines([Line(self.phase, self.speed, dots=True)], "phase (rad)", f"closing speed of {self.at}, SI")
+        names = self.machine.columns
+        place = next((name for name in names if name.endswith(".s")), names[0])
+        rate = place[:-2] + ".v"
+        return lines([Line(self[place], self[rate if rate in names else place], dots=True)], place, rate)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Result):
+    """All Lyapunov exponents of a motion of a machine of your own."""
+
+    machine: MachineDescription
+    "Whose motion it is."
+    exponents: Floats
+    "The exponents, 1/s, largest first; -inf for directions that contacts take. That of the drive's phase, 0, is not among them."
+    errors: Floats
+    "Their standard errors, 1/s; on a periodic orbit the difference between two periods."
+    period: Optional[int]
+    """Returns in the period of the orbit on which the motion has settled: its exponents are ln|μ|/T by the orbit's multipliers μ. None for
+    a motion without a period, whose exponents are counted."""
+    t: Floats
+    "Times after the count began, shape (n,), s."
+    running: Floats
+    "The exponents up to there, shape (n, k), 1/s."
+
+    def _picture(self) -> str:
+        some = [Line(self.t, self.running[:, k], colour=k) for k in range(min(self.running.shape[1], 8))]
+        return lines(some, "time (s)", "running exponents (1/s)")
+
+
+def basins_of(
+    machine: MachineDescription, ranges: dict[str, Any], start: StartLike, settle: int, section: SectionLike, progress: bool
+) -> Basins:
+    """What :meth:`Machine.basins` returns."""
+    if len(ranges) != 2:
+        raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
+    x, y = (_range(machine, name, given) for name, given in ranges.items())
+    settle = whole("settle", settle, 0, MOST_PERIODS)
+    with Bar(progress, 0, "parts") as bar:
+        found = _native.basins(
+            machine._described, x, y, numbers_of(machine, start), settle, section_of(section), bar.report
+        )
+    attractors = tuple(Attractor(**{**a, "start": Start(dict(a["start"]))}) for a in found["attractors"])
+    edges = (x[1], x[2], y[1], y[2])
+    return Basins(machine, (x[0], y[0]), _centres(x), _centres(y), attractors, found["cells"], found["ended"], edges)
+
+
+def _range(machine: MachineDescription, name: str, given: Any) -> tuple[str, float, float, int]:
+    try:
+        first, last, cells = given
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {given!r}: allowed is (from, to, cells), e.g. ('-4 mm', '4 mm', 60)") from None
+    name = name[5:] if name.startswith("body.") else name
+    low, high = (dict(numbers_of(machine, {name: value}))[name] for value in (first, last))
+    if not low < high:
+        raise ValueError(f"{name} = {given!r}: allowed is from < to")
+    return name, low, high, whole(f"{name}[2]", cells, 1, _MOST_CELLS)
+
+
+def _centres(axis: tuple[str, float, float, int]) -> Floats:
+    _, low, high, count = axis
+    found: Floats = low + (high - low) * (np.arange(count) + 0.5) / count
+    return found
+
+
+def poincare_of(
+    machine: MachineDescription, section: SectionLike, phase: float, options: tuple[StartLike, int, int], progress: bool
+) -> Section:
+    """What :meth:`Machine.poincare` returns."""
+    start, periods, settle = options
+    periods, settle = whole("periods", periods, 1, _MOST_POINTS), whole("settle", settle, 0, MOST_PERIODS)
+    with Bar(progress, periods, "points") as bar:
+        found = _native.section(
+            machine._described, numbers_of(machine, start), number("phase", phase), settle, periods, section_of(section), bar.report
+        )
+    return Section(machine, section, **found)
+
+
+def spectrum_of(
+    machine: MachineDescription, periods: int, settle: int, section: SectionLike, start: StartLike, progress: bool
+) -> Spectrum:
+    """What :meth:`Machine.spectrum` returns."""
+    periods, settle = whole("periods", periods, 8, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
+    with Bar(progress, periods, "periods") as bar:
+        found = _native.spectrum(
+            machine._described, numbers_of(machine, start), settle, periods, section_of(section), bar.report
+        )
+    return Spectrum(machine, **found)

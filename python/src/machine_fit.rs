@@ -1,0 +1,128 @@
+//! Fits of described machines to records.
+
+use crate::arrays::{Array1, column};
+use crate::background::compute;
+use crate::failure::Failure;
+use crate::machine::{Described, Numbers};
+use numpy::PyReadonlyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::collections::HashMap;
+use vibro_machine::table::Table;
+use vibro_studies::QuantityName;
+use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments};
+
+/// A fit as it is given to Python; all numbers in SI.
+#[derive(IntoPyObject)]
+pub struct FitParts<'py> {
+    verdict: String,
+    machine: String,
+    start: Numbers,
+    values: Vec<f64>,
+    errors: Vec<Option<f64>>,
+    white_errors: Vec<Option<f64>>,
+    correlation: Vec<Vec<f64>>,
+    undetermined: Vec<(Vec<(String, f64)>, f64)>,
+    rms: Vec<(String, f64)>,
+    residuals: Vec<Array1<'py, f64>>,
+    contacts: Vec<(String, Vec<f64>)>,
+    simulations: u32,
+    near_until: f64,
+    persistence: f64,
+    segments: Vec<(f64, Numbers, Vec<f64>)>,
+    lost: Vec<String>,
+}
+
+fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py> {
+    let own = &fitted.uncertainty;
+    let residual = |k: usize| -> Vec<f64> { fitted.residuals.iter().map(|row| row[k]).collect() };
+    FitParts {
+        verdict: fitted.verdict.to_string(),
+        machine: fitted.machine.description.to_toml(),
+        start: fitted.start.numbers(),
+        values: fitted.values.iter().map(|(_, value)| *value).collect(),
+        errors: own.errors.clone(),
+        white_errors: own.white.clone(),
+        correlation: own.correlation.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        undetermined: own.undetermined.iter().map(|u| (u.combination.clone(), u.singular_value)).collect(),
+        rms: fitted.rms.clone(),
+        residuals: (0..columns).map(|k| column(py, &residual(k))).collect(),
+        contacts: fitted.contacts.clone(),
+        simulations: fitted.simulations,
+        near_until: fitted.near_until,
+        persistence: own.persistence,
+        segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
+        lost: fitted.lost.clone(),
+    }
+}
+
+/// The columns of a table with a heading, in SI; `names` has other names of the machine's columns.
+#[pyfunction]
+pub fn columns_of_table(
+    machine: &Described,
+    text: &str,
+    names: HashMap<String, String>,
+) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let unit = |name: &str| match name {
+        "time" => Some("s"),
+        name => {
+            let own: QuantityName = names.get(name).map_or(name, |own| own).parse().ok()?;
+            Some(own.find(&machine.description).ok()?.unit)
+        }
+    };
+    Table::read(text).columns(&unit).map_err(PyValueError::new_err)
+}
+
+/// Fits numbers of a machine to a record.
+#[pyfunction]
+#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, loss, segments, starts, progress = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
+pub fn fit<'py>(
+    py: Python<'py>,
+    machine: &Described,
+    start: Numbers,
+    times: PyReadonlyArray1<'_, f64>,
+    columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+    contacts: Vec<(String, Vec<f64>)>,
+    free: Vec<(String, Option<(f64, f64)>)>,
+    sigma: Option<Vec<f64>>,
+    loss: &str,
+    segments: Option<f64>,
+    starts: u32,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<FitParts<'py>> {
+    let column = |(name, values): &(String, PyReadonlyArray1<'_, f64>)| {
+        let name = name.parse().map_err(Failure::from)?;
+        PyResult::Ok((name, values.as_slice()?.to_vec()))
+    };
+    let count = columns.len();
+    let request = FitRequest {
+        start: machine.start_of(&start)?,
+        machine: machine.machine(None),
+        measured: Measured {
+            times: times.as_slice()?.to_vec(),
+            columns: columns.iter().map(column).collect::<PyResult<_>>()?,
+            contacts,
+        },
+        free: free.into_iter().map(|(name, within)| Free { name, within }).collect(),
+        sigma,
+        loss: match loss {
+            "soft_l1" => Loss::SoftL1,
+            "huber" => Loss::Huber,
+            _ => Loss::Linear,
+        },
+        // No length is `auto`, and 0 one motion.
+        segments: match segments {
+            None => Segments::Auto,
+            Some(0.0) => Segments::None,
+            Some(length) => Segments::Length(length),
+        },
+        starts,
+    };
+    let fitted = compute(py, progress, move |control| {
+        let fitted = vibro_studies::fit::fit(&request, &|| !control.is_cancelled());
+        control.check()?;
+        Ok(fitted?)
+    })?;
+    Ok(parts(py, &fitted, count))
+}
