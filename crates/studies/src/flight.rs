@@ -17,7 +17,6 @@ use vibro_machine::norm::rate_bound;
 use vibro_machine::system::System;
 use vibro_machine::{Error, Motion, Quantity};
 use vibro_numerics::events::turns;
-use vibro_numerics::events::turns;
 
 /// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
 /// out less than 2²⁶/26! of the state.
