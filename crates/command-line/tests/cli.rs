@@ -279,9 +279,9 @@ fn motions_of_different_kinds_are_not_compared_in_per_cent() {
 }
 
 #[test]
-fn help_lists_the_commands() {
-    let text = drawn(&folder("cli-help"), &["--help"]);
-    let long = ["bifurcation", "lyapunov", "basin", "isoperiodic", "merge", "reproduce"];
+fn help_of_the_papers_machine_lists_its_commands() {
+    let text = drawn(&folder("cli-help"), &["paper", "--help"]);
+    let long = ["bifurcation", "lyapunov", "basin", "isoperiodic", "reproduce"];
     for command in ["steady", "response", "manifold", "stability", "plane", "compare"].into_iter().chain(long)
     {
         assert!(text.contains(command), "{command}");
