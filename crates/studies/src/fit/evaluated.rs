@@ -155,3 +155,19 @@ pub(super) struct Solved {
     /// Whether no segment misses the next one's start.
     pub is_continuous: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_a_change_is_shortened_to_a_part_of_each_value_that_is_not_zero() {
+        let mut change = Point { values: vec![3.0, 1.0, -1.0], states: vec![vec![6.0]] };
+        change.limit(&[1.0, 0.0, 4.0], 0.5);
+        // The first number may change by half of its value: a sixth of the whole change is left.
+        assert_eq!(change.values, [0.5, 1.0 / 6.0, -1.0 / 6.0]);
+        assert_eq!(change.states, [[1.0]]);
+        change.limit(&[1.0, 0.0, 4.0], 0.5);
+        assert_eq!(change.values[0], 0.5);
+    }
+}

@@ -89,6 +89,17 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     assert!(matches!(fitted(&own).verdict, Verdict::Undecided(_)));
     let found = fitted(&FitRequest { sigma: Some(vec![1e-5]), ..own });
     assert!(matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
+    // From 20 m the ball does not reach the floor in 1.5 s: no contact of the record has a contact
+    // of the motion.
+    let measured = contacts(&ball(0.5), &["floor"], 1.5, 1e-5, &mut Noise(56));
+    let count = measured.contacts[0].1.len();
+    let found = fitted(&request(ball(20.0), measured, &["stop.floor.restitution"]));
+    assert_eq!(
+        found.verdict,
+        Verdict::Misses(format!("{count} of {count} contacts of floor have none")),
+        "{}",
+        found.verdict
+    );
 }
 
 #[test]
