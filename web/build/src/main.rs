@@ -125,7 +125,9 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     }
     let npm = packages(&target.join("explorer"))?;
     let mut bundle = Command::new("node");
-    bundle.arg(workspace().join("web/explorer/page/bundle.mjs")).arg(workspace().join("web").join(name).join("page"));
+    bundle
+        .arg(workspace().join("web/explorer/page/bundle.mjs"))
+        .arg(workspace().join("web").join(name).join("page"));
     bundle.arg(&doors).arg(&npm).arg(&page).args(&arguments.kit);
     run(&mut bundle)?;
     Ok(page)
