@@ -96,7 +96,7 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     let found = fitted(&request(ball(20.0), measured, &["stop.floor.restitution"]));
     assert_eq!(
         found.verdict,
-        Verdict::Misses(format!("{count} of {count} contacts of floor have none")),
+        Verdict::Misses(format!("{count} of {count} contacts of stop.floor have none")),
         "{}",
         found.verdict
     );
