@@ -1,6 +1,6 @@
-//! The recipes of `docs/paper-machine.md` in the documentation page: the subject of each recipe, and its
-//! block for the FMU. The blocks for the command line and for Rust are left out, since a user of
-//! the FMU may have neither.
+//! The recipes of `docs/paper-machine.md` in the documentation page: the subject of each recipe,
+//! and its block for the FMU. The blocks for the command line and for Rust are left out, since a
+//! user of the FMU may have neither.
 
 use pulldown_cmark::{Event, HeadingLevel, Parser, Tag, TagEnd, html};
 

@@ -1,5 +1,5 @@
-//! The Python blocks of docs/paper-machine.md and docs/design-a-damper.md run beside the packaged FMU,
-//! and find what the library and closed forms say.
+//! The Python blocks of docs/paper-machine.md and docs/design-a-damper.md run beside the packaged
+//! FMU, and find what the library and closed forms say.
 
 mod common;
 

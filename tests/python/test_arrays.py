@@ -109,7 +109,8 @@ def test_arrays_are_broadcast_and_results_have_their_shape():
 
 
 def test_second_method_the_spread_of_a_number_is_its_scatter_over_windows():
-    # Windows of one chaotic motion, one after the other; a factor of three is far beyond what a deviation found from 24 windows may be off by.
+    # Windows of one chaotic motion, one after the other; a factor of three is far beyond what a
+    # deviation found from 24 windows may be off by.
     chaotic, window, count, factor = vi.PaperMachine.from_groups(f10=3.6), 60, 24, 3.0
     found = [chaotic.measure(["impacts"], start={"v2": 1.0}, settle=400 + window * k, periods=window) for k in range(count)]
     scatter = np.std([one["impacts"] for one in found], ddof=1)

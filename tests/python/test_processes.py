@@ -42,7 +42,8 @@ LONG_OF_DESCRIBED = {
 def signals():
     """Python's own handler: a process that was started in the background may have been told to ignore Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    # Hypothesis times the garbage collector: a KeyboardInterrupt raised within its callback is lost.
+    # Hypothesis times the garbage collector: a KeyboardInterrupt raised within its callback is
+    # lost.
     callbacks, gc.callbacks[:] = gc.callbacks[:], []
     yield
     gc.callbacks[:] = callbacks

@@ -1,4 +1,5 @@
-//! The commands of the recipes of docs/paper-machine.md, as they stand there, against closed forms and the library.
+//! The commands of the recipes of docs/paper-machine.md, as they stand there, against closed forms
+//! and the library.
 
 #[path = "common/mod.rs"]
 mod command;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the pages call the program. The recipes of `docs/paper-machine.md` and `docs/design-a-damper.md` call it `vibro`;
-/// `guides.rs` and `tutorial.rs` run their commands.
+/// How the pages call the program. The recipes of `docs/paper-machine.md` and
+/// `docs/design-a-damper.md` call it `vibro`; `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.
 const ELSEWHERE: &str = "paper reproduce --quick";

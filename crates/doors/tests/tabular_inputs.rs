@@ -1,5 +1,5 @@
-//! An input of a table that a host sets for the course of a step by its callback, and callbacks that
-//! misbehave.
+//! An input of a table that a host sets for the course of a step by its callback, and callbacks
+//! that misbehave.
 #![allow(unsafe_code)] // the C interface
 
 use fmi_doors::fmi3::abi::FmiInstance;
@@ -113,8 +113,8 @@ unsafe fn do_step(c: FmiInstance) -> (c_int, f64) {
     (status, time)
 }
 
-/// A step of a host that sets `u` in the course of it and whose callback makes that call: status and
-/// last successful time, the statuses of the calls inside, and the instance.
+/// A step of a host that sets `u` in the course of it and whose callback makes that call: status
+/// and last successful time, the statuses of the calls inside, and the instance.
 fn step_with(call: unsafe fn(FmiInstance) -> c_int) -> (c_int, f64, Vec<c_int>, FmiInstance) {
     let mut within = Within { c: null_mut(), call, statuses: Vec::new() };
     let (token, place) = (CString::new(FromTable::<Lag>::token()).unwrap(), &raw mut within);

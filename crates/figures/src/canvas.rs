@@ -178,9 +178,9 @@ impl Canvas {
         self.push_rectangles(corners, colour, false);
     }
 
-    /// Filled [rectangles](Self::rectangles) that stay visible in an SVG shown at any size. A border
-    /// one pixel wide makes each rectangle cover at least one pixel, also where the rectangle itself
-    /// lies between the centres of two pixels.
+    /// Filled [rectangles](Self::rectangles) that stay visible in an SVG shown at any size. A
+    /// border one pixel wide makes each rectangle cover at least one pixel, also where the
+    /// rectangle itself lies between the centres of two pixels.
     pub fn visible_rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
         self.push_rectangles(corners, colour, true);
     }

@@ -200,7 +200,8 @@ impl<'p> Layout<'p> {
         let side = |i: usize| x.0 + (x.1 - x.0) * i as f64 / columns as f64;
         let whole = |place: CanvasPoint| (place.0.round(), place.1.round());
         let mut areas = vec![Vec::new(); colours.len()];
-        // Where some cells are not drawn, each drawn cell is a datum of its own: it must not vanish.
+        // Where some cells are not drawn, each drawn cell is a datum of its own: it must not
+        // vanish.
         let isolated = colours.contains(&None);
         let mut from = 0;
         while from < rows.len() {

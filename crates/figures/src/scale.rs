@@ -244,7 +244,8 @@ mod tests {
         let pieces = frame.clip_path(path.into_iter());
         let expected = [vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)], vec![(1.0, 1.0), (2.0, 1.0)]];
         assert_eq!(pieces, expected);
-        // A point without a finite neighbour is a dot, at the beginning, between gaps and at the end.
+        // A point without a finite neighbour is a dot, at the beginning, between gaps and at the
+        // end.
         let gap = (f64::NAN, 0.0);
         let alone = [(1.0, 2.0), gap, (3.0, 4.0), gap, (30.0, 4.0), gap, (5.0, 6.0)];
         let dots = [(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)].map(|dot| vec![dot, dot]);

@@ -1,6 +1,6 @@
 //! Modes: the states of all stops, frictions and sliders, which determine a linear system z' = A z
-//! and the functionals that end it (docs/assembly-law.md (A5)). States are data alone; the rows that
-//! belong to a state are in [`System`](crate::system::System).
+//! and the functionals that end it (docs/assembly-law.md (A5)). States are data alone; the rows
+//! that belong to a state are in [`System`](crate::system::System).
 
 mod states;
 mod watch;

@@ -134,8 +134,8 @@ impl NamedParameters {
         Ok(values)
     }
 
-    /// The value of a number or parameter with an expression, by its name. `value` has the values of
-    /// the parameters without expressions. NaN if the expression divides by zero or overflows.
+    /// The value of a number or parameter with an expression, by its name. `value` has the values
+    /// of the parameters without expressions. NaN if the expression divides by zero or overflows.
     pub fn value_with(&self, name: &str, value: impl Fn(&str) -> Option<f64>) -> f64 {
         let given = self.all.iter().map(|own| value(&own.name).unwrap_or(own.value));
         let found = self.evaluated(given.collect()).ok();

@@ -1,4 +1,5 @@
-//! Factors L D Lᵀ of sparse symmetric matrices, with an order of elimination that keeps them sparse.
+//! Factors L D Lᵀ of sparse symmetric matrices, with an order of elimination that keeps them
+//! sparse.
 //!
 //! The signs of D are those of the eigenvalues (Sylvester's law of inertia), so that the factors of
 //! K - λM count the eigenvalues below λ.

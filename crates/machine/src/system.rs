@@ -369,8 +369,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs except `left_out`, springs in series with dashpots, and inertia forces
-    /// of prescribed bodies through links.
+    /// Weight, loads, springs except `left_out`, springs in series with dashpots, and inertia
+    /// forces of prescribed bodies through links.
     fn forces_without(&self, left_out: &[usize]) -> RowMatrix {
         let mut forces = RowSums::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {

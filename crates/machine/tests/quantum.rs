@@ -37,7 +37,8 @@ fn closed_form_a_cart_under_a_rounded_reading_moves_as_far_as_its_start() {
 
 #[test]
 fn second_method_derivatives_through_a_rounded_reading_by_differences() {
-    // Within 1e-8 no reading comes to another multiple; a difference has 1e-16 of the place over it.
+    // Within 1e-8 no reading comes to another multiple; a difference has 1e-16 of the place over
+    // it.
     let names = ["body.cart.start.v", "block.pd.d[0][0]", "block.pd.quantum.cart.s", "load.motor.factor"];
     check_derivatives(&encoder("0.0137"), &names, 0.2, &["cart.s", "cart.v"], 1e-8, 1e-6);
 }

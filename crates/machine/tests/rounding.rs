@@ -397,8 +397,8 @@ const SHORT: f64 = 1e-4;
 
 #[test]
 fn invariant_a_pause_at_the_rounded_time_of_an_opening_leaves_no_contact() {
-    // Between the exact time and its rounding to a double the valve travels 1e-53 m, by a force that
-    // is rounding: that it seems to be beyond the seat is no impact.
+    // Between the exact time and its rounding to a double the valve travels 1e-53 m, by a force
+    // that is rounding: that it seems to be beyond the seat is no impact.
     for k in 0..200 {
         let (mut motion, mut later) = (valve_train(230.0 + 0.1 * f64::from(k)), Vec::new());
         let opens = |kind: &EventKind| matches!(kind, EventKind::Open { .. });

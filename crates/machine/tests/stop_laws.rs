@@ -71,8 +71,8 @@ fn closed_form_a_stop_that_pulls_is_left_after_half_a_turn() {
     assert!((m.energy().stops[0].value() - lost).abs() < ROUNDING, "{:?}", m.energy());
 }
 
-/// The force of spring and dashpot is zero at tan ωt = -2δω/(ω² - δ²), before the body is back at the
-/// gap. A contact has one begin and one end under every law.
+/// The force of spring and dashpot is zero at tan ωt = -2δω/(ω² - δ²), before the body is back at
+/// the gap. A contact has one begin and one end under every law.
 #[test]
 fn closed_form_a_contact_ends_once_with_its_rate() {
     let (delta, omega) = damped();

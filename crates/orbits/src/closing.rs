@@ -97,9 +97,9 @@ impl Problem {
         Ok(())
     }
 
-    /// The `count` largest multipliers, largest first, from the equations' derivatives. A multiplier
-    /// of modulus one has the digits of the equations; the error of a large one grows with its square.
-    /// `None` where the equations have no eigenvalues.
+    /// The `count` largest multipliers, largest first, from the equations' derivatives. A
+    /// multiplier of modulus one has the digits of the equations; the error of a large one grows
+    /// with its square. `None` where the equations have no eigenvalues.
     pub(super) fn multipliers_by_equations(
         &self,
         (place, cycle): (&Place, &Cycle),

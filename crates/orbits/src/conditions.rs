@@ -169,7 +169,8 @@ impl Cycle {
         for held in &leaving {
             let contact = held.contact();
             let rate = system.elongation_of(contact).rate.as_slice();
-            // The contact's own bodies may rest at both ends of a flight: their accelerations count.
+            // The contact's own bodies may rest at both ends of a flight: their accelerations
+            // count.
             let accelerated: f64 = rate.iter().zip(&before.rate).map(|(a, x)| (a * x).abs()).sum();
             let largest =
                 size_of(rate, before).max(size_of(rate, &self.legs[letter])).max(accelerated * period);

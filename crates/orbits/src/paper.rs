@@ -16,9 +16,9 @@
 //!
 //! Two properties must survive every change. The result depends neither on the number of threads
 //! nor on interruptions: batches have a constant size (`grower`), and finished parts of a tree are
-//! kept bit for bit (`crate::stored`). And the equations of motion and the impact law are those of the
-//! closed forms (`vibro_impact::steady`), never those of the simulator, which is the oracle of the
-//! tests (docs/design.md, "What stands once").
+//! kept bit for bit (`crate::stored`). And the equations of motion and the impact law are those of
+//! the closed forms (`vibro_impact::steady`), never those of the simulator, which is the oracle of
+//! the tests (docs/design.md, "What stands once").
 //!
 //! A new type of special point needs a [`Label`], a test function in `test_functions` (a zero) or
 //! an announcement in `grazing` (a touch), its departure in `switching`, and, if it has a curve in

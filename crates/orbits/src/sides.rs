@@ -1,9 +1,9 @@
 //! The words of an orbit that touches a contact: one lists the contact's events, one does not.
 //!
 //! A visit is a run of events in which a contact leaves its state and returns to it. At the touch a
-//! visit has no duration, and the impact of a rigid stop no speed, so that the orbit has both words.
-//! A visit of several events makes the equations of its word singular there, since the functionals
-//! of its events are equal to first order.
+//! visit has no duration, and the impact of a rigid stop no speed, so that the orbit has both
+//! words. A visit of several events makes the equations of its word singular there, since the
+//! functionals of its events are equal to first order.
 
 use super::conditions::{Condition, off_gap};
 use super::cycle::{Cycle, Leg};
@@ -163,7 +163,8 @@ impl At<'_> {
         states.into_iter().all(|z| off_gap(self.place.assembly.system(), stop, z) <= RESTS)
     }
 
-    /// An event in the word without visits: a contact whose visit it lies in is as before the visit.
+    /// An event in the word without visits: a contact whose visit it lies in is as before the
+    /// visit.
     fn beside(&self, kept: usize, visits: &[Vec<usize>]) -> Letter {
         let (word, m) = (&self.problem.word, self.problem.word.len());
         let mut own = word.letters[kept].clone();

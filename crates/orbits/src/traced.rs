@@ -22,7 +22,8 @@ pub(super) struct Traced<E> {
 pub(super) struct Order {
     /// Whether the first departure is followed backwards.
     pub is_back_first: bool,
-    /// Whether all points, and not special points alone, have the stability of the piece after them.
+    /// Whether all points, and not special points alone, have the stability of the piece after
+    /// them.
     pub are_pieces: bool,
 }
 

@@ -26,9 +26,9 @@ pub struct IsoperiodicRequest<M: DesignMachine> {
     ///
     /// For the 3-DOF machine these are the most drive periods at a time, for motions with impacts
     /// and without a period; the computation ends when the class is decided, and an undecided
-    /// motion is [followed](crate::paper::verdict) further. For a described machine these are the returns
-    /// counted for every motion; for one without a period the computation goes on until the class
-    /// is decided.
+    /// motion is [followed](crate::paper::verdict) further. For a described machine these are the
+    /// returns counted for every motion; for one without a period the computation goes on until the
+    /// class is decided.
     pub exponents: Option<u32>,
 }
 

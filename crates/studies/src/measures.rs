@@ -1,8 +1,8 @@
 //! Measures of a described machine's settled motion, by the names of its bodies and elements.
 //!
 //! Extrema and mean squares come from the flow's series, not from samples, as in
-//! [`crate::paper::measures`]. Losses in dashpots, compliant stops and friction, and the work of loads,
-//! are the engine's accounts; an impact on a rigid stop loses ½ (1 - ε) u P.
+//! [`crate::paper::measures`]. Losses in dashpots, compliant stops and friction, and the work of
+//! loads, are the engine's accounts; an impact on a rigid stop loses ½ (1 - ε) u P.
 
 use super::flight::Flows;
 use super::quantity::{QuantityName, unknown};

@@ -115,7 +115,8 @@ class MachineDescription(AnyMachine, metaclass=_Names):
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
         """The values in SI: texts with units are converted, numbers are returned unchanged."""
-        # The machine with one of several new values may be one that is refused: only the machine with all of them is checked.
+        # The machine with one of several new values may be one that is refused: only the machine
+        # with all of them is checked.
         found: ArrayLike = converted(given, lambda value: self._value(name, value))
         return found
 

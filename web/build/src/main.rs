@@ -3,11 +3,12 @@
 //!
 //! ```text
 //! web/explorer/ (Rust) ─▶ cargo, wasm32 ─▶ wasm-bindgen ─▶ core_bg.wasm, core.js ─┐
-//! web/explorer/page/ (JavaScript) ──────────────────────▶ esbuild (node) ─────────┴─▶ explorer.html
+//! web/explorer/page/ (JavaScript) ──────────────────────▶ esbuild (node) ─────────┴─▶
+//! explorer.html
 //! ```
 //!
-//! The page of described machines comes from `web/workbench/` in the same way, and may hold a kit of
-//! compiled libraries for FMUs.
+//! The page of described machines comes from `web/workbench/` in the same way, and may hold a kit
+//! of compiled libraries for FMUs.
 //!
 //! The program needs the Rust target wasm32-unknown-unknown, node and npm. It installs the npm
 //! packages of `web/explorer/page/package-lock.json` under the target folder.

@@ -167,8 +167,8 @@ impl<C: Component> Instance<C> {
     /// requests one.
     ///
     /// # Errors
-    /// As [`step_as_agreed`](Component::step_as_agreed), and if a call inside the callback was refused; the step
-    /// has been undone then.
+    /// As [`step_as_agreed`](Component::step_as_agreed), and if a call inside the callback was
+    /// refused; the step has been undone then.
     pub fn answered(
         &mut self,
         progress: &mut Progress<C>,

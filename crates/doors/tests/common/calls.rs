@@ -281,8 +281,8 @@ fn assert_finite(target: &Target, mut get: impl FnMut(*const u32, *mut f64) -> c
 /// Calls of FMI 2.0 on an instance of the interface type 0 or 1.
 ///
 /// # Panics
-/// At a status that says a panic was caught, at a value that is NaN or infinite, and if the instance
-/// does not answer afterwards.
+/// At a status that says a panic was caught, at a value that is NaN or infinite, and if the
+/// instance does not answer afterwards.
 pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
     let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());

@@ -220,8 +220,8 @@ fn every_cell_of_both_state_machines_of_fmi2() {
     }
 }
 
-/// An instance of FMI 3.0 of a state, reached by calls where there is a way; `None` if the interface
-/// type does not have the state.
+/// An instance of FMI 3.0 of a state, reached by calls where there is a way; `None` if the
+/// interface type does not have the state.
 fn brought_to3(interface: Interface, stage: fmi3::states::Stage) -> Option<Host> {
     use fmi3::states::{Function as F, Stage as S};
     let (phase, calls) = match (interface, stage) {

@@ -216,8 +216,8 @@ impl Tangent {
         }
     }
 
-    /// The stops in the order of the system's: stops and springs make the first ones, then limits of
-    /// outputs and freewheels follow.
+    /// The stops in the order of the system's: stops and springs make the first ones, then limits
+    /// of outputs and freewheels follow.
     fn put_stops(&mut self, system: &System, d: &Description, along: &Description) {
         let one = system.constant(1.0).into_row();
         for (rows, made) in system.stops.iter().zip(made_stops(d, Some(along))) {

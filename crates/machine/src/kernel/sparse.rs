@@ -19,7 +19,8 @@ impl Sparse {
         Self(own)
     }
 
-    /// The row with these entries in any order. Entries of one place are added up in the order given.
+    /// The row with these entries in any order. Entries of one place are added up in the order
+    /// given.
     pub fn summed(mut terms: Vec<(usize, f64)>) -> Self {
         terms.sort_by_key(|term| term.0);
         terms.dedup_by(|next, sum| {

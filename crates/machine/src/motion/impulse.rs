@@ -1,4 +1,5 @@
-//! The impacts of one instant as linear maps of variations of the state (docs/assembly-law.md (A36)).
+//! The impacts of one instant as linear maps of variations of the state (docs/assembly-law.md
+//! (A36)).
 
 use super::{Event, EventKind};
 use crate::system::System;

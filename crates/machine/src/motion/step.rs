@@ -337,8 +337,9 @@ impl Motion {
     }
 
     /// Prepares the next sub-step, at whose start watched functionals are no longer at zero, unless
-    /// the last one was as short as the rounding of time: values are rounding there, whose sign says
-    /// nothing. Those that are zero throughout the mode stay so unless they exceed their rounding.
+    /// the last one was as short as the rounding of time: values are rounding there, whose sign
+    /// says nothing. Those that are zero throughout the mode stay so unless they exceed their
+    /// rounding.
     #[inline(always)]
     pub(super) fn watch_again(&mut self, progresses: bool) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;

@@ -174,7 +174,8 @@ fn second_method_fmus_show_the_engine_s_motion_and_the_states_of_its_contacts() 
             let Some(counted) = get(&format!("{name}.impacts")) else { continue };
             let met = impacts.get(&format!("{section}.{name}")).copied().unwrap_or(0.0);
             assert!((counted - met).abs() < 0.5, "machine {number}: {name} {counted} of {met}");
-            // Closed is 1: a freewheel that is engaged has no rate, one that runs free has no force.
+            // Closed is 1: a freewheel that is engaged has no rate, one that runs free has no
+            // force.
             if section == "freewheel" {
                 let [state, rate, force] =
                     ["state", "rate", "f"].map(|what| get(&format!("{name}.{what}")).unwrap());

@@ -307,7 +307,8 @@ fn second_method_the_best_holds_the_chaotic_motions_of_its_band_over_the_longest
         let request = SweepRequest { designs, over: Vec::new(), periods, ..request.clone() };
         row(&machine, &request, 0).outputs[0].unwrap()
     };
-    // In windows of 60 periods the chaotic motion stays below the regular one by more than its spread.
+    // In windows of 60 periods the chaotic motion stays below the regular one by more than its
+    // spread.
     let [regular, chaotic] = [9.4, 10.4].map(|frequency| alone(frequency, 60));
     assert!(regular.is_exact && !chaotic.is_exact);
     assert!(chaotic.largest + chaotic.spread < regular.largest, "{regular:?} {chaotic:?}");

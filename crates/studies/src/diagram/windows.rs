@@ -16,8 +16,8 @@ pub struct Window {
 
 impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither equal nor mirror
-    /// images. Two without a period are distinct where their [means](crate::paper::statistics) certainly
-    /// differ; a motion that has not settled is on no attractor.
+    /// images. Two without a period are distinct where their [means](crate::paper::statistics)
+    /// certainly differ; a motion that has not settled is on no attractor.
     pub fn hysteresis(&self) -> Vec<bool> {
         self.apart().into_iter().map(|apart| apart == Some(true)).collect()
     }

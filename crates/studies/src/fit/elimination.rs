@@ -91,8 +91,8 @@ impl Triangle {
         Self { states, numbers: numbers.qr().r(), free }
     }
 
-    /// What is left of the numbers that are not held: RᵀR is their information once the states follow
-    /// them by least squares, what these then miss of the next starts counted.
+    /// What is left of the numbers that are not held: RᵀR is their information once the states
+    /// follow them by least squares, what these then miss of the next starts counted.
     pub fn of_numbers(&self) -> DMatrix<f64> {
         let p = self.free.len();
         self.numbers.view((0, 0), (self.numbers.nrows().min(p), p)).into_owned()

@@ -46,7 +46,8 @@ impl Model<'_> {
         let variance = self.variance(cost, point.values.len());
         let rounding = self.rounding(request, (point, reach), &beside, variance)?;
         let doubt = self.lacks_noise().or(self.begins_early(&point.values)?).or(doubt);
-        // Steps that derivatives do not see may have kept the fit from a motion that is the record's.
+        // Steps that derivatives do not see may have kept the fit from a motion that is the
+        // record's.
         let verdict = match (self.verdict(&beside), rounding, doubt) {
             (Verdict::Fits, None, Some(doubt)) => Verdict::Undecided(doubt),
             (Verdict::Fits, Some(rounding), _) => Verdict::Undecided(rounding),

@@ -262,8 +262,8 @@ impl<'a> Model<'a> {
         &self.sigma
     }
 
-    /// Variance of residuals in units of the standard deviations' squares, by their least sum; where
-    /// large ones count less these are the residuals' own, and the sum is that of outliers.
+    /// Variance of residuals in units of the standard deviations' squares, by their least sum;
+    /// where large ones count less these are the residuals' own, and the sum is that of outliers.
     pub fn variance(&self, cost: f64, free: usize) -> f64 {
         if self.has_sigma || self.loss != Loss::Linear {
             1.0

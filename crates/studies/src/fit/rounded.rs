@@ -24,8 +24,8 @@ fn exact(machine: &Machine) -> Option<Machine> {
 }
 
 impl Model<'_> {
-    /// Why the errors of a point may be wrong, in words, where its machine rounds what a block reads
-    /// and the motion shows it; `variance` is that of the residuals.
+    /// Why the errors of a point may be wrong, in words, where its machine rounds what a block
+    /// reads and the motion shows it; `variance` is that of the residuals.
     pub(super) fn rounding(
         &self,
         request: &FitRequest,

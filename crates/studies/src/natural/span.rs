@@ -1,10 +1,10 @@
 //! The lowest and highest oscillations of a large part of a machine, of symmetric matrices M, C and
 //! K, by sparse factors.
 //!
-//! The undamped frequencies are the roots of the eigenvalues of K - ω² M. Their number below a limit
-//! is the number of negative pivots of K - limit · M (Sylvester's law of inertia), so that bisection
-//! leaves none out. The damped value of each follows by inverse iteration with the quadratic
-//! λ² M + λ C + K from its undamped one.
+//! The undamped frequencies are the roots of the eigenvalues of K - ω² M. Their number below a
+//! limit is the number of negative pivots of K - limit · M (Sylvester's law of inertia), so that
+//! bisection leaves none out. The damped value of each follows by inverse iteration with the
+//! quadratic λ² M + λ C + K from its undamped one.
 
 use nalgebra::Complex;
 use vibro_machine::linear::Linear;
@@ -223,7 +223,8 @@ impl Matrices {
         };
         let (mut low, mut high) = bracket(known);
         while high - low > WIDTH * high.abs().max(low.abs()) {
-            // Positive limits far apart are halved in size, so that low frequencies have their digits.
+            // Positive limits far apart are halved in size, so that low frequencies have their
+            // digits.
             let middle = match (low, high) {
                 (low, high) if low > 0.0 && high > 4.0 * low => (low * high).sqrt(),
                 (low, high) => low + 0.5 * (high - low),

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use vibro_machine::{Assembly, Motion};
 
-/// Bracket of ω², and rounding of it beside the largest one of a chain of 320, 2e5 times the lowest.
+/// Bracket of ω², and rounding of it beside the largest one of a chain of 320, 2e5 times the
+/// lowest.
 const COUNTED: f64 = 2e-9;
 /// Rounding of a value whose iteration has settled, and of a dense matrix's.
 const REFINED: f64 = 1e-9;

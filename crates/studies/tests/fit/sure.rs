@@ -182,8 +182,8 @@ fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
 
 #[test]
 fn closed_form_shift_phase_and_speed_are_not_determined_together() {
-    // A shift of the record is one of the load's phase by ω of it, and of the start by its speed and
-    // its acceleration.
+    // A shift of the record is one of the load's phase by ω of it, and of the start by its speed
+    // and its acceleration.
     let text = "name = \"Driven\"\nbody.a = { mass = 1.0, start = { s = 1e-2 } }\n\
                 spring.k = { between = [\"ground\", \"a\"], stiffness = 900.0, damping = 2.0 }\n\
                 load.l = { on = \"a\", amplitude = 3.0, frequency = 4.0, phase = 0.3 }\n";

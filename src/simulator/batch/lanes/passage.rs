@@ -200,9 +200,9 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// First zero in (`from`, [`REACH`]), proved as in [`vibro_numerics::events::flight_crossing`], its
-    /// counterpart for one motion. It is found only for a path that rises and is nearly straight.
-    /// `second_method_crossings_and_their_absence` compares the two.
+    /// First zero in (`from`, [`REACH`]), proved as in [`vibro_numerics::events::flight_crossing`],
+    /// its counterpart for one motion. It is found only for a path that rises and is nearly
+    /// straight. `second_method_crossings_and_their_absence` compares the two.
     #[inline(always)]
     pub(super) fn upward_crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
         let Self { c, d } = self;

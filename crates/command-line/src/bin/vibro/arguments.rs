@@ -8,7 +8,7 @@
 //! * An option of one machine is in the struct `…OfFile` or `…OfPaper`. The help shows the heading
 //!   of this struct, and by this heading [`check_options`] refuses the option for the other
 //!   machine.
-//! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `assembly_studies`
+//! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `machine_studies`
 //!   parse it, since its form depends on the machine.
 //!
 //! Identifiers of options are keys of manifests and are never changed; a new name is added as an
@@ -116,8 +116,8 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses a FILE behind `vibro paper`, a shared option for which the command has no use, an option of the paper's machine if a
-/// FILE is named, and an option of a FILE if none is named.
+/// Refuses a FILE behind `vibro paper`, a shared option for which the command has no use, an option
+/// of the paper's machine if a FILE is named, and an option of a FILE if none is named.
 ///
 /// # Errors
 /// [`Error::Refused`] with the option and the allowed options.

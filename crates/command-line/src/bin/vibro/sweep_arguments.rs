@@ -85,7 +85,8 @@ pub struct Sweep {
     pub periods: u32,
     /// Periods of motion that may be spent on measuring again, longer and between the values of
     /// --over, the designs that may have the least of the first output, until one is the best by
-    /// its error bar and its motions were measured as long as any; 0 for none [default: 5000000; with FILE 300000]
+    /// its error bar and its motions were measured as long as any; 0 for none [default: 5000000;
+    /// with FILE 300000]
     #[arg(long, value_name = "N", default_value = "5000000")]
     #[arg(default_value_if("file", IsPresent, "300000"), hide_default_value = true)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX))]

@@ -134,7 +134,8 @@ impl System {
         }
     }
 
-    /// The outputs of the blocks that read their inputs, in the order in which they need each other.
+    /// The outputs of the blocks that read their inputs, in the order in which they need each
+    /// other.
     pub(super) fn read_outputs<'s>(
         &'s self,
         actions: &'s [SampleAction],
@@ -193,8 +194,8 @@ impl System {
         states + inputs.sum::<f64>()
     }
 
-    /// The derivative of [`sum`](Self::sum). A rounded input is n q with its quantum q, and n does not
-    /// vary, unless the rounding is left out.
+    /// The derivative of [`sum`](Self::sum). A rounded input is n q with its quantum q, and n does
+    /// not vary, unless the rounding is left out.
     fn sum_by(
         &self,
         block: usize,

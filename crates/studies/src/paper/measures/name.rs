@@ -84,7 +84,7 @@ pub enum Measure {
     PowerBoxDamper,
     /// Mean power lost in the secondary oscillator's damper c3, W.
     PowerSecondaryDamper,
-    /// The [class](crate::paper::attractor::MotionClass), a text.
+    /// The [class](crate::class::MotionClass), a text.
     Class,
     /// Largest Lyapunov exponent besides the drive phase's zero, 1/s.
     Exponent,
