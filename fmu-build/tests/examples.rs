@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 use vibro_orbits::paper::{Orbit, OrbitWord, System};
 use vibro_studies::paper::ParameterSet;
 
-/// A folder with what `vibro paper orbit --word U- --set f10=2.3` writes: the symmetric motion past its
-/// loss of stability.
+/// A folder with what `vibro paper orbit --word U- --set f10=2.3` writes: the symmetric motion past
+/// its loss of stability.
 fn orbit() -> PathBuf {
     let mut set = ParameterSet::basic();
     set.apply(&["f10=2.3"]).expect("an allowed value");
@@ -20,7 +20,9 @@ fn orbit() -> PathBuf {
     assert!(orbit.is_certified() && !orbit.is_stable());
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unstable-orbit");
     fs::create_dir_all(&folder).expect("target can be written");
-    for (name, text) in vibro::studies::orbit(&set, std::slice::from_ref(&orbit)).expect("tables").tables {
+    for (name, text) in
+        vibro::studies::paper::orbit(&set, std::slice::from_ref(&orbit)).expect("tables").tables
+    {
         fs::write(folder.join(format!("{name}.csv")), text).expect("target can be written");
     }
     folder

@@ -7,8 +7,7 @@ use crate::paper_studies::in_parts;
 use pyo3::prelude::*;
 use vibro_orbits::Orbit;
 use vibro_studies::basin::{BasinCell, BasinRequest, SettledAttractor, StartAxis};
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::{Machine, PoincareRequest, columns, poincare};
+use vibro_studies::{Machine, MotionClass, PoincareRequest, columns, poincare};
 
 /// An attractor.
 #[derive(IntoPyObject)]

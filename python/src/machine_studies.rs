@@ -7,11 +7,9 @@ use crate::failure::Failure;
 use crate::machine::{Described, Numbers, SectionChoice, rule};
 use crate::paper_studies::{MeasureRow, in_parts, row};
 use pyo3::prelude::*;
-use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::paper::bifurcation::Diagram;
-use vibro_studies::paper::measures::Measured;
-use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::{Machine, Measure, measure};
+use vibro_studies::{Machine, Measure, Measured, ParameterAxis, measure};
 
 /// Measures of many machines' settled motions, each from its start or all from one, a row for each.
 #[pyfunction]
@@ -72,9 +70,9 @@ pub struct DiagramArrays<'py> {
 fn direction<'py>(
     py: Python<'py>,
     axis: &ParameterAxis<String>,
-    points: &[Option<AssemblyPoint>],
+    points: &[Option<DescribedPoint>],
 ) -> DirectionArrays<'py> {
-    let of = |read: &dyn Fn(&AssemblyPoint) -> f64| -> Vec<f64> {
+    let of = |read: &dyn Fn(&DescribedPoint) -> f64| -> Vec<f64> {
         points.iter().map(|p| p.as_ref().map_or(0.0, read)).collect()
     };
     let mut tops = (Vec::new(), Vec::new(), Vec::new());
@@ -85,8 +83,8 @@ fn direction<'py>(
             tops.2.push(met);
         }
     }
-    let class = |p: &Option<AssemblyPoint>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
-    let period = |p: &Option<AssemblyPoint>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
+    let class = |p: &Option<DescribedPoint>| p.as_ref().map_or("refused".into(), |p| p.settled.class.name());
+    let period = |p: &Option<DescribedPoint>| p.as_ref().and_then(|p| p.settled.period).unwrap_or(0) as i32;
     let rests: Vec<bool> = points.iter().map(|p| p.as_ref().is_some_and(|p| p.settled.rests)).collect();
     DirectionArrays {
         value: column(py, &(0..axis.count).map(|i| axis.value(i)).collect::<Vec<_>>()),
@@ -128,7 +126,7 @@ pub fn diagram<'py>(
     let axis_of = axis.clone();
     let request = DiagramRequest { axis: axis_of, of, at_section, discard, keep, exponents, anew, start };
     let own = machine.machine(section);
-    let found: Diagram<AssemblyPoint> = compute(py, progress, move |control| {
+    let found: Diagram<DescribedPoint> = compute(py, progress, move |control| {
         in_parts(control, request.count(), |task| vibro_studies::diagram::diagram(&own, &request, task))
     })?;
     Ok(DiagramArrays {

@@ -9,16 +9,18 @@ use crate::paper_system::{System, find};
 use pyo3::prelude::*;
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins as basins_of};
-use vibro_studies::paper::attractor::{Attractor, MotionClass};
-use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
+use vibro_studies::diagram::diagram;
+use vibro_studies::paper::attractor::Attractor;
+use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_studies::paper::lyapunov::{SpectrumOptions, convergence_while};
 use vibro_studies::paper::maxima::Displacement;
-use vibro_studies::paper::measures::{Measure, Measured, measure as measured};
+use vibro_studies::paper::measures::{Measure, measure as measured};
 use vibro_studies::paper::motion::settled_simulator;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::start::{Coordinate, StartRule};
 use vibro_studies::paper::stroboscopic::COORDINATES;
 use vibro_studies::parts::{PartStore, Shard, Task};
+use vibro_studies::{Measured, MotionClass};
 
 /// A store that keeps no parts and ends the study after the caller has stopped waiting.
 struct Cancelling<'a>(&'a Control);
@@ -290,8 +292,8 @@ pub fn paper_measures() -> Vec<(String, &'static str, String)> {
     Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
 }
 
-/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a row
-/// of [`measure_many`].
+/// Measures of the motion after `discard` drive periods from a state, over the next `periods`: a
+/// row of [`measure_many`].
 #[pyfunction]
 #[pyo3(signature = (system, start, names, discard, periods, progress = None))]
 pub fn paper_measure(
@@ -325,8 +327,8 @@ fn one(
     Ok(measured(&mut simulator, measures, periods)?)
 }
 
-/// Measures of one of many motions: numbers, their spreads, class, index of the measure that had not
-/// settled, and the reason if measures are missing and the row gives reasons.
+/// Measures of one of many motions: numbers, their spreads, class, index of the measure that had
+/// not settled, and the reason if measures are missing and the row gives reasons.
 pub type MeasureRow = (Vec<Option<f64>>, Vec<f64>, Option<String>, Option<usize>, Option<String>);
 
 /// A motion's row. If `in_rows` is set, a failure of this motion alone is given in its row.

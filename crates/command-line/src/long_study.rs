@@ -3,8 +3,8 @@
 //!
 //! A study is written to disk and may be read by another build. [`FORMAT`] is incremented with any
 //! change of how a study is written or divided, or of what a part holds; `part_folder` then refuses
-//! older parts by name. Tests with `second_method_shards_…` compare the bytes of a study in one run,
-//! in shards, and after an interruption.
+//! older parts by name. Tests with `second_method_shards_…` compare the bytes of a study in one
+//! run, in shards, and after an interruption.
 //!
 //! A new kind of study is a variant of [`StudyKind`] for every machine, with its arms in
 //! [`LongStudy::count`], [`LongStudy::check`] and [`LongStudy::run`], and a line in
@@ -293,8 +293,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// Does the work of [`run`](Self::run). Where the number of parts is not known beforehand, as of
-    /// branches, `tell` receives the number of finished parts and the total known so far.
+    /// Does the work of [`run`](Self::run). Where the number of parts is not known beforehand, as
+    /// of branches, `tell` receives the number of finished parts and the total known so far.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -307,7 +307,7 @@ impl LongStudy {
                 let family = Family::new(set, *span)?;
                 let told = |done, waiting| tell(done, done + waiting);
                 let found = tree_in_parts(&family, options, task.store, &told)?;
-                Ok(Some(vec![studies::orbits(set, &family, &found.branches, Some(&found.searched))?]))
+                Ok(Some(vec![studies::paper::orbits(set, &family, &found.branches, Some(&found.searched))?]))
             }
         }
     }

@@ -8,7 +8,8 @@ mod statements;
 pub use statement::{Statement, Verdict};
 
 use super::long_study::{LongStudy, OverSweep, StudyKind};
-use super::studies::{self, DiagramOrbits, Study};
+use super::studies::paper::DiagramOrbits;
+use super::studies::{self, Study};
 use crate::part_folder::PartFolder;
 use crate::table::TextTable;
 use crate::{Error, Result};
@@ -151,7 +152,7 @@ impl Plan {
     pub fn run(&self, folders: &[PartFolder; 3], done: &(dyn Fn(bool) + Sync)) -> Result<Report> {
         let (set, [coarse, fine, basin]) = (&self.set, folders);
         let mut all = self.theory(done)?;
-        let (thirteen, modulation) = studies::histories_of(set, find_group("f10")?.into(), MODULATED)?;
+        let (thirteen, modulation) = studies::paper::histories_of(set, find_group("f10")?.into(), MODULATED)?;
         all.push(thirteen);
         done(false);
         let (coarse, fine) = (diagram(&self.coarse, coarse, done)?, diagram(&self.fine, fine, done)?);
@@ -159,11 +160,11 @@ impl Plan {
         done(false);
         let (table, sweeps) = self.sweeps(&coarse, &fine, &orbits)?;
         all.extend(sweeps);
-        let accuracy = studies::accuracy(set, &EPSILONS)?;
+        let accuracy = studies::paper::accuracy(set, &EPSILONS)?;
         let errors = accuracy.tables.first().map(|t| t.1.clone()).unwrap_or_default();
         all.push(accuracy);
         done(false);
-        all.push(studies::strong_case(&ParameterSet::strong()?)?);
+        all.push(studies::paper::strong_case(&ParameterSet::strong()?)?);
         done(false);
         let basins = self.basin.run(&Task { store: basin, done, ..Task::ALL })?;
         all.extend(basins.into_iter().flatten().map(|study| study.with_set(&self.basin_set)));
@@ -188,16 +189,26 @@ impl Plan {
             done(false);
         };
         add(vec![
-            studies::shapes(set)?,
-            studies::branches(set)?,
-            studies::families(set, Name::find("f10")?, &FORCES)?,
+            studies::paper::shapes(set)?,
+            studies::paper::branches(set)?,
+            studies::paper::families(set, Name::find("f10")?, &FORCES)?,
         ]);
-        add(vec![studies::regions(set)?, studies::masri(set)?]);
-        add(vec![studies::steady(set)?, studies::histories(set)?]);
+        add(vec![studies::paper::regions(set)?, studies::paper::masri(set)?]);
+        add(vec![studies::paper::steady(set)?, studies::paper::histories(set)?]);
         let shown = |name: &str| -> Result<(f64, f64)> { Ok(find_group(name)?.shown) };
         add(vec![
-            studies::frequency(set, shown("sigma1")?, (&[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5]), None)?,
-            studies::force(set, shown("f10")?, (&[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2]), None)?,
+            studies::paper::frequency(
+                set,
+                shown("sigma1")?,
+                (&[1.0, 1.5, 2.0, 2.5], &[0.2, 0.5, 1.0, 1.5]),
+                None,
+            )?,
+            studies::paper::force(
+                set,
+                shown("f10")?,
+                (&[0.2, 0.4, 0.8, 1.2], &[-0.2, -0.5, -0.8, -1.2]),
+                None,
+            )?,
         ]);
         let cells = if self.quick { 60 } else { 300 };
         let axis = |name: &str| -> Result<ParameterAxis> {
@@ -205,7 +216,7 @@ impl Plan {
             Ok(ParameterAxis::new(group, group.shown, cells)?)
         };
         let pairs = PAIRS.iter().map(|(x, y)| Ok((axis(x)?, axis(y)?))).collect::<Result<Vec<_>>>()?;
-        add(vec![studies::planes(set, &pairs, Method::MultipleScales, &|| ())?]);
+        add(vec![studies::paper::planes(set, &pairs, Method::MultipleScales, &|| ())?]);
         Ok(all)
     }
 
@@ -217,10 +228,12 @@ impl Plan {
         orbits: &Result<DiagramOrbits>,
     ) -> Result<(TextTable, Vec<Study>)> {
         let (set, force) = (&self.set, Name::Group(find_group("f10")?));
-        let (table, spectra) = studies::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
+        let (table, spectra) =
+            studies::paper::spectra(set, sweep, coarse, &TABLE, orbits.as_ref().ok(), "table-2")?;
         let options = sweep.exponents.unwrap_or_default();
-        let running = studies::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
-        let mut overlay = studies::overlay(set, sweep, coarse, "figure-16")?;
+        let running =
+            studies::paper::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
+        let mut overlay = studies::paper::overlay(set, sweep, coarse, "figure-16")?;
         overlay.remarks.push("the maxima are those of figure-14.csv".into());
         let all = vec![
             studies::diagram(set, sweep, coarse, "figure-14")?,
@@ -233,7 +246,7 @@ impl Plan {
             },
             spectra,
             running,
-            studies::portraits(set, force, fine, &PORTRAITS)?,
+            studies::paper::portraits(set, force, fine, &PORTRAITS)?,
             overlay,
         ];
         Ok((table, all))

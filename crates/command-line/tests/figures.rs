@@ -9,7 +9,8 @@ use vibro_figures::canvas::palette::{
 };
 use vibro_figures::canvas::{Colour, Drawing};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
-use vibro_studies::paper::bifurcation::{Sweep, diagram};
+use vibro_studies::diagram::diagram;
+use vibro_studies::paper::bifurcation::Sweep;
 use vibro_studies::paper::lyapunov::SpectrumOptions;
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
@@ -275,22 +276,22 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
         let sweep = Sweep { exponents: Some(options), ..Sweep::new(axis, Displacement::X1, (50, 20)) };
         let found = diagram(&set, &sweep, &Task::ALL).unwrap().unwrap();
         let all = [
-            studies::steady(&set).unwrap(),
-            studies::histories(&set).unwrap(),
-            studies::accuracy(&set, &[0.1, 0.05]).unwrap(),
-            studies::accuracy(&set, &[0.1]).unwrap(),
-            studies::strong_case(&ParameterSet::strong().unwrap()).unwrap(),
-            studies::histories_of(&set, f10, 0.6).unwrap().0,
-            studies::frequency(&set, (-1.0, 1.0), (&[1.0, 1.5], &[0.5, 1.0]), None).unwrap(),
-            studies::force(&set, (0.5, 2.0), (&[0.4], &[-0.4]), Some(Displacement::X1)).unwrap(),
+            studies::paper::steady(&set).unwrap(),
+            studies::paper::histories(&set).unwrap(),
+            studies::paper::accuracy(&set, &[0.1, 0.05]).unwrap(),
+            studies::paper::accuracy(&set, &[0.1]).unwrap(),
+            studies::paper::strong_case(&ParameterSet::strong().unwrap()).unwrap(),
+            studies::paper::histories_of(&set, f10, 0.6).unwrap().0,
+            studies::paper::frequency(&set, (-1.0, 1.0), (&[1.0, 1.5], &[0.5, 1.0]), None).unwrap(),
+            studies::paper::force(&set, (0.5, 2.0), (&[0.4], &[-0.4]), Some(Displacement::X1)).unwrap(),
             studies::diagram(&set, &sweep, &found, "sweep").unwrap(),
-            studies::overlay(&set, &sweep, &found, "overlay").unwrap(),
-            studies::portraits(&set, f10, &found, &[1.2, 2.2]).unwrap(),
-            studies::running(&set, f10, &[1.5], 20, &options, "running").unwrap(),
-            studies::shapes(&set).unwrap(),
-            studies::branches(&set).unwrap(),
-            studies::families(&set, f10, &[1.2, 1.5]).unwrap(),
-            studies::regions(&set).unwrap(),
+            studies::paper::overlay(&set, &sweep, &found, "overlay").unwrap(),
+            studies::paper::portraits(&set, f10, &found, &[1.2, 2.2]).unwrap(),
+            studies::paper::running(&set, f10, &[1.5], 20, &options, "running").unwrap(),
+            studies::paper::shapes(&set).unwrap(),
+            studies::paper::branches(&set).unwrap(),
+            studies::paper::families(&set, f10, &[1.2, 1.5]).unwrap(),
+            studies::paper::regions(&set).unwrap(),
         ];
         let mut count = BTreeMap::new();
         all.iter().for_each(|study| check_bodies(study, &mut count));
@@ -304,7 +305,7 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
 #[test]
 fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     let set = machine();
-    let study = studies::force(&set, (0.5, 2.0), (&[0.4], &[]), Some(Displacement::X1)).unwrap();
+    let study = studies::paper::force(&set, (0.5, 2.0), (&[0.4], &[]), Some(Displacement::X1)).unwrap();
     let panel = &study.figure.unwrap().panels[0];
     assert_eq!(panel.y.label, "amplitude of x₁ (mm)");
     // Factor of L = 5 mm.
@@ -312,7 +313,8 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     // Along the gap itself the data are in units of the machine's own gap, not of each point's.
     let gap = Name::find("stop.gap").unwrap();
     let kappa = Name::find("kappa").unwrap();
-    let along = studies::along(&set, gap, (0.004, 0.008), (kappa, &[0.75]), Some(Displacement::W)).unwrap();
+    let along =
+        studies::paper::along(&set, gap, (0.004, 0.008), (kappa, &[0.75]), Some(Displacement::W)).unwrap();
     let panel = &along.figure.unwrap().panels[0];
     let curves = panel.layers.iter().flat_map(Layer::extent).filter(|p| p.1 > 0.1 && p.1 < 1.6);
     let mut compared = 0;
@@ -329,7 +331,7 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
 /// digits.
 #[test]
 fn golden_the_response_in_the_page_of_the_fmu() {
-    let study = studies::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();
+    let study = studies::paper::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();
     let drawing = study.figure.unwrap();
     let committed = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription/documentation/response.svg");
     if std::env::var_os("UPDATE").is_some() {

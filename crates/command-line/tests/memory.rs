@@ -3,11 +3,11 @@
 #![cfg(target_os = "linux")]
 
 use vibro::studies;
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::paper::isoperiodic::{
-    IsoperiodicRequest, PlanePoint, SettledMotion, StartRule, isoperiodic,
-};
+use vibro_studies::MotionClass;
+use vibro_studies::isoperiodic::isoperiodic;
+use vibro_studies::paper::isoperiodic::{IsoperiodicRequest, PlanePoint, SettledMotion};
 use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_studies::parts::Task;
 

@@ -13,13 +13,15 @@ use vibro_figures::chart::Shape;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
 use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins};
-use vibro_studies::paper::attractor::{MotionClass, Relation, observe};
+use vibro_studies::diagram::diagram;
+use vibro_studies::paper::attractor::observe;
 use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
-use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, diagram};
+use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::{ParameterSet, find_group, lyapunov};
 use vibro_studies::parts::Task;
+use vibro_studies::{MotionClass, Relation};
 
 /// Transient at values away from bifurcations, in units of L; maxima are kept to 1e-6.
 const SETTLED: f64 = 2e-6;

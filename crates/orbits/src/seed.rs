@@ -12,9 +12,7 @@ use std::sync::Arc;
 use vibro_machine::system::System;
 use vibro_machine::{Motion, Start};
 use vibro_studies::flight::Flows;
-use vibro_studies::paper::attractor::MotionClass;
-use vibro_studies::{Error, Result};
-use vibro_studies::{Machine, Section, SectionRule, carried, discard, settled};
+use vibro_studies::{Error, Machine, MotionClass, Result, Section, SectionRule, carried, discard, settled};
 
 /// Most events and samples of an orbit: each has a matrix of the state's size.
 const MOST_LETTERS: usize = 20_000;

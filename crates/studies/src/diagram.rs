@@ -9,7 +9,7 @@
 mod described;
 mod windows;
 
-pub use described::{AssemblyPoint, Direction, MOST_VALUES};
+pub use described::{DescribedPoint, Direction, MOST_VALUES};
 pub use windows::Window;
 
 use crate::axis::ParameterAxis;
@@ -134,7 +134,8 @@ pub trait DiagramPoint {
     fn differs(&self, other: &Self) -> Option<bool>;
 }
 
-/// Settled state at each value, in the order of rising values; `None` where the motion cannot go on.
+/// Settled state at each value, in the order of rising values; `None` where the motion cannot go
+/// on.
 type Chain<M> = Vec<(f64, Option<<M as DiagramMachine>::Settled>)>;
 
 /// The chain of states from value to value. The store may end it before any.
@@ -181,15 +182,11 @@ pub fn diagram<M: DiagramMachine>(
         Ok([up?, down?])
     };
     // A diagram whose parts are all in the store needs no chain.
-    let starts = std::sync::OnceLock::new();
-    if task.store.missing(request.count()) > 0 {
-        // Nothing else sets the cell, so that this cannot fail.
-        let _ = starts.set(chains()?);
-    }
+    let starts = (task.store.missing(request.count()) > 0).then(chains).transpose()?;
     let blocks = request.count() / 2;
     let make = |workspace: &mut M::DiagramWorkspace, index: usize| {
         let fresh;
-        let both = match starts.get() {
+        let both = match &starts {
             Some(both) => both,
             // Reached only for a stored part that cannot be read.
             None => {

@@ -71,7 +71,7 @@ mod windows;
 mod written;
 
 pub use axis::{AxisName, ParameterAxis, check_cells, check_count};
-pub use class::{LONGEST, MotionClass};
+pub use class::{LONGEST, MotionClass, OBSERVED, Relation};
 pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
 pub use diagram::{Diagram, DiagramPoint};

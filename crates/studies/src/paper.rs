@@ -1,5 +1,5 @@
-//! Studies of the paper's machine alone: its parameters and groups by name, its motions side by side,
-//! its closed forms and the verdicts that rest on its mirror symmetry.
+//! Studies of the paper's machine alone: its parameters and groups by name, its motions side by
+//! side, its closed forms and the verdicts that rest on its mirror symmetry.
 //!
 //! | module | what it computes | what its tests hold it against |
 //! |---|---|---|
@@ -26,7 +26,8 @@
 //! # Example
 //!
 //! ```
-//! use vibro_studies::paper::attractor::{MotionClass, observe};
+//! use vibro_studies::MotionClass;
+//! use vibro_studies::paper::attractor::observe;
 //! use vibro_studies::paper::motion::settled_simulator;
 //! use vibro_studies::paper::stroboscopic::moving_block;
 //! use vibro_studies::paper::trajectories::Start;
@@ -69,7 +70,6 @@ pub mod trajectories;
 mod variation;
 pub mod verdict;
 
-pub use crate::significant;
 pub use parameter_set::{
     Name, ParameterSet, Quantity, Unit, find_field, find_group, number, numbers, physical_parameters,
     quantity_in, short, typed_unit,

@@ -1,8 +1,8 @@
 use super::diagram::{self, DiagramRequest};
 use super::*;
-use crate::paper::attractor::MotionClass;
+use crate::axis::ParameterAxis;
+use crate::class::MotionClass;
 use crate::paper::lyapunov::{SpectrumOptions, spectrum};
-use crate::paper::plane::ParameterAxis;
 use crate::parts::Task;
 use std::sync::Arc;
 use vibro_impact::{Parameters, Simulator, State};

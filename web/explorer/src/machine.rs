@@ -3,7 +3,7 @@
 use crate::set::Set;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
 use vibro_impact::{Parameters, Result, State};
-use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
 use wasm_bindgen::prelude::*;

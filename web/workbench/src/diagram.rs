@@ -3,8 +3,8 @@
 use crate::file::read;
 use serde_json::json;
 use vibro_machine::Start;
+use vibro_studies::ParameterAxis;
 use vibro_studies::diagram::{DiagramRequest, Direction};
-use vibro_studies::paper::plane::ParameterAxis;
 use wasm_bindgen::prelude::*;
 
 /// One direction of a diagram under way.

@@ -3,9 +3,8 @@
 use crate::file::read;
 use serde_json::json;
 use vibro_machine::Start;
-use vibro_studies::Machine;
-use vibro_studies::paper::isoperiodic::{IsoperiodicRequest, PlaneMachine, check};
-use vibro_studies::paper::plane::ParameterAxis;
+use vibro_studies::isoperiodic::{IsoperiodicRequest, PlaneMachine, check};
+use vibro_studies::{Machine, ParameterAxis};
 use wasm_bindgen::prelude::*;
 
 /// A plane under way.

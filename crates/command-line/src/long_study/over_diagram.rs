@@ -7,7 +7,7 @@ use crate::kept_branches::{Behind, PathsInParts};
 use crate::studies::{self, Study};
 use serde::{Deserialize, Serialize};
 use vibro_orbits::paper::TreeOptions;
-use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint};
 use vibro_studies::{Diagram, Machine};
@@ -40,16 +40,17 @@ impl StudiedMachine for ParameterSet {
     ) -> Result<Vec<Study>> {
         let mut found = Vec::new();
         let told = |done, waiting| told(done, done + waiting);
-        let follow = |options| studies::DiagramOrbits::new(self, sweep, diagram, options, (&parts, &told));
+        let follow =
+            |options| studies::paper::DiagramOrbits::new(self, sweep, diagram, options, (&parts, &told));
         let orbits = orbits.as_ref().map(follow).transpose()?;
         if let Some(orbits) = &orbits {
             found.push(orbits.study(self, sweep, diagram, &format!("{name}-orbits"))?);
         }
         if let (Some(options), false) = (&sweep.exponents, at.is_empty()) {
             let spectra = format!("{name}-spectra");
-            found.push(studies::spectra(self, sweep, diagram, at, orbits.as_ref(), &spectra)?.1);
+            found.push(studies::paper::spectra(self, sweep, diagram, at, orbits.as_ref(), &spectra)?.1);
             let running = format!("{name}-running");
-            found.push(studies::running(self, sweep.axis.name, at, sweep.discard, options, &running)?);
+            found.push(studies::paper::running(self, sweep.axis.name, at, sweep.discard, options, &running)?);
         }
         Ok(found)
     }
@@ -65,7 +66,7 @@ impl StudiedMachine for Machine {
 
     fn over_diagram(
         &self,
-        (request, diagram): (&DiagramRequest<Self>, &Diagram<AssemblyPoint>),
+        (request, diagram): (&DiagramRequest<Self>, &Diagram<DescribedPoint>),
         orbits: &bool,
         (parts, told): (Behind<'_>, &(dyn Fn(usize, usize) + Sync)),
         name: &str,
@@ -76,6 +77,6 @@ impl StudiedMachine for Machine {
         let paths = PathsInParts::new(parts);
         let (family, branches) = studies::diagram_branches(self, request, &paths, told)?;
         let (found, name) = ((&family, &branches[..]), format!("{name}-orbits"));
-        Ok(vec![studies::assembly_diagram_orbits(self, request, diagram, found, &name)?])
+        Ok(vec![studies::diagram_orbits(self, request, diagram, found, &name)?])
     }
 }

@@ -1,6 +1,6 @@
 //! Statements of the paper and the results they are compared with.
 
-use crate::studies::{DiagramOrbits, Modulation};
+use crate::studies::paper::{DiagramOrbits, Modulation};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::bifurcation::Diagram;
 

@@ -6,11 +6,11 @@
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Findings, Statement, Verdict};
 use crate::Result;
-use crate::studies::{doublings_in_words, end_in_words, periodic_ranges};
+use crate::studies::paper::{doublings_in_words, end_in_words, periodic_ranges};
 use vibro_orbits::paper::{Doubling, Label, doubling_sequences};
-use vibro_studies::paper::attractor::{MotionClass, ZERO_EXPONENT};
 use vibro_studies::paper::bifurcation::{Diagram, SweepPoint};
 use vibro_studies::paper::short;
+use vibro_studies::{MotionClass, ZERO_EXPONENT};
 
 /// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;

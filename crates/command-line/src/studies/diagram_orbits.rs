@@ -14,7 +14,7 @@ use vibro_figures::chart::{Axis, Figure, Panel};
 use vibro_orbits::{
     Branch, Family, KeptPaths, Label, Orbit, OrbitPoint, PathOptions, Stability, TreeOptions, tree_on,
 };
-use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::{Diagram, Machine, Maxima, Settled, Watcher, settled};
 
 /// Least and largest number of values, in each direction, at which settled motions start branches.
@@ -73,10 +73,10 @@ pub fn diagram_branches(
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn assembly_diagram_orbits(
+pub fn diagram_orbits(
     machine: &Machine,
     request: &DiagramRequest<Machine>,
-    diagram: &Diagram<AssemblyPoint>,
+    diagram: &Diagram<DescribedPoint>,
     (family, branches): (&Family, &[Branch]),
     name: &str,
 ) -> Result<Study> {
@@ -109,23 +109,23 @@ pub fn assembly_diagram_orbits(
 }
 
 /// The periodic rows of both directions with their branches.
-fn rows(family: &Family, branches: &[Branch], diagram: &Diagram<AssemblyPoint>) -> Vec<Row> {
-    let mut at: BTreeMap<u64, Vec<(usize, &AssemblyPoint)>> = BTreeMap::new();
+fn rows(family: &Family, branches: &[Branch], diagram: &Diagram<DescribedPoint>) -> Vec<Row> {
+    let mut at: BTreeMap<u64, Vec<(usize, &DescribedPoint)>> = BTreeMap::new();
     for (direction, points) in [&diagram.up, &diagram.down].into_iter().enumerate() {
         for point in points.iter().flatten().filter(|point| point.settled.class.is_periodic()) {
             at.entry(point.value.to_bits()).or_default().push((direction, point));
         }
     }
-    let of = |points: &Vec<(usize, &AssemblyPoint)>| -> Vec<Row> {
+    let of = |points: &Vec<(usize, &DescribedPoint)>| -> Vec<Row> {
         let seen = seen(family, branches, points[0].1.value);
-        let row = |(direction, point): &(usize, &AssemblyPoint)| {
+        let row = |(direction, point): &(usize, &DescribedPoint)| {
             let covers = |seen: &&Seen| seen.settled.differs(&point.settled) == Some(false);
             let branch = seen.iter().find(covers).map(|seen| seen.branch);
             Row { direction: *direction, value: point.value, class: point.settled.class.name(), branch }
         };
         points.iter().map(row).collect()
     };
-    let all: Vec<&Vec<(usize, &AssemblyPoint)>> = at.values().collect();
+    let all: Vec<&Vec<(usize, &DescribedPoint)>> = at.values().collect();
     let mut rows: Vec<Row> = all.into_par_iter().flat_map_iter(of).collect();
     rows.sort_by(|a, b| a.direction.cmp(&b.direction).then(a.value.total_cmp(&b.value)));
     rows
@@ -181,7 +181,7 @@ fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
 fn panel(
     machine: &Machine,
     request: &DiagramRequest<Machine>,
-    diagram: &Diagram<AssemblyPoint>,
+    diagram: &Diagram<DescribedPoint>,
     (branches, maxima): (&[Branch], &[Vec<Vec<f64>>]),
 ) -> Result<Panel> {
     let axis = &request.axis;

@@ -21,7 +21,7 @@ const DRAWN: usize = 4;
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn assembly_fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
+pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
     if fitted.verdict != Verdict::Fits {
         remarks.push("errors below hold only where the motion is the record's".into());

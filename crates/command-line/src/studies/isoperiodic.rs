@@ -1,9 +1,6 @@
 //! Pictures and tables of simulated motion over a plane of two parameters, of either machine.
 
-mod assembly;
-mod three_dof;
-
-pub use three_dof::POINT_IN_TABLE;
+mod described;
 
 use super::Study;
 use super::design_sweep::Labelled;
@@ -23,13 +20,13 @@ const MINT: Colour = Colour(150, 220, 190);
 /// Properties of a motion that pictures show.
 #[derive(Clone, Copy, Debug)]
 pub struct ClassifiedMotion {
-    class: MotionClass,
+    pub(super) class: MotionClass,
     /// Impacts, or impacts and first touches, per period.
-    contacts: f64,
-    rests: bool,
+    pub(super) contacts: f64,
+    pub(super) rests: bool,
     /// Whether it is the motion of the closed forms: symmetric, with one impact at each stop per
     /// period.
-    is_two_impact: bool,
+    pub(super) is_two_impact: bool,
 }
 
 /// A machine whose planes have pictures and tables.
@@ -89,6 +86,10 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("4", Colour(54, 92, 141), |n| n == 4.0),
     ("over 4", Colour(68, 1, 84), |_| true),
 ];
+
+/// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with all
+/// digits has 167.
+pub const POINT_IN_TABLE: usize = 180;
 
 /// Largest number of classes listed on the screen.
 const MAX_LISTED: usize = 8;
@@ -209,17 +210,17 @@ fn csv<M: ShownPlane>(request: &IsoperiodicRequest<M>, plane: &Isoperiodic<M::Po
 }
 
 /// Cell of a number.
-fn number(value: f64) -> Cow<'static, str> {
+pub(super) fn number(value: f64) -> Cow<'static, str> {
     Cow::Owned(exact(value))
 }
 
 /// Cell of a truth value.
-fn word(holds: bool) -> Cow<'static, str> {
+pub(super) fn word(holds: bool) -> Cow<'static, str> {
     Cow::Borrowed(if holds { "true" } else { "false" })
 }
 
 /// A part of a whole in percent.
-fn percent(part: usize, whole: usize) -> f64 {
+pub(super) fn percent(part: usize, whole: usize) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
 }
 

@@ -44,7 +44,7 @@ impl CurveStart for LocusStart {
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn assembly_loci(
+pub fn loci(
     machine: &Machine,
     families: [&Family; 2],
     curves: &[LocusCurve<LocusStart>],

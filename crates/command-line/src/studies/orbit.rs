@@ -20,7 +20,7 @@ const SAMPLES: u32 = 800;
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output), and the errors of the machine's motion.
-pub fn assembly_orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
+pub fn orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
     let place = orbit.place();
     let told = match orbit.word().periods {
         Some(1) => "1 period of the drive".to_owned(),

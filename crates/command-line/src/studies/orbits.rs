@@ -18,7 +18,7 @@ const SMALL: f64 = 0.1;
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output); an error if the machine does not have the measure.
-pub fn assembly_orbits(
+pub fn orbits(
     machine: &Machine,
     family: &Family,
     branches: &[Branch],
@@ -53,7 +53,7 @@ pub(super) fn shown_axis(name: &str, unit: &str, largest: f64) -> Axis {
     Axis::new(label).times(factor)
 }
 
-/// As [`assembly_orbits`], with the measure's values.
+/// As [`orbits`], with the measure's values.
 pub(super) fn study_of(
     machine: &Machine,
     family: &Family,

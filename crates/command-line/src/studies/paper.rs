@@ -3,6 +3,7 @@
 mod basin;
 mod compare;
 mod diagram_orbits;
+mod isoperiodic;
 mod labels;
 pub(super) mod lengths;
 mod locus;

@@ -19,7 +19,7 @@ const SPELLED: usize = 4;
 /// # Errors
 /// [`Error::Described`] where no settled motion is periodic;
 /// [`Error::Output`](crate::Error::Output); an error if the machine does not have the measure.
-pub fn assembly_response(
+pub fn response(
     machine: &Machine,
     family: &Family,
     branches: &[Branch],

@@ -111,7 +111,7 @@ impl SectionAxes {
 ///
 /// # Errors
 /// [`Error::Output`].
-pub fn assembly_section(
+pub fn section(
     machine: &Machine,
     request: &PoincareRequest,
     points: &[SectionPoint],

@@ -7,7 +7,7 @@ use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use vibro_studies::significant;
-use vibro_studies::{Machine, Spectrum, Start, runs_on, settle, settled, spectrum};
+use vibro_studies::{Machine, Spectrum, Start, runs_on, settle, settled};
 
 /// Most points of a curve in the picture.
 const POINTS: usize = 2000;
@@ -17,7 +17,7 @@ const POINTS: usize = 2000;
 ///
 /// # Errors
 /// The errors of the machine and of its motion.
-pub fn assembly_exponent(
+pub fn exponent(
     machine: &Machine,
     start: &Start,
     (discard, periods): (u32, u32),
@@ -77,7 +77,7 @@ pub fn assembly_exponent(
 ///
 /// # Errors
 /// The errors of the machine and of its motion; a machine that does not repeat.
-pub fn assembly_spectrum(
+pub fn spectrum(
     machine: &Machine,
     start: &Start,
     (discard, periods): (u32, u32),
@@ -88,7 +88,7 @@ pub fn assembly_spectrum(
         let problem = "only what repeats has exponents; allowed are harmonics, constants and uniform motions";
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
-    let found = spectrum(machine, start, (discard, periods), &mut || {
+    let found = vibro_studies::spectrum(machine, start, (discard, periods), &mut || {
         done();
         true
     })?;

@@ -22,7 +22,7 @@ pub const MOST_VALUES: usize = 20_000;
 
 /// Motion at one value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AssemblyPoint {
+pub struct DescribedPoint {
     /// The parameter's value.
     pub value: f64,
     /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, each with
@@ -32,7 +32,7 @@ pub struct AssemblyPoint {
     pub settled: Settled,
 }
 
-impl DiagramPoint for AssemblyPoint {
+impl DiagramPoint for DescribedPoint {
     fn value(&self) -> f64 {
         self.value
     }
@@ -58,7 +58,7 @@ impl DiagramMachine for Machine {
     type Of = QuantityName;
     /// Returns over which the largest exponent is counted.
     type Exponents = u32;
-    type Point = AssemblyPoint;
+    type Point = DescribedPoint;
     type Settled = Start;
     type DiagramWorkspace = ();
 
@@ -102,7 +102,7 @@ impl DiagramMachine for Machine {
         request: &DiagramRequest<Self>,
         starts: &[(f64, Option<Start>)],
         (): &mut (),
-    ) -> Result<Vec<Option<AssemblyPoint>>> {
+    ) -> Result<Vec<Option<DescribedPoint>>> {
         let point =
             |(value, start): &(f64, Option<Start>)| observe(self, request, *value, start.as_ref()?).ok();
         Ok(starts.iter().map(point).collect())
@@ -150,7 +150,7 @@ fn observe(
     request: &DiagramRequest<Machine>,
     value: f64,
     end: &Start,
-) -> Result<AssemblyPoint> {
+) -> Result<DescribedPoint> {
     let (motion, section) = at(machine, request, value)?.motion_on(end)?;
     let mut motion = motion.without_energy_accounts();
     let mut scout = motion.clone();
@@ -183,7 +183,7 @@ fn observe(
         }
         values = watcher.maxima.map_or(Vec::new(), |m| m.found);
     }
-    Ok(AssemblyPoint { value, maxima: counted(values, times), settled })
+    Ok(DescribedPoint { value, maxima: counted(values, times), settled })
 }
 
 /// Values to some digits of the largest, ascending, each with its count.
@@ -222,7 +222,7 @@ impl Direction {
 }
 
 impl Iterator for Direction {
-    type Item = (usize, Option<Start>, Option<AssemblyPoint>);
+    type Item = (usize, Option<Start>, Option<DescribedPoint>);
 
     fn next(&mut self) -> Option<Self::Item> {
         let Self { machine, request, upward, .. } = &*self;

@@ -1,12 +1,13 @@
 //! Basins of the paper's machine, whose attractors have mirror images.
 
-use super::attractor::{Attractor, MotionClass, Relation};
+use super::attractor::Attractor;
 use super::parameter_set::ParameterSet;
 use super::start::{Coordinate, SI_COORDINATES, StartRule, coordinate, coordinate_value};
 use super::stroboscopic::{COORDINATES, dimensional};
 use super::trajectories::{MOTIONS, Start, Workspace};
 use super::verdict::{Followed, Following, follow};
 use crate::basin::{BasinAttractor, BasinCell, BasinMachine, BasinRequest, Basins, StartAxis};
+use crate::class::{MotionClass, Relation};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

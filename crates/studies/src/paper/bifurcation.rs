@@ -1,7 +1,7 @@
 //! Diagrams of the paper's machine: local maxima of X2, or of another displacement, with all seven
 //! exponents on request. The motions at some values run [side by side](Workspace::run).
 
-use super::attractor::{Attractor, LONGEST, MotionClass, Relation};
+use super::attractor::Attractor;
 use super::lyapunov::{self, Spectrum};
 use super::maxima::Displacement;
 use super::motion::settled_simulator;
@@ -10,8 +10,8 @@ use super::stroboscopic::StroboscopicState;
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
 use super::verdict::{EXPONENT_PERIODS, Following, follow, has_arrived};
 use crate::axis::check_count;
-use crate::diagram::{DiagramMachine, DiagramRequest};
-pub use crate::diagram::{DiagramPoint, Window, diagram};
+use crate::class::{LONGEST, MotionClass, Relation};
+use crate::diagram::{DiagramMachine, DiagramPoint, DiagramRequest};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;

@@ -4,9 +4,10 @@
 //! the box alone, which tends to its forced vibration; block and secondary oscillator come to rest
 //! in the middle, where constant loads hold them.
 
-use super::attractor::{OBSERVED, StroboscopicRecord};
+use super::attractor::StroboscopicRecord;
 use super::free_limit::{dynamic_stiffness, forced, middle};
 use super::stroboscopic::Units;
+use crate::class::OBSERVED;
 use nalgebra::{Complex, SMatrix, SVector};
 use vibro_impact::flow::{Series, UnitColumn, WHOLE, substep};
 use vibro_impact::model::{COORDINATES, Model, SmoothMode};

@@ -1,16 +1,16 @@
-//! The paper's machine as a [`PlaneMachine`]: its simulated motion stands beside the exact orbit with
-//! two symmetric impacts a period. The motions of some rows run [side by side](Workspace::run).
+//! The paper's machine as a [`PlaneMachine`]: its simulated motion stands beside the exact orbit
+//! with two symmetric impacts a period. The motions of some rows run [side by
+//! side](Workspace::run).
 
-use super::attractor::{MotionClass, OBSERVED};
 use super::parameter_set::ParameterSet;
 use super::plane::{self, SteadyStateClass};
-pub use super::start::StartRule;
-use super::start::state;
+use super::start::{StartRule, state};
 use super::stroboscopic::{dimensionless, moving_block};
 use super::trajectories::{MOTIONS, Start, Workspace};
 use super::verdict::{Followed, Following, PROLONGED, follow};
+use crate::class::{MotionClass, OBSERVED};
 use crate::error::{Error, Result};
-pub use crate::isoperiodic::{PlaneMachine, check, count, isoperiodic};
+use crate::isoperiodic::PlaneMachine;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use vibro_impact::parameters::Parameters;
@@ -195,6 +195,7 @@ fn motion(p: &Parameters, followed: &Followed, orbit: Option<&State>) -> Settled
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::isoperiodic::isoperiodic;
     use crate::paper::find_group;
     use crate::paper::plane::ParameterAxis;
     use crate::parts::Task;

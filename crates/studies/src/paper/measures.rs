@@ -25,8 +25,7 @@ mod name;
 pub use name::{Coordinate, Measure};
 
 use crate::error::Result;
-pub use crate::measured::Measured;
-use crate::measured::{is_drifting, spread_of};
+use crate::measured::{Measured, is_drifting, spread_of};
 use crate::paper::lyapunov::{self, Spectrum, SpectrumOptions};
 use crate::paper::smooth_pieces::{PieceEnd, smooth_pieces};
 use crate::paper::trajectories::Start;

@@ -1,7 +1,7 @@
 //! Existence and stability of the two-impact motion over a plane of two parameters (figure 12).
 
 use super::parameter_set::{Name, ParameterSet};
-pub use crate::axis::{AxisName, check_cells};
+use crate::axis::{AxisName, check_cells};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

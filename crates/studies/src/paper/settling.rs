@@ -5,9 +5,9 @@
 //! repeat. Then the states at whole drive periods are compared, and decide. docs/theory.md, "What
 //! has settled is not simulated further", shows that the verdict at the end would be the same.
 
-use super::attractor::{RETURN, StroboscopicRecord, appended, distance};
+use super::attractor::{StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
-use crate::class::SAME;
+use crate::class::{RETURN, SAME};
 
 /// Longest period that is recognized early, in drive periods.
 const LONGEST: u32 = 8;

@@ -7,7 +7,7 @@ use self::queue::{LaneRecord, Motions};
 use super::attractor::{Attractor, StroboscopicRecord};
 use super::maxima::Displacement;
 use crate::error::Result;
-pub use crate::exponent::LargestExponent;
+use crate::exponent::LargestExponent;
 use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};

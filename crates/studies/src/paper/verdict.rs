@@ -6,13 +6,13 @@
 //! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
 //! attractor. docs/theory.md, "When a verdict is decided", has the reasons.
 
-use super::attractor::{Attractor, MotionClass, OBSERVED, StroboscopicRecord};
+use super::attractor::{Attractor, StroboscopicRecord};
 use super::free_limit::is_damped;
 use super::free_motion::{self, keeps_clear};
 use super::settling::LEAST_APPROACH;
 use super::statistics::{Blocks, Likeness};
 use super::trajectories::{MotionEnd, Program, Start, Workspace};
-use crate::class::SAME;
+use crate::class::{MotionClass, OBSERVED, SAME};
 use crate::error::Result;
 use crate::exponent::LargestExponent;
 use vibro_impact::parameters::Parameters;

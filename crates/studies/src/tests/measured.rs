@@ -241,7 +241,7 @@ fn a_class_has_no_spread_and_what_a_sweep_measures_has_its_accounts() {
 /// After a step the middle is 2 m, where a soft stop is met once a period; before it nothing is.
 #[test]
 fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
-    use crate::paper::isoperiodic::{IsoperiodicRequest, PlaneMachine};
+    use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
     let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 2.0\nstiffness = 1.0\n";
     let file =
         OSCILLATOR.replace("frequency = \"5 Hz\"", "frequency = \"5 Hz\"\nsteps = [[\"20 s\", 1600.0]]");

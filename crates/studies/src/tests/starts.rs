@@ -1,10 +1,10 @@
 //! Studies from starts that are given: each motion begins there, at the start's time.
 
 use super::*;
+use crate::axis::ParameterAxis;
 use crate::design_sweep::{Designs, SampledAxis, SweepRequest, row};
 use crate::diagram::{DiagramRequest, diagram};
-use crate::paper::isoperiodic::{IsoperiodicRequest, PlaneMachine};
-use crate::paper::plane::ParameterAxis;
+use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use crate::parts::Task;
 
 /// A body that friction of 3 N holds wherever a spring of some 100 N/m leaves it, beside a stop.

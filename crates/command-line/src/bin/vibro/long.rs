@@ -79,7 +79,7 @@ fn name(study: &str, of: Displacement) -> String {
 fn check_orbits(set: &ParameterSet, kind: &StudyKind<ParameterSet>) -> Result<()> {
     match kind {
         StudyKind::Diagram { request: sweep, over: OverSweep { orbits: Some(_), .. } } => {
-            studies::sweep_family(set, sweep).map(drop)
+            studies::paper::sweep_family(set, sweep).map(drop)
         }
         _ => Ok(()),
     }

@@ -1,11 +1,6 @@
 //! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
 
 mod arguments;
-mod assembly;
-mod assembly_basin;
-mod assembly_fit;
-mod assembly_orbits;
-mod assembly_studies;
 mod common_arguments;
 mod destination;
 mod fit_arguments;
@@ -14,6 +9,11 @@ mod invocation;
 mod loads;
 mod loci;
 mod long;
+mod machine;
+mod machine_basin;
+mod machine_fit;
+mod machine_orbits;
+mod machine_studies;
 mod orbits;
 mod orbits_arguments;
 mod output;
@@ -67,7 +67,7 @@ fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
         pool.build_global().map_err(Error::output("threads"))?;
     }
     if let Some(file) = file {
-        return assembly::run(file, &arguments.command, &arguments.common);
+        return machine::run(file, &arguments.command, &arguments.common);
     }
     arguments.command.read_axes()?;
     study(arguments).map(|()| true)
@@ -110,7 +110,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     let names = short::names(&arguments.command);
     destination.place(&names.iter().map(|name| destination.result(name)).collect::<Vec<_>>())?;
     let studies = match &arguments.command {
-        Command::Steady => vec![studies::steady(&set)?],
+        Command::Steady => vec![studies::paper::steady(&set)?],
         Command::Run(a) => vec![run::run(&set, a)?],
         Command::Response(a) => short::response(&set, a)?,
         Command::Manifold(a) => short::manifold(&set, a)?,

@@ -119,12 +119,12 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
             branches.push(found);
         }
     }
-    studies::orbits(set, &family, &branches, None).map(Some)
+    studies::paper::orbits(set, &family, &branches, None).map(Some)
 }
 
 pub fn orbit(set: &ParameterSet, a: &OneOrbit) -> Result<Study> {
     let system = System::new(set.parameters())?;
-    studies::orbit(set, &a.which()?.orbits(&system)?)
+    studies::paper::orbit(set, &a.which()?.orbits(&system)?)
 }
 
 pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
@@ -138,7 +138,7 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
     let curves = PaperCurves { family, held: second.name.value(set) };
     let points = chosen(a, first.name.name(), &|text| Ok(number(first.name, text)?))?;
     let (found, problems) = followed(&curves, &points)?;
-    studies::loci(set, &curves.family, &found, &problems)
+    studies::paper::loci(set, &curves.family, &found, &problems)
 }
 
 /// The curves over the two parameters of a family, with the present value of the second one.

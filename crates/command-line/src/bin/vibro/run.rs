@@ -8,7 +8,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use vibro::load_file::{LoadArgument, LoadFile, files};
-use vibro::studies::{self, RunLength, RunRequest, Study};
+use vibro::studies::paper::{RunLength, RunRequest};
+use vibro::studies::{self, Study};
 use vibro::{Error, Result};
 use vibro_impact::load::Interpolation;
 use vibro_studies::paper::start::StartRule;
@@ -157,7 +158,7 @@ pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunAr
     let read = |file: &LoadFile| file.read(interpolation).map_err(in_option("--load"));
     let loads = files(&a.load).map(read).collect::<Result<Vec<_>>>()?;
     let request = RunRequest { length, discard: a.discard, start: a.start, samples: *samples, loads };
-    studies::run(set, &request)
+    studies::paper::run(set, &request)
 }
 
 #[cfg(test)]

@@ -144,13 +144,13 @@ pub fn response(set: &ParameterSet, Response { of_paper: a, .. }: &Response) -> 
         let range = range_of(set, &a.range, sigma1, (-2.5, 2.5));
         let (forces, dampings) =
             (members(f10, &[1.0, 1.5, 2.0, 2.5]), members(gamma1, &[0.2, 0.5, 1.0, 1.5]));
-        found.push(studies::frequency(set, range.ends, (&forces, &dampings), a.of)?);
+        found.push(studies::paper::frequency(set, range.ends, (&forces, &dampings), a.of)?);
     }
     if force {
         let all = members(sigma1, &[0.2, 0.4, 0.8, 1.2, -0.2, -0.5, -0.8, -1.2]);
         let (above, below): (Vec<_>, Vec<_>) = all.into_iter().partition(|s| *s >= 0.0);
         let range = range_of(set, &a.range, f10, (0.0, 4.0));
-        found.push(studies::force(set, range.ends, (&above, &below), a.of)?);
+        found.push(studies::paper::force(set, range.ends, (&above, &below), a.of)?);
     }
     Ok(found)
 }
@@ -175,21 +175,21 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &ResponseOfPaper) -> Res
         [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
         [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
     };
-    studies::along(set, range.name, range.ends, (name, &values), a.of)
+    studies::paper::along(set, range.name, range.ends, (name, &values), a.of)
 }
 
 pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
     let mut found = Vec::new();
     if wants(&a.figure, "2") {
-        found.push(studies::shapes(set)?);
+        found.push(studies::paper::shapes(set)?);
     }
     if wants(&a.figure, "7") {
-        found.push(studies::branches(set)?);
+        found.push(studies::paper::branches(set)?);
     }
     if wants(&a.figure, "9") {
         let name = a.values.as_ref().map_or_else(|| Name::find("f10"), |list| Ok(list.name))?;
         let values = members(set, name, &a.values, &[0.6, 1.2, 1.5, 2.5]);
-        found.push(studies::families(set, name, &values)?);
+        found.push(studies::paper::families(set, name, &values)?);
     }
     Ok(found)
 }
@@ -197,10 +197,10 @@ pub fn manifold(set: &ParameterSet, a: &Manifold) -> Result<Vec<Study>> {
 pub fn stability(set: &ParameterSet, a: &Stability) -> Result<Vec<Study>> {
     let mut found = Vec::new();
     if wants(&a.figure, "5") {
-        found.push(studies::regions(set)?);
+        found.push(studies::paper::regions(set)?);
     }
     if wants(&a.figure, "6") {
-        found.push(studies::masri(set)?);
+        found.push(studies::paper::masri(set)?);
     }
     Ok(found)
 }
@@ -229,7 +229,7 @@ pub fn axes(
 pub fn plane(set: &ParameterSet, a: &Plane) -> Result<Study> {
     let axes = axes(set, &a.planes, a.resolution, PLANE)?;
     let progress = Progress::new(axes.iter().map(|(_, y)| y.count).sum(), "rows");
-    studies::planes(set, &axes, a.method.into(), &|| progress.step())
+    studies::paper::planes(set, &axes, a.method.into(), &|| progress.step())
 }
 
 /// Comparisons of theory and simulation; `strong` makes the parameter set of figures 18 and 19.
@@ -242,7 +242,7 @@ pub fn compare(
     check_useful("--values", a.values.iter().map(|v| v.name), &["epsilon"], "values of epsilon")?;
     let mut found = Vec::new();
     if wants(&a.figure, "8") {
-        found.push(studies::histories(set)?);
+        found.push(studies::paper::histories(set)?);
     }
     if wants(&a.figure, "16") {
         let given: Vec<_> = a.range.into_iter().collect();
@@ -251,14 +251,14 @@ pub fn compare(
         // A part has eight values in one direction.
         let progress = Progress::new(2 * axis.count.div_ceil(8), "parts of the simulated maxima");
         let done = || progress.step();
-        found.push(studies::force_overlay(set, range.ends, axis.count, &done)?);
+        found.push(studies::paper::force_overlay(set, range.ends, axis.count, &done)?);
     }
     if wants(&a.figure, "17") {
         let values = members(set, Name::find("epsilon")?, &a.values, &[0.1, 0.05, 0.02, 0.01, 0.005]);
-        found.push(studies::accuracy(set, &values)?);
+        found.push(studies::paper::accuracy(set, &values)?);
     }
     if wants(&a.figure, "19") {
-        found.push(studies::strong_case(&strong()?)?);
+        found.push(studies::paper::strong_case(&strong()?)?);
     }
     Ok(found)
 }

@@ -6,7 +6,7 @@ use crate::studies::panels::{reach, shaded};
 use crate::table::exact;
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Dash, Layer, Panel, Path, THIN};
-use vibro_studies::diagram::{AssemblyPoint, DiagramRequest};
+use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::{Diagram, Machine, QuantityName};
 
 /// Lengths below this, m, are shown in mm.
@@ -38,7 +38,7 @@ impl ShownDiagram for Machine {
     fn maxima_panel(
         &self,
         request: &DiagramRequest<Self>,
-        diagram: &Diagram<AssemblyPoint>,
+        diagram: &Diagram<DescribedPoint>,
         apart: &[Option<bool>],
     ) -> Result<Panel> {
         let unit = request.of.find(&self.description)?.unit;
@@ -61,8 +61,8 @@ impl ShownDiagram for Machine {
         ["Largest Lyapunov exponent, value rising", "λ₁ (1/s)"]
     }
 
-    fn exponent_curves(points: &[Option<AssemblyPoint>]) -> Vec<Layer> {
-        let exponent = |p: &AssemblyPoint| Some((p.value, p.settled.exponent?.value));
+    fn exponent_curves(points: &[Option<DescribedPoint>]) -> Vec<Layer> {
+        let exponent = |p: &DescribedPoint| Some((p.value, p.settled.exponent?.value));
         let curve: Path = points.iter().flatten().filter_map(exponent).filter(|p| p.1.is_finite()).collect();
         vec![Layer::line("", FAMILY[0], Dash::Solid, curve).stroke(THIN)]
     }
@@ -71,7 +71,7 @@ impl ShownDiagram for Machine {
         !self.description.stops.is_empty()
     }
 
-    fn cells(AssemblyPoint { settled, .. }: &AssemblyPoint) -> [Vec<String>; 2] {
+    fn cells(DescribedPoint { settled, .. }: &DescribedPoint) -> [Vec<String>; 2] {
         let period = settled.period.map_or(String::new(), |n| n.to_string());
         let number = |x: Option<f64>| x.map_or(String::new(), exact);
         let exponent = settled.exponent;

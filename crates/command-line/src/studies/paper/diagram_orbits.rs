@@ -19,8 +19,10 @@ use vibro_orbits::paper::{
     Branch, Doubling, Family, Orbit, OrbitWord, PathOptions, RangeEnd, Span, StableRange, Tree, TreeOptions,
     branch, doubling_ratios, doubling_sequences, orbit_of, search, settle, tree_in_parts,
 };
-use vibro_studies::paper::attractor::{MotionClass, observe};
-use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint, Window};
+use vibro_studies::MotionClass;
+use vibro_studies::diagram::Window;
+use vibro_studies::paper::attractor::observe;
+use vibro_studies::paper::bifurcation::{Diagram, Sweep, SweepPoint};
 use vibro_studies::paper::stroboscopic::dimensional;
 use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::parts::PartStore;

@@ -6,8 +6,9 @@ use crate::table::{csv_in_groups, exact};
 use rayon::prelude::*;
 use vibro_figures::canvas::palette::{BLUE, GREY, ORANGE};
 use vibro_figures::chart::{Colour, Figure, Layer, Panel, Shape};
+use vibro_studies::check_cells;
 use vibro_studies::paper::ParameterSet;
-use vibro_studies::paper::plane::{Method, ParameterAxis, Plane, SteadyStateClass, check_cells, plane};
+use vibro_studies::paper::plane::{Method, ParameterAxis, Plane, SteadyStateClass, plane};
 
 const LIGHT: Colour = Colour(205, 205, 205);
 const PANEL: (u32, u32) = (1350, 1150);

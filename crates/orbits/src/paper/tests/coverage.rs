@@ -1,7 +1,8 @@
 //! Stable branches against the rows of a simulated diagram.
 
 use crate::paper::{Family, Span, Tree, TreeOptions, tree};
-use vibro_studies::paper::bifurcation::{Sweep, SweepPoint, diagram};
+use vibro_studies::diagram::diagram;
+use vibro_studies::paper::bifurcation::{Sweep, SweepPoint};
 use vibro_studies::paper::maxima::Displacement;
 use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::{ParameterSet, find_group};

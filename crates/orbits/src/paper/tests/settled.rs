@@ -4,11 +4,10 @@ use crate::paper::{Orbit, System, orbit_of, settle};
 use std::time::Instant;
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
-use vibro_studies::Result;
-use vibro_studies::paper::attractor::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
 use vibro_studies::paper::{ParameterSet, find_group};
+use vibro_studies::{MotionClass, Result};
 
 const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
 

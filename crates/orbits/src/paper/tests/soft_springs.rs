@@ -5,7 +5,7 @@ use crate::paper::{Orbit, OrbitWord, System, orbit_of, settle};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 use vibro_impact::{Simulator, State};
-use vibro_studies::paper::attractor::MotionClass;
+use vibro_studies::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
 

@@ -109,7 +109,7 @@ fn invariant_each_direction_goes_on_from_the_value_before() {
     let axis = ParameterAxis::of("load.f.frequency".to_owned(), (3.0, 5.0), 9).unwrap();
     let request = DiagramRequest { axis, at_section: false, ..request(9) };
     let found = diagram(&machine, &request, &Task::ALL).unwrap().unwrap();
-    let contacts = |points: &[Option<AssemblyPoint>]| -> Vec<f64> {
+    let contacts = |points: &[Option<DescribedPoint>]| -> Vec<f64> {
         points.iter().map(|point| point.as_ref().unwrap().settled.contacts).collect()
     };
     let (up, down) = (contacts(&found.up), contacts(&found.down));

@@ -1,5 +1,6 @@
 use super::record::{ObservedPeriod, approaches, period};
 use super::*;
+use crate::class::{LONGEST, RETURN};
 use crate::paper::motion::settled_simulator;
 use crate::paper::stroboscopic::moving_block;
 use vibro_impact::parameters::{Groups, Scales};

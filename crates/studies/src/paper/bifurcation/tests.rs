@@ -1,4 +1,5 @@
 use super::*;
+use crate::diagram::diagram;
 use crate::paper::find_group;
 use crate::paper::plane::ParameterAxis;
 use crate::parts::{PartStore, Task};

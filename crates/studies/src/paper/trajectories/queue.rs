@@ -1,8 +1,10 @@
 //! Stages of the motions in a thread's lanes.
 
-use super::{LargestExponent, MotionEnd, Program, Start};
+use super::{MotionEnd, Program, Start};
+use crate::class::OBSERVED;
 use crate::error::Result;
-use crate::paper::attractor::{Attractor, OBSERVED, StroboscopicRecord};
+use crate::exponent::LargestExponent;
+use crate::paper::attractor::{Attractor, StroboscopicRecord};
 use crate::paper::free_limit::is_damped;
 use crate::paper::free_motion;
 use crate::paper::largest_exponent::{ALIGN, BLOCK, Tangent};

@@ -71,7 +71,7 @@ fn second_method_a_stable_motion_is_settled_on_either_way() {
     const SETTLED: f64 = 1e-9;
     for ((together, tops), (alone, others)) in settled(1.5, false).iter().zip(&settled(1.5, true)) {
         assert_eq!((together.period, together.impacts, together.rests), (Some(1), [1.0; 2], false));
-        assert_eq!(together.relation(alone), crate::paper::attractor::Relation::Same);
+        assert_eq!(together.relation(alone), crate::class::Relation::Same);
         assert_eq!(tops.len(), others.len());
         assert!(tops.iter().zip(others).all(|(a, b)| (a - b).abs() < SETTLED));
     }
@@ -165,7 +165,7 @@ fn second_method_verdicts_are_those_of_whole_motions() {
             if found.period.is_some() {
                 assert_eq!((found.impacts, found.rests), (expected.impacts, expected.rests), "motion {k}");
                 assert_eq!(found.is_symmetric(), expected.is_symmetric(), "motion {k}");
-                assert_eq!(found.relation(&expected), crate::paper::attractor::Relation::Same, "motion {k}");
+                assert_eq!(found.relation(&expected), crate::class::Relation::Same, "motion {k}");
                 periods.insert(found.period);
             }
         }
@@ -238,7 +238,7 @@ fn second_method_observed_side_by_side_under_constant_loads_as_one_alone() {
         states: alone.states.iter().map(|s| s.map(|x| -x)).collect(),
         ..alone.clone()
     };
-    assert_eq!(alone.relation(&image), crate::paper::attractor::Relation::Different);
+    assert_eq!(alone.relation(&image), crate::class::Relation::Different);
 }
 
 #[test]

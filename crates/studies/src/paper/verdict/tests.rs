@@ -1,7 +1,8 @@
 use super::*;
 use crate::basin::{BasinRequest, Basins, basins};
+use crate::class::Relation;
 use crate::paper::ParameterSet;
-use crate::paper::attractor::{Relation, distance};
+use crate::paper::attractor::distance;
 use crate::paper::basin::{ClassedAttractor, InitialValueRange, in_the_middle};
 use crate::paper::motion::settled_simulator;
 use crate::paper::stroboscopic::{dimensional, dimensionless, moving_block};

@@ -1,9 +1,9 @@
 //! `vibro fit`: from arguments to the library's fit.
 
-use crate::assembly_studies::{invocation, machine, read_axis, start_of};
 use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::fit_arguments::FitArguments;
+use crate::machine_studies::{invocation, machine, read_axis, start_of};
 use crate::output;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -185,7 +185,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         starts: a.starts,
     };
     let fitted = fit(&request, &|| !stop.load(Ordering::Relaxed))?;
-    let study = studies::assembly_fit(&request, &fitted)?;
+    let study = studies::fit(&request, &fitted)?;
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;
     write_whole(&out.join("fit.json"), fit_json(&fitted).as_bytes())?;

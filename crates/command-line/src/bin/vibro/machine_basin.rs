@@ -1,8 +1,8 @@
 //! `basin` with a machine's file: from arguments to the library's study.
 
-use crate::assembly_studies::{invocation, machine, start_of};
 use crate::common_arguments::Common;
 use crate::long::perform_as;
+use crate::machine_studies::{invocation, machine, start_of};
 use crate::plane_arguments::Basin;
 use std::path::Path;
 use vibro::long_study::{LongStudy, StudyKind};

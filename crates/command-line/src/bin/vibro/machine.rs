@@ -1,14 +1,14 @@
 //! Commands with a machine's file: summary, sketch, motion.
 
 use crate::arguments::Command;
-use crate::assembly_studies::start_of;
 use crate::common_arguments::{Common, names};
 use crate::destination::{self, Destination};
+use crate::machine_studies::start_of;
 use crate::output;
 use crate::packing;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
-use crate::{assembly_basin, assembly_fit, assembly_orbits, assembly_studies};
+use crate::{machine_basin, machine_fit, machine_orbits, machine_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,16 +35,16 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Draw { .. } => sketch(file, common)?,
         Command::Fmu(a) => packing::pack(&read(file, common)?.description, a, common)?,
         Command::Run(a) => return follow(file, a, common),
-        Command::Bifurcation(a) => assembly_studies::bifurcation(file, common, a)?,
-        Command::Lyapunov(a) => assembly_studies::lyapunov(file, common, a)?,
-        Command::Sweep(a) => assembly_studies::sweep(file, common, a)?,
-        Command::Basin(a) => assembly_basin::basin(file, common, a)?,
-        Command::Section(a) => assembly_studies::section(file, common, a)?,
-        Command::Response(a) => return assembly_orbits::response(file, common, a),
-        Command::Orbit(a) => assembly_orbits::orbit(file, common, a)?,
-        Command::Fit(a) => return assembly_fit::run(common, a),
-        Command::Orbits(a) => return assembly_orbits::orbits(file, common, a),
-        Command::Locus(a) => assembly_orbits::loci(file, common, a)?,
+        Command::Bifurcation(a) => machine_studies::bifurcation(file, common, a)?,
+        Command::Lyapunov(a) => machine_studies::lyapunov(file, common, a)?,
+        Command::Sweep(a) => machine_studies::sweep(file, common, a)?,
+        Command::Basin(a) => machine_basin::basin(file, common, a)?,
+        Command::Section(a) => machine_studies::section(file, common, a)?,
+        Command::Response(a) => return machine_orbits::response(file, common, a),
+        Command::Orbit(a) => machine_orbits::orbit(file, common, a)?,
+        Command::Fit(a) => return machine_fit::run(common, a),
+        Command::Orbits(a) => return machine_orbits::orbits(file, common, a),
+        Command::Locus(a) => machine_orbits::loci(file, common, a)?,
         // `vibro check`: no other command takes a file.
         _ => output::say(&vibro::machine::summary(read(file, common)?.description)?)?,
     }

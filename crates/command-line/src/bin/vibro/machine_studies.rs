@@ -15,9 +15,7 @@ use crate::sweep_arguments::{AxisArgument, Sweep};
 use std::path::Path;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::manifest::Invocation;
-use vibro::studies::{
-    SectionAxes, Study, assembly_exponent, assembly_section, assembly_spectrum, diagram_family,
-};
+use vibro::studies::{self, SectionAxes, Study, diagram_family};
 use vibro::{Error, Result};
 use vibro_machine::Start;
 use vibro_studies::isoperiodic;
@@ -235,9 +233,9 @@ pub fn lyapunov(
         true => {
             let progress = Progress::new(*periods as usize, "periods");
             let mut step = || progress.step();
-            assembly_spectrum(&machine, &start, (a.discard, *periods), &mut step, &invocation.command)
+            studies::spectrum(&machine, &start, (a.discard, *periods), &mut step, &invocation.command)
         }
-        false => assembly_exponent(&machine, &start, (a.discard, *periods), &invocation.command),
+        false => studies::exponent(&machine, &start, (a.discard, *periods), &invocation.command),
     })
 }
 
@@ -280,7 +278,7 @@ pub fn section(file: &Path, common: &Common, a: &SectionOfFile) -> Result<()> {
             true
         };
         let points = poincare(&machine, &request, &mut go_on)?;
-        assembly_section(&machine, &request, &points, &shown, "section")
+        studies::section(&machine, &request, &points, &shown, "section")
     })
 }
 

@@ -6,9 +6,8 @@ use std::borrow::Cow;
 use vibro_figures::canvas::palette::{HERE, WHITE};
 use vibro_figures::chart::{Layer, MARK, Mark, Panel};
 use vibro_studies::design_sweep::SampledAxis;
-use vibro_studies::paper::isoperiodic::{Isoperiodic, IsoperiodicRequest};
-use vibro_studies::paper::plane::ParameterAxis;
-use vibro_studies::{Machine, PlanePoint};
+use vibro_studies::isoperiodic::{Isoperiodic, IsoperiodicRequest};
+use vibro_studies::{Machine, ParameterAxis, PlanePoint};
 
 impl ShownPlane for Machine {
     const ONE_PERIOD: &str = "1T";

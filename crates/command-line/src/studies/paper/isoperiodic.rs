@@ -1,17 +1,13 @@
-//! Planes of the 3-DOF machine: impacts at both stops, and the exact orbit beside the motions.
+//! Planes of the paper's machine: impacts at both stops, and the exact orbit beside the motions.
 
-use super::{ClassifiedMotion, ShownPlane, number, percent, word};
 use crate::studies::here;
+use crate::studies::isoperiodic::{ClassifiedMotion, ShownPlane, number, percent, word};
 use std::borrow::Cow;
 use vibro_figures::canvas::palette::HERE;
 use vibro_figures::chart::{Colour, Dash, LINE, Layer, Panel, Path, THIN};
 use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::isoperiodic::{Agreement, Isoperiodic, IsoperiodicRequest, PlanePoint};
 use vibro_studies::paper::plane::SteadyStateClass;
-
-/// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with all
-/// digits has 167.
-pub const POINT_IN_TABLE: usize = 180;
 
 impl ShownPlane for ParameterSet {
     const ONE_PERIOD: &str = "1T, others";

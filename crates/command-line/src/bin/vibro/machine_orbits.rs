@@ -1,10 +1,10 @@
 //! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's
 //! studies.
 
-use crate::assembly_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
 use crate::loci::{Curves, chosen, followed};
+use crate::machine_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
@@ -96,7 +96,7 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
             })?
         }
     };
-    let mut study = studies::assembly_orbit(&machine, &orbit, "orbit")?;
+    let mut study = studies::orbit(&machine, &orbit, "orbit")?;
     if let Some(of) = of {
         studies::add_gradient(&mut study, &machine, &orbit, &of)?;
     }
@@ -230,7 +230,7 @@ pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
     let tree = a.tree.then_some((a.seeds, a.depth));
     let asked = Asked { name: "orbits", vary: &a.vary, of, settling, step: a.step, tree };
     let options = vec![("tree", a.tree.to_string())];
-    branches(file, common, &asked, ("vary", options), studies::assembly_orbits)
+    branches(file, common, &asked, ("vary", options), studies::orbits)
 }
 
 /// The response: the branches of the orbits on which motions settle, rising and falling.
@@ -239,7 +239,7 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
     let (of, tree) = (a.of.as_ref(), Some((*seeds, *depth)));
     let asked = Asked { name: "response", vary: &a.range, of, settling, step: *step, tree };
     let options = vec![("seeds", seeds.to_string()), ("depth", depth.to_string())];
-    branches(file, common, &asked, ("range", options), studies::assembly_response)
+    branches(file, common, &asked, ("range", options), studies::response)
 }
 
 /// Curves of special points over two parameters.
@@ -263,7 +263,7 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     // The folder is checked before work begins.
     destination.place(&[destination.result("locus")])?;
     let (curves, problems) = followed(&families, &points)?;
-    let study = studies::assembly_loci(&machine, [over, second], &curves, &problems)?;
+    let study = studies::loci(&machine, [over, second], &curves, &problems)?;
     written(&[study], &machine, &destination, common)
 }
 
