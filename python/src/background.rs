@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// Interval between checks for signals: a longer delay after Ctrl-C would be noticed.
-const POLL: Duration = Duration::from_millis(30);
+pub const POLL: Duration = Duration::from_millis(30);
 
 /// State shared by the computing and the waiting thread.
 #[derive(Debug, Default)]
@@ -20,6 +20,8 @@ pub struct Control {
     done: AtomicUsize,
     /// Number of parts; 0 if the caller knows the number.
     total: AtomicUsize,
+    /// Words for the present part; empty where parts are only counted.
+    words: Mutex<String>,
 }
 
 impl Control {
@@ -41,6 +43,15 @@ impl Control {
         self.total.store(parts, Ordering::Relaxed);
     }
 
+    /// Sets the number of parts that are done, the number of all parts, and words for the present
+    /// one; returns whether the caller still waits.
+    pub fn at(&self, done: usize, total: usize, words: String) -> bool {
+        self.done.store(done, Ordering::Relaxed);
+        self.expect(total);
+        *self.words.lock().unwrap_or_else(PoisonError::into_inner) = words;
+        !self.is_cancelled()
+    }
+
     /// Counts a part that is done; returns whether the caller still waits.
     pub fn goes_on(&self) -> bool {
         self.add(1);
@@ -54,7 +65,8 @@ impl Control {
 }
 
 /// Computes in another thread without Python's lock and waits for the result. `progress` is called
-/// with the number of finished parts and the total (0 if the caller knows the total). An exception
+/// with the number of finished parts and the total (0 if the caller knows the total), and with words
+/// for the present part where there are some. An exception
 /// from a signal or from `progress` ends the wait at once. The thread ends when it next checks its
 /// [`Control`], and its result is dropped.
 pub fn compute<T: Send + 'static>(
@@ -72,8 +84,10 @@ pub fn compute<T: Send + 'static>(
     let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);
     thread.map_err(|error| Failure::Threads(error.to_string()))?;
     let report = || {
-        let parts = (control.done.load(Ordering::Relaxed), control.total.load(Ordering::Relaxed));
-        progress.map_or(Ok(()), |f| f.call1(parts).map(|_| ()))
+        let (done, total) = (control.done.load(Ordering::Relaxed), control.total.load(Ordering::Relaxed));
+        let words = control.words.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let Some(f) = progress else { return Ok(()) };
+        if words.is_empty() { f.call1((done, total)) } else { f.call1((done, total, words)) }.map(|_| ())
     };
     loop {
         let outcome;

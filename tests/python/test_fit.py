@@ -158,3 +158,24 @@ def test_machine_of_the_core_by_its_twin() -> None:
         error = found.errors[name]
         assert error is not None and abs(found.values[name] - getattr(machine, name)) < FAR * error < 0.01
         assert getattr(found.machine, name) == found.values[name]
+
+
+def test_a_signal_leaves_the_best_values_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = slide().simulate(until=20.0, samples=20_000)
+    far = slide().replace({"spring.k.stiffness": 6e3, "friction.f.force": 2.0})
+    off = far.simulate(times=run.t)["a.s"] - run["a.s"]
+    told: "list[tuple[object, ...]]" = []
+
+    def stop(*parts: object) -> None:
+        told.append(parts)
+        # As a signal would, once a step is done.
+        if "best" in str(parts[-1]):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("vibro_impact._progress.Bar.report", property(lambda self: stop))
+    with pytest.raises(KeyboardInterrupt) as ended:
+        vi.fit(far, {"a.s": (run.t, run["a.s"])}, free=["spring.k.stiffness", "friction.f.force"])
+    best = ended.value.partial
+    assert isinstance(best, vi.Fit) and best.verdict.startswith("undecided: ended by hand")
+    assert best.rms["a.s"] <= np.sqrt(np.mean(off**2)) * (1 + 1e-12)
+    assert told[-1][1] == 1000 and "attempt 1 of at most" in str(told[-1][2])

@@ -288,3 +288,43 @@ fn closed_form_of_a_fit_to_a_record_in_other_units() {
         assert!(told.contains(words), "{told}");
     }
 }
+
+/// Whether a process handles Ctrl-C itself, by the mask of its caught signals.
+#[cfg(target_os = "linux")]
+fn catches_ctrl_c(pid: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+    // Signal 2 is bit 1.
+    u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_writes_the_best_values_so_far_as_undecided() {
+    let out = folder("fit-ended");
+    std::fs::create_dir_all(&out).unwrap();
+    // No ball moves like this: without an end by hand the fit goes on for a minute and does not fit.
+    let row = |k: usize| format!("{:?},{}\n", 1e-3 * k as f64, (k * k) % 7);
+    let table = "time,b.s\n".to_owned() + &(0..20_000).map(row).collect::<String>();
+    std::fs::write(out.join("m.toml"), BALL).unwrap();
+    std::fs::write(out.join("t.csv"), table).unwrap();
+    let line = "fit m.toml --data t.csv --free stop.floor.gap,stop.floor.restitution --out fit";
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
+    command.args(line.split(' ')).current_dir(&out).stdout(std::process::Stdio::piped());
+    let child = command.spawn().unwrap();
+    while !catches_ctrl_c(child.id()) {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let pid = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().expect("kill runs").success());
+    let output = child.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.code() == Some(130) && text.contains("verdict: undecided: ended by hand"),
+        "{text}"
+    );
+    let json = std::fs::read_to_string(out.join("fit/fit.json")).unwrap();
+    assert!(json.contains("\"verdict\": \"undecided: ended by hand"), "{json}");
+    // The motion is that of the written values.
+    assert!(number_after(&json, "stop.floor.gap", "value") > 0.0 && out.join("fit/fitted.toml").exists());
+}

@@ -13,6 +13,7 @@ mod finished;
 mod horizons;
 mod loss;
 mod model;
+mod progress;
 mod record;
 mod restarts;
 mod rounded;
@@ -24,10 +25,11 @@ mod verdict;
 
 pub use errors::{Uncertainty, Undetermined};
 pub use loss::Loss;
+pub use progress::{Observer, Progress};
 pub use verdict::Verdict;
 
 use self::checks::check;
-use self::evaluated::{Point, Solved};
+use self::evaluated::{Point, Reach, Solved};
 use self::horizons::over_horizons;
 use self::model::Model;
 use self::restarts::{Found, restarted};
@@ -49,6 +51,8 @@ const WAYS: [Way; 4] = [
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
+/// Largest number of attempts from a start: each of [`WAYS`], segments, and starts beside it.
+const MOST_ATTEMPTS: usize = WAYS.len() + 1 + BESIDE.0 as usize;
 /// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
 const LOOKED_AT: u32 = 128;
 /// Times that columns without a standard deviation are weighed by their residuals.
@@ -180,15 +184,17 @@ pub struct Fitted {
     pub cost: f64,
 }
 
-/// Fits numbers of a machine to a record. `go_on` ends the fit by returning false; the values
-/// reached by then are kept.
+/// Fits numbers of a machine to a record. `observer` sees the progress at each step and ends the fit
+/// by returning false. The result then has the best values so far, and is undecided.
 ///
 /// # Errors
 /// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
 /// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
-pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fitted> {
+pub fn fit(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     check(request)?;
     let mut model = Model::new(request)?;
+    let (watch, compared) = (model.watch.clone(), model.compared.clone());
+    let go_on: &(dyn Fn() -> bool + Sync) = &|| watch.go_on(observer, compared.simulations());
     let bounds = Bounds::of(request, &model)?;
     let count = bounds.begin.len();
     if request.starts > 0 && count > sobol::DIMENSIONS {
@@ -198,12 +204,14 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
     let further = (1..=request.starts).map(|k| bounds.within(k));
     let starts: Vec<Vec<f64>> =
         std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
+    watch.announce(starts.len() * MOST_ATTEMPTS + BETTER as usize + 1);
     let by = |start: &Vec<f64>| best_from(&model, &bounds, start, request.segments, go_on);
     let found: Vec<Result<Solved>> = starts.par_iter().map(by).collect();
     let mut failed = None;
     let mut note = |error| _ = failed.get_or_insert(error);
     let sound = found.into_iter().filter_map(|found| found.map_err(&mut note).ok());
     let best = sound.reduce(|best, own| if own.cost < best.cost { own } else { best });
+    let best = if watch.is_ended() { best_so_far(&model, &bounds, best) } else { best };
     let Some(mut best) = best else {
         let none = || Error::Described { problem: "no fit: no start was tried".into() };
         return Err(failed.unwrap_or_else(none));
@@ -216,14 +224,15 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
         (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
     };
     for _ in 0..turns {
+        watch.begin("weights of the columns");
         model.reweigh(&best.point, &best.reach)?;
         let found = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
         best = Solved { is_continuous: best.is_continuous, ..found };
     }
     let mut doubt = None;
     for turn in 0..=BETTER {
+        watch.begin(format!("starts beside the best point, {} of at most {}", turn + 1, BETTER + 1));
         if !go_on() {
-            doubt = Some("the fit was ended before its end".to_owned());
             break;
         }
         match restarted(&model, &bounds, &best, go_on)? {
@@ -241,11 +250,22 @@ pub fn fit(request: &FitRequest, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Fi
                 best = Solved { is_continuous, ..found };
             }
         }
+        watch.over(1);
     }
     if !best.is_continuous {
         doubt = Some("segments do not make one motion".into());
     }
-    model.finish(request, &best.point, &best.reach, best.cost, doubt)
+    let fitted = model.finish(request, &best.point, &best.reach, best.cost, doubt)?;
+    Ok(if watch.is_ended() { Fitted { verdict: Verdict::ended(), ..fitted } } else { fitted })
+}
+
+/// The best point of a fit that was ended early, which is the given start where no other is better.
+fn best_so_far(model: &Model, bounds: &Bounds, best: Option<Solved>) -> Option<Solved> {
+    let reach = Reach::whole(model.end());
+    let given =
+        Solved { point: bounds.begin.clone().into(), reach, cost: f64::INFINITY, is_continuous: true };
+    let given = model.cost(&given).ok().map(|cost| Solved { cost, ..given });
+    given.into_iter().chain(best).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 /// The point reached from a start by the first way that leaves noise alone, else by segments, else
@@ -275,9 +295,15 @@ fn best_from(
     let is_divided = segments != Segments::None && (!model.is_of_contacts() || length.is_some());
     let by_segments = is_divided.then(|| Box::new(|| divided(start, length)) as Attempt);
     let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
+    let mut tried = 0;
     for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
-        let Ok(mut found) = attempt() else { continue };
-        found.cost = model.cost(&found)?;
+        model.watch.begin(format!("attempt {} of at most {MOST_ATTEMPTS}", k + 1));
+        tried = k;
+        let found = attempt();
+        model.watch.over(1);
+        let Ok(mut found) = found else { continue };
+        // A fit that was ended may not have seen where its motion breaks off.
+        found.cost = model.cost(&found).or_else(|e| if go_on() { Err(e) } else { Ok(f64::INFINITY) })?;
         let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
             || is_regular && model.is_near(&found.point.values, CLOSE)
             || !go_on();
@@ -298,6 +324,7 @@ fn best_from(
             break;
         }
     }
+    model.watch.over(MOST_ATTEMPTS - 1 - tried);
     // The reason for none at all is that of the given start.
     let best = best.map_or_else(|| horizons(start, WAYS[0]), Ok)?;
     match length {

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Optional, Union
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
 
 import numpy as np
 
@@ -177,10 +178,14 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
     twin = _twin(machine)
     record = _table(record, twin, dotted) if isinstance(record, (str, os.PathLike)) else record
     columns = {dotted.get(name, name): pair for name, pair in record.items()}
-    found = fit(twin, columns, free=names, start=start, **arguments)
-    fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
-    parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
-    return PaperFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
+
+    def made(found: Fit) -> PaperFit:
+        fitted = {name: value for name, value in found.values.items() if name in SI_NAMES}
+        parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
+        return PaperFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
+
+    with _partial(made):
+        return made(fit(twin, columns, free=names, start=start, **arguments))
 
 
 def fit(
@@ -238,9 +243,14 @@ def fit(
     start
         Where the motion begins, as of :meth:`Machine.simulate`. Without it the machine's own start: of a :class:`PaperMachine` that in units of the
         gap that it is given with.
+    progress
+        Whether to show a progress bar, with the stage, the least cost so far, and the number of simulations.
 
     Raises
     ------
+    KeyboardInterrupt
+        On Ctrl-C, with the best values so far as its attribute ``partial``: a :class:`Fit` whose verdict is ``undecided: ended by hand …``;
+        None where the simulations that run do not end within 10 s, or at a second Ctrl-C.
     ValueError, TypeError
         For arguments out of their range, unknown names, and records that are empty or not finite.
     RuntimeError
@@ -262,7 +272,9 @@ def fit(
     ranges = {name: _range(machine, name, ends) for name, ends in (within or {}).items()}
     if loss not in _LOSSES:
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
-    with Bar(progress, 1, "fit") as bar:
+    names_of_columns = [name for name, _ in columns]
+    kind = type(machine)
+    with Bar(progress, 1000, "‰") as bar, _partial(lambda found: _fitted(kind, names, t, names_of_columns, found)):
         found = _native.fit(
             machine._described,
             numbers_of(machine, start),
@@ -276,7 +288,18 @@ def fit(
             whole("starts", starts, 0, 10_000),
             bar.report,
         )
-    return _fitted(type(machine), names, t, [name for name, _ in columns], found)
+    return _fitted(kind, names, t, names_of_columns, found)
+
+
+@contextlib.contextmanager
+def _partial(made: Callable[[Any], Fit]) -> Iterator[None]:
+    """Makes the best values so far, which a KeyboardInterrupt has as `partial`, a :class:`Fit`."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        found = getattr(interrupt, "partial", None)
+        setattr(interrupt, "partial", None if found is None else made(found))  # noqa: B010 (not in its type)
+        raise
 
 
 def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:

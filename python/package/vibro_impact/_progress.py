@@ -12,6 +12,7 @@ class Bar:
     def __init__(self, wanted: bool, total: int, unit: str) -> None:
         self.total = total
         self.shown = 0
+        self.words = ""
         self.bar: Any = None
         self.wanted = wanted
         if wanted:
@@ -22,19 +23,21 @@ class Bar:
             self.bar = tqdm(total=total, unit=unit)
 
     @property
-    def report(self) -> Optional[Callable[[int, int], None]]:
-        """Callback of the computation: number of parts done, and of all parts (0 where this bar knows it)."""
+    def report(self) -> Optional[Callable[..., None]]:
+        """Callback of the computation: number of parts done, of all parts (0 where this bar knows it), and optional words for the present part."""
         return self._show if self.wanted else None
 
-    def _show(self, done: int, total: int) -> None:
+    def _show(self, done: int, total: int, words: str = "") -> None:
         self.total = total or self.total
         if self.bar is not None:
             self.bar.total = self.total
+            self.bar.set_postfix_str(words, refresh=False)
             self.bar.update(done - self.shown)
-        elif 100 * done // max(self.total, 1) != 100 * self.shown // max(self.total, 1):
-            sys.stderr.write(f"\r{100 * done // max(self.total, 1):3d} %")
+        elif (words, 100 * done // max(self.total, 1)) != (self.words, 100 * self.shown // max(self.total, 1)):
+            # Shorter words leave nothing of longer ones.
+            sys.stderr.write(f"\r{100 * done // max(self.total, 1):3d} % {words}".ljust(len(self.words) + 7))
             sys.stderr.flush()
-        self.shown = done
+        self.shown, self.words = done, words
 
     def __enter__(self) -> Bar:
         return self

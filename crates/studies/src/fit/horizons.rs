@@ -33,6 +33,7 @@ pub(super) fn over_horizons(
     let mut horizon = model.near_until(&point, &[], way).max(least).min(end);
     let mut left = HORIZONS;
     loop {
+        model.watch.share((horizon - first) / (end - first).max(f64::MIN_POSITIVE));
         let is_last = horizon >= end || left == 0;
         let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
         let reach = Reach::whole(if is_last { end } else { horizon });

@@ -4,6 +4,7 @@ use super::beside::{Beside, Compared, Followed};
 use super::checks::EARLY;
 use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
+use super::progress::Watch;
 use super::statistics::{deviation, deviations, interval, noise, rms, rounding, size, typical};
 use super::unknowns::Unknowns;
 use super::{FitRequest, Measured, Way};
@@ -29,6 +30,7 @@ pub(super) struct Model<'a> {
     pub loss: Loss,
     pub unknowns: Arc<Unknowns<'a>>,
     pub compared: Arc<Compared<'a>>,
+    pub watch: Arc<Watch>,
     /// Standard deviation of each column, then of the contacts' times.
     sigma: Vec<f64>,
     /// Whether these are given.
@@ -84,6 +86,7 @@ impl<'a> Model<'a> {
             measured,
             loss: *loss,
             compared: Arc::new(compared),
+            watch: Arc::default(),
             noise,
         })
     }
@@ -95,6 +98,7 @@ impl<'a> Model<'a> {
 
     /// Takes the residuals at a point for the standard deviations of columns and contacts.
     pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
+        self.watch.reweigh();
         let beside = self.beside(point, reach)?;
         let columns = (0..self.noise.len()).map(|k| self.spread(beside.residuals(k)));
         let contacts = 0..self.measured.contacts.len();
@@ -152,6 +156,11 @@ impl<'a> Model<'a> {
     /// The record's last time.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
+    }
+
+    /// Reports the cost of a step of the solver.
+    pub fn tell(&self, cost: f64, reach: &Reach) {
+        self.watch.cost(cost, reach.nodes.is_empty() && reach.end >= self.end());
     }
 
     /// Whether the record has times of contacts only.

@@ -218,6 +218,7 @@ pub(super) fn solve(
     };
     let (steps, least_step, least_reduction) = convergence.limits();
     for _ in 0..steps {
+        model.tell(cost, reach);
         if !go_on() {
             break;
         }

@@ -49,6 +49,13 @@ impl fmt::Display for Verdict {
     }
 }
 
+impl Verdict {
+    /// The verdict of a fit that its observer has ended.
+    pub(super) fn ended() -> Self {
+        Self::Undecided("ended by hand, with the best values so far".into())
+    }
+}
+
 impl Model<'_> {
     /// Whether the motion of a point is the record's.
     pub(super) fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {

@@ -89,7 +89,7 @@ fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
 }
 
 fn fitted(request: &FitRequest) -> Fitted {
-    fit(request, &|| true).unwrap()
+    fit(request, &|_| true).unwrap()
 }
 
 /// A machine with some numbers times factors.
@@ -202,7 +202,7 @@ fn records_and_names_that_are_not_allowed_are_refused() {
     for (change, words) in cases {
         let mut own = request(m.clone(), sound.clone(), &["friction.floor.force"]);
         change(&mut own);
-        let error = fit(&own, &|| true).unwrap_err().to_string();
+        let error = fit(&own, &|_| true).unwrap_err().to_string();
         assert!(error.contains(words), "{words}: {error}");
     }
 }

@@ -1,6 +1,9 @@
 //! What is said of a fit: whether its motion is the record's; further starts.
 
 use super::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
+use vibro_studies::fit::Progress;
 
 const FREE: [&str; 2] = ["spring.mount.stiffness", "friction.floor.force"];
 
@@ -49,11 +52,49 @@ fn invariant_residuals_within_rounding_of_the_record_fit() {
 }
 
 #[test]
-fn invariant_a_fit_that_is_ended_is_undecided() {
+fn invariant_a_fit_that_is_ended_is_undecided_and_has_the_best_values_so_far() {
     let m = example("coulomb_oscillator.toml");
     let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(54));
-    let found = fit(&request(m, measured, &FREE), &|| false).unwrap();
-    assert_eq!(found.verdict, Verdict::Undecided("the fit was ended before its end".into()));
+    let far = request(off(&m, &FREE, |_| 1.3), measured, &FREE);
+    let whole = fitted(&far);
+    let mut before = f64::INFINITY;
+    // The given start is far off: without an end by hand each of these would not fit.
+    for calls in [0, 3, 12] {
+        let left = AtomicU32::new(calls);
+        let one = |left: u32| left.checked_sub(1);
+        let ended = |_: &Progress| left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, one).is_ok();
+        let found = fit(&far, &ended).unwrap();
+        assert!(found.verdict.to_string().starts_with("undecided: ended by hand"), "{}", found.verdict);
+        assert!(found.simulations < whole.simulations && found.rms[0].1 <= before, "{calls}");
+        before = found.rms[0].1;
+    }
+    assert!(before < 0.1 * rms_of_start(&far) && whole.rms[0].1 <= before);
+}
+
+/// Residual with which a fit begins: no step is taken.
+fn rms_of_start(request: &FitRequest) -> f64 {
+    fit(request, &|_| false).unwrap().rms[0].1
+}
+
+#[test]
+fn invariant_progress_grows_and_ends_at_the_cost_of_the_fit() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(54));
+    let own = FitRequest { sigma: Some(vec![2e-6]), ..request(off(&m, &FREE, |_| 1.2), measured, &FREE) };
+    let all: Mutex<Vec<Progress>> = Mutex::default();
+    let found = fit(&own, &|now| {
+        all.lock().unwrap().push(now.clone());
+        true
+    });
+    let (found, all) = (found.unwrap(), all.into_inner().unwrap());
+    let grows = |pair: &[Progress]| {
+        pair[0].part <= pair[1].part && pair[0].simulations <= pair[1].simulations && pair[1].part <= 1.0
+    };
+    assert!(all.len() > 5 && all.windows(2).all(grows), "{all:?}");
+    assert!(all.iter().all(|now| !now.stage.is_empty()));
+    // The solver stops at a relative change of 1e-13; the last steps tell the cost by rounding.
+    let best = all.last().unwrap().best.unwrap();
+    assert!((best / found.cost - 1.0).abs() < 1e-9, "{best} {}", found.cost);
 }
 
 #[test]

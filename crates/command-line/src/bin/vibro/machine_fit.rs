@@ -3,8 +3,10 @@
 use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::fit_arguments::FitArguments;
+use crate::interruption::INTERRUPTED;
 use crate::machine_studies::{invocation, machine, read_axis, start_of};
 use crate::output;
+use crate::progress::{Progress, TIME};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +16,7 @@ use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::What;
 use vibro_numerics::quantities::quantity_in;
-use vibro_studies::fit::{FitRequest, Free, Measured, Segments, fit};
+use vibro_studies::fit::{self, FitRequest, Free, Measured, Segments, fit};
 use vibro_studies::{Machine, QuantityName};
 
 /// A number with an optional unit of a dimension, SI.
@@ -139,6 +141,14 @@ fn segments_text(segments: Segments) -> String {
     }
 }
 
+/// Stage, costs and simulations of a fit.
+fn in_words(now: &fit::Progress) -> String {
+    let cost = |name: &str, cost: Option<f64>| cost.map(|cost| format!(", {name} {cost:.4e}"));
+    let costs = [cost("cost", now.cost), cost("best", now.best)];
+    let costs: String = costs.into_iter().flatten().collect();
+    format!("{}{costs}, {} simulations", now.stage, now.simulations)
+}
+
 /// Fits a machine to a record.
 pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
@@ -173,7 +183,12 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
-    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    drop(ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            // A second Ctrl-C does not wait for the simulation that still runs.
+            std::process::exit(INTERRUPTED);
+        }
+    }));
     let request = FitRequest {
         machine: machine.clone(),
         start,
@@ -184,7 +199,12 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         segments: a.segments,
         starts: a.starts,
     };
-    let fitted = fit(&request, &|| !stop.load(Ordering::Relaxed))?;
+    let progress = Progress::new(0, TIME);
+    let fitted = fit(&request, &|now| {
+        progress.described(now.part, &|| in_words(now), "left at most");
+        !stop.load(Ordering::Relaxed)
+    })?;
+    drop(progress);
     let study = studies::fit(&request, &fitted)?;
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;

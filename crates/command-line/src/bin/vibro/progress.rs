@@ -132,6 +132,12 @@ impl Progress {
     /// Sets the completed fraction, from 0 to 1, of work that is a length of time. It may be called
     /// at every event of a motion.
     pub fn part(&self, part: f64) {
+        self.described(part, &|| format!("{part:.3e} of all"), "left");
+    }
+
+    /// Sets the completed fraction, from 0 to 1, with words for it; `left` names the time that is
+    /// left, such as "left at most".
+    pub fn described(&self, part: f64, words: &dyn Fn() -> String, left: &str) {
         let gone = self.begin.elapsed();
         let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
         if gone > self.patience && (self.bar.get().is_none() || since >= TICK.as_millis() as u64) {
@@ -139,9 +145,13 @@ impl Progress {
             let bar = self.bar.get_or_init(|| self.bar());
             bar.set_length(PARTS as u64);
             bar.set_position((part * PARTS) as u64);
-            let left = gone.as_secs_f64() * (1.0 - part) / part;
-            let left = Duration::try_from_secs_f64(left).map_or(Duration::MAX, |time| time);
-            bar.set_message(format!("{:.3e} of all, {} left", part, HumanDuration(left)));
+            let rest = gone.as_secs_f64() * (1.0 - part) / part;
+            let rest = match Duration::try_from_secs_f64(rest) {
+                Ok(rest) => format!(", {} {left}", HumanDuration(rest)),
+                // Nothing is completed yet.
+                Err(_) => String::new(),
+            };
+            bar.set_message(words() + &rest);
         }
     }
 
@@ -231,6 +241,19 @@ mod tests {
         // As at each of many samples: most calls only read the time.
         (0..1_000_000).for_each(|k| progress.part(f64::from(k) * 1e-6));
         wait(&terminal, |shown| shown.contains("of all") && shown.contains("left"));
+    }
+
+    #[test]
+    fn described_work_shows_its_words_and_a_time_left_once_some_is_completed() {
+        let terminal = InMemoryTerm::new(10, 120);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        let progress = Progress::onto(target, Duration::ZERO, 0, TIME);
+        progress.described(0.0, &|| "attempt 1".into(), "left at most");
+        wait(&terminal, |shown| shown.ends_with("attempt 1"));
+        // The next fraction is shown a tick later.
+        std::thread::sleep(TICK);
+        progress.described(0.5, &|| "attempt 2".into(), "left at most");
+        wait(&terminal, |shown| shown.contains("attempt 2") && shown.ends_with("left at most"));
     }
 
     #[test]
