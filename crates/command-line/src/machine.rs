@@ -4,6 +4,7 @@
 mod columns;
 mod derivatives;
 mod fit_record;
+mod fitted_file;
 mod picture;
 mod start;
 mod summary;
@@ -11,6 +12,7 @@ mod summary;
 pub use columns::Chosen;
 pub use derivatives::{DerivativeRecord, check_parameters};
 pub use fit_record::{check_record, read_record};
+pub use fitted_file::write_fitted;
 pub use picture::figure;
 pub use start::read_start;
 pub use summary::summary;

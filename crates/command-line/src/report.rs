@@ -1,10 +1,13 @@
 //! All figures at once, and a report of the paper's statements beside the results.
 
 mod analytical;
+mod document;
+mod fit;
 mod page;
 mod statement;
 mod statements;
 
+pub use fit::fit_page;
 pub use statement::{Statement, Verdict};
 
 use super::long_study::{LongStudy, OverSweep, StudyKind};

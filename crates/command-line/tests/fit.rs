@@ -116,9 +116,13 @@ fn made_record_of_the_page() {
     let drawn = std::fs::read_to_string(home.join("fit/fit.svg")).unwrap();
     is_kept("fit", &drawn);
     is_kept("valley", &valley_picture(&home));
-    // The fitted file is a machine.
-    let fitted = std::fs::read_to_string(home.join("fit/fitted.toml")).unwrap();
-    assert!(fitted.contains("[spring.mount]"), "{fitted}");
+    let page = std::fs::read_to_string(home.join("fit/report.html")).unwrap();
+    for words in ["<b>fits</b>", "spring.mount.stiffness</th>", "<td class=\"n\">kN/m</td>", "<svg role"] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    // One file without network: the only address is the name of SVG.
+    assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http").count());
+    assert!(!page.contains("<script") && !page.contains("src="));
 }
 
 #[test]
@@ -287,6 +291,47 @@ fn closed_form_of_a_fit_to_a_record_in_other_units() {
         let told = fit(name);
         assert!(told.contains(words), "{told}");
     }
+}
+
+/// The lines of a text that another text does not have.
+fn new_lines<'t>(text: &'t str, other: &str) -> Vec<&'t str> {
+    text.lines().filter(|line| !other.lines().any(|own| own == *line)).collect()
+}
+
+#[test]
+fn invariant_a_fitted_file_keeps_comments_units_and_records() {
+    const MACHINE: &str = "name = \"Pushed\" # by hand\n[body.b]\nmass = \"2000 g\"\n# the bench\n\
+                           [spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = \"0.3 kN/m\" # guessed\n\
+                           [load.push]\non = \"b\"\ntable = \"records/push.csv\"\n";
+    const PUSH: &str = "# made by hand\ntime [ms];f [N]\n0;1\n2000;1\n";
+    // 1 N on 200 N/m and 2 kg: the body moves by 5 mm (1 - cos 10 t).
+    let row = |k: u32| format!("{k},{:?}\n", 5.0 - 5.0 * (0.01 * f64::from(k)).cos());
+    let table =
+        "# a sensor\ntime [ms],b.s [mm]\n".to_owned() + &(0..200).map(|k| row(5 * k)).collect::<String>();
+    let out = folder("fit-kept");
+    std::fs::create_dir_all(out.join("records")).unwrap();
+    std::fs::write(out.join("records/push.csv"), PUSH).unwrap();
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let output = command.args(line.split(' ')).current_dir(&out).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    std::fs::write(out.join("m.toml"), MACHINE).unwrap();
+    std::fs::write(out.join("t.csv"), table).unwrap();
+    run("fit m.toml --data t.csv --free spring.k.stiffness,body.b.start.v --out fit");
+    let text = std::fs::read_to_string(out.join("fit/fitted.toml")).unwrap();
+    let new = new_lines(&text, MACHINE);
+    // The text has no start: it is added to the body.
+    let begins = ["# vibro fit: ", "start.v = ", "stiffness = \"0."];
+    assert!(new.len() == 3 && new.iter().zip(begins).all(|(line, begin)| line.starts_with(begin)), "{text}");
+    assert!(new[2].ends_with(" kN/m\" # guessed") && new_lines(MACHINE, &text).len() == 1, "{text}");
+    assert_eq!(std::fs::read_to_string(out.join("fit/records/push.csv")).unwrap(), PUSH);
+    // The file is a machine, which moves as the record says.
+    run("run fit/fitted.toml --until 0.1s --samples 1 --out run");
+    let states = std::fs::read_to_string(out.join("run/states.csv")).unwrap();
+    let last: Vec<f64> =
+        states.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert!((last[1] - 5e-3 * (1.0 - 1f64.cos())).abs() < 1e-8, "{states}");
 }
 
 /// Whether a process handles Ctrl-C itself, by the mask of its caught signals.

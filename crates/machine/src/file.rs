@@ -29,6 +29,7 @@ mod any_unit;
 mod blocks;
 mod bodies;
 mod completion;
+mod edit;
 mod elements;
 mod flexible;
 mod follows;
@@ -45,6 +46,7 @@ mod stepped;
 mod write;
 
 pub use completion::{Completion, completion};
+pub use edit::with_numbers;
 pub use records::{no_records, records_beside};
 
 use crate::check::{check, check_structure};

@@ -1,5 +1,6 @@
 //! The report as one HTML file with embedded pictures and no script.
 
+use super::document::document;
 use super::statement::{Statement, Verdict};
 use crate::Result;
 use crate::studies::Study;
@@ -10,17 +11,6 @@ use rayon::prelude::*;
 use vibro_figures::canvas;
 use vibro_figures::html::escape;
 use vibro_studies::paper::{ParameterSet, short};
-
-const STYLE: &str = ":root{color-scheme:light dark;--text:#222;--paper:#fff;--line:#ccc;--head:#f3f3f3;--yes:#e2f2e6;\
---partly:#fdf3d8;--no:#f9dedc;--note:#eef3fa;--small:#555}\
-@media (prefers-color-scheme:dark){:root{--text:#e4e4e4;--paper:#16181b;--line:#555;--head:#2a2d31;--yes:#173a24;\
---partly:#423510;--no:#4a2020;--note:#1f2c3c;--small:#b8b8b8}}\
-body{font:16px/1.5 sans-serif;color:var(--text);background:var(--paper);max-width:1200px;margin:2em auto;padding:0 1em;\
-overflow-wrap:break-word}h1,h2,h3{line-height:1.2}.wide{overflow-x:auto}table{border-collapse:collapse;width:100%}\
-td,th{border:1px solid var(--line);padding:.4em .6em;text-align:left;vertical-align:top}th{background:var(--head)}\
-td.n{text-align:right;white-space:nowrap}img{max-width:100%;height:auto;border:1px solid var(--line)}\
-.agrees{background:var(--yes)}.partly{background:var(--partly)}.differs{background:var(--no)}\
-.note{background:var(--note);padding:.8em 1em}small{color:var(--small)}";
 
 /// The whole page; `spectra` is the table of exponents.
 pub(super) fn page(
@@ -36,11 +26,7 @@ pub(super) fn page(
     let body = [introduction(set, quick), comparison(statements), exponents(spectra)].concat()
         + "<h2>Figures</h2>\n"
         + &figures.collect::<String>();
-    Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>vibro-impact: the study redone</title>\
-         <style>{STYLE}</style></head>\n<body>\n{body}</body></html>\n"
-    ))
+    Ok(document("vibro-impact: the study redone", &body))
 }
 
 /// Introduction: the paper, and the source of the parameters.

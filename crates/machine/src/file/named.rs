@@ -100,7 +100,7 @@ pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
 }
 
 /// Names that a number may have, by its name in the file.
-fn candidates(entry: &str) -> [String; 10] {
+pub(super) fn candidates(entry: &str) -> [String; 10] {
     let replaced = |end: &str, by: &str| {
         let cut = entry.strip_suffix(end).unwrap_or(entry);
         if cut.len() < entry.len() { format!("{cut}{by}") } else { entry.to_owned() }

@@ -119,10 +119,11 @@ impl Entry<'_> {
     }
 }
 
-/// Line and text of a value, kept for problems of the whole machine.
+/// Line, text and span of a value, kept for problems of the whole machine and for edits.
 struct Written {
     line: usize,
     value: Option<String>,
+    span: Range<usize>,
 }
 
 /// The name and the value that are asked about: see [`Allowed`]. No machine's text has it.
@@ -243,7 +244,13 @@ impl<'a> Reading<'a> {
 
     fn note(&mut self, entry: &Entry) {
         let value = self.value(entry);
-        self.written.insert(entry.name.clone(), Written { line: entry.line, value });
+        self.written
+            .insert(entry.name.clone(), Written { line: entry.line, value, span: entry.span.clone() });
+    }
+
+    /// The spans of all values, by dotted name.
+    pub fn spans(self) -> HashMap<String, Range<usize>> {
+        self.written.into_iter().map(|(name, own)| (name, own.span)).collect()
     }
 
     /// The entry of a key, if present.

@@ -2,7 +2,7 @@
 
 use crate::random::machine;
 use proptest::prelude::*;
-use vibro_machine::file::{no_records, parse};
+use vibro_machine::file::{no_records, parse, with_numbers};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
@@ -13,5 +13,19 @@ proptest! {
         let read = parse(&text, "written.toml", &no_records);
         prop_assert!(read.is_ok(), "{}\n{text}", read.unwrap_err());
         prop_assert_eq!(read.unwrap(), machine, "{}", text);
+    }
+
+    #[test]
+    fn invariant_numbers_that_are_set_in_a_text_read_back_equal(machine in machine()) {
+        let text = machine.to_toml();
+        // Numbers that are 0 are left out of the text by many elements.
+        let moved = |value: f64, k: usize| if value == 0.0 { 1e-3 } else { value * (1.0 + 1e-3 * (k % 3) as f64) };
+        let all = machine.parameters().into_iter().enumerate();
+        let other = all.fold(machine.clone(), |other, (k, own)| {
+            other.with([(own.name.as_str(), moved(own.value, k))]).unwrap_or(other)
+        });
+        let edited = with_numbers(&text, &no_records, &other);
+        prop_assert!(edited.is_some(), "{text}\n{}", other.to_toml());
+        prop_assert_eq!(parse(&edited.unwrap(), "edited.toml", &no_records).unwrap(), other, "{}", text);
     }
 }

@@ -7,10 +7,11 @@ use crate::interruption::INTERRUPTED;
 use crate::machine_studies::{invocation, machine, read_axis, start_of};
 use crate::output;
 use crate::progress::{Progress, TIME};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::machine::{check_record, read_record};
+use vibro::machine::{check_record, read_record, write_fitted};
+use vibro::report::fit_page;
 use vibro::studies::{self, fit_json};
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
@@ -179,7 +180,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("fit")])?;
+    let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     // Without a handler Ctrl-C ends the program too, but nothing is written.
@@ -209,7 +210,11 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;
     write_whole(&out.join("fit.json"), fit_json(&fitted).as_bytes())?;
-    write_whole(&out.join("fitted.toml"), fitted.machine.description.to_toml().as_bytes())?;
+    write_fitted(&a.file, &fitted.machine.description, &fitted.verdict.to_string(), &out)?;
+    let files = [Some(&a.file), a.data.as_ref(), a.events.as_ref()].map(|path| path.map(PathBuf::as_path));
+    let files: Vec<&Path> = files.into_iter().flatten().collect();
+    let page = fit_page((&request, &fitted), &study, &invocation.command_line, &files)?;
+    destination.write_page("report", &page, &out)?;
     if !fitted.start.is_own() {
         write_whole(&out.join("start.toml"), fitted.start.to_toml().as_bytes())?;
     }

@@ -1,0 +1,203 @@
+//! The report of a fit: verdict, numbers with errors, correlations, residuals, picture, versions.
+
+use super::document::{document, table};
+use crate::Result;
+use crate::studies::Study;
+use std::path::Path;
+use vibro_figures::canvas;
+use vibro_figures::html::escape;
+use vibro_machine::quantity::NamedQuantity;
+use vibro_numerics::digest::fnv1a;
+use vibro_studies::fit::{FitRequest, Fitted, Verdict};
+use vibro_studies::{QuantityName, significant};
+
+/// Significant digits of an error, which says how many of its number are known.
+const DIGITS: f64 = 2.0;
+/// Largest number of decimals; with more of them a number is shown with an exponent.
+const MOST_DECIMALS: f64 = 9.0;
+
+/// Digits of a number that its error leaves, and those of the error: `0.0050012` and `0.0000023`.
+fn with_error(value: f64, error: f64) -> (String, String) {
+    // Very small numbers have an exponent.
+    let decimals = DIGITS - 1.0 - error.abs().log10().floor();
+    if !decimals.is_finite() || decimals > MOST_DECIMALS || !value.is_finite() {
+        return (significant(value), significant(error));
+    }
+    let decimals = decimals.max(0.0) as usize;
+    let shown = |x: f64| format!("{x:.decimals$}").replace('-', "−");
+    (shown(value), shown(error))
+}
+
+/// A number to three digits.
+fn rounded(x: f64) -> String {
+    significant(format!("{x:.2e}").parse().unwrap_or(x))
+}
+
+/// The page of a finished fit. `files` are the machine's file and the record's.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output) if the picture cannot be drawn, and
+/// [`Error::File`](crate::Error::File) for a file that cannot be read again.
+pub fn fit_page(
+    (request, fitted): (&FitRequest, &Fitted),
+    study: &Study,
+    command_line: &str,
+    files: &[&Path],
+) -> Result<String> {
+    let name = escape(&request.machine.description.name);
+    let picture = study.figure.as_ref().map(canvas::svg).transpose()?;
+    let what = escape(&study.what);
+    let picture = picture.map_or(String::new(), |svg| {
+        let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{what}\" "), 1);
+        format!("<h2>Record and fitted motion</h2>\n<figure class=\"wide\">{svg}</figure>\n")
+    });
+    let body = [
+        format!("<h1>{name}: fit to a record</h1>\n<p>A {what}.</p>\n"),
+        verdict(&fitted.verdict),
+        numbers(request, fitted),
+        correlations(fitted),
+        picture,
+        residuals(request, fitted),
+        origin(command_line, files)?,
+    ]
+    .concat();
+    Ok(document(&format!("{}: fit to a record", request.machine.description.name), &body))
+}
+
+fn verdict(verdict: &Verdict) -> String {
+    let class = match verdict {
+        Verdict::Fits => "agrees",
+        Verdict::Undecided(_) => "partly",
+        Verdict::Misses(_) => "differs",
+    };
+    let remark = match verdict {
+        Verdict::Fits => "",
+        _ => " The errors below hold only where the motion is that of the record.",
+    };
+    format!("<p class=\"verdict {class}\"><b>{}</b>.{remark}</p>\n", escape(&verdict.to_string()))
+}
+
+/// Fitted numbers in the units of the machine's file, with errors and with the values from which
+/// the fit began.
+fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
+    let own = &fitted.uncertainty;
+    let errors = own.errors.iter().zip(&own.white);
+    let rows = fitted.values.iter().zip(errors).map(|((name, value), (error, white))| {
+        let (factor, symbol) = request.machine.unit(name);
+        let begin = request.machine.description.get(name).map_or(String::new(), |x| significant(factor * x));
+        let (shown, error) = match error {
+            Some(error) => with_error(factor * value, factor * error),
+            None => (significant(factor * value), "not determined".into()),
+        };
+        let white = white.map_or(String::new(), |x| rounded(factor * x));
+        vec![escape(name), shown, format!("± {error}"), escape(&symbol), begin, white]
+    });
+    let header =
+        ["number", "fitted", "standard error", "unit", "first value", "error if residuals were white noise"];
+    let combinations: String = own
+        .undetermined
+        .iter()
+        .map(|own| {
+            format!(
+                "<li>The record does not determine, in parts of the values: {}</li>",
+                escape(&own.to_string())
+            )
+        })
+        .collect();
+    let lost = fitted.lost.iter().map(|lost| format!("<li>{}; differences stand in</li>", escape(lost)));
+    let notes = combinations + &lost.collect::<String>();
+    let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
+    format!("<h2>Numbers</h2>\n{}{notes}", table(&header.map(String::from), rows))
+}
+
+/// Correlations of the numbers, stronger ones on a darker ground.
+fn correlations(fitted: &Fitted) -> String {
+    let own = &fitted.uncertainty;
+    if own.names.len() < 2 {
+        return String::new();
+    }
+    let header = std::iter::once(String::new()).chain(own.names.iter().map(|name| escape(name)));
+    let cell = |x: &f64| {
+        let strength = (60.0 * x.abs()).min(60.0);
+        let text = format!("{x:.3}").replace('-', "−");
+        format!(
+            "<span style=\"background:color-mix(in srgb,#4a90d9 {strength:.0}%,transparent)\">{text}</span>"
+        )
+    };
+    let rows = own.names.iter().zip(own.correlation.row_iter());
+    let rows = rows.map(|(name, row)| std::iter::once(escape(name)).chain(row.iter().map(cell)).collect());
+    let rows: Vec<Vec<String>> = rows.collect();
+    format!("<h2>Correlations</h2>\n{}", table(&header.collect::<Vec<_>>(), rows))
+}
+
+/// Root mean squares of the residuals, in SI, and how they follow each other.
+fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
+    let unit = |name: &str| {
+        let named = name.parse::<QuantityName>().ok()?.find(&request.machine.description).ok();
+        // The residuals of a stop's contacts are times.
+        Some(named.map_or("s", |NamedQuantity { unit, .. }| unit))
+    };
+    let measured = &request.measured;
+    let count = |name: &str| {
+        let contacts = measured.contacts.iter().find(|own| own.0 == name);
+        contacts.map_or(measured.times.len(), |own| own.1.len())
+    };
+    let rows = fitted.rms.iter().map(|(name, rms)| {
+        vec![escape(name), rounded(*rms), unit(name).unwrap_or("s").into(), count(name).to_string()]
+    });
+    let header = ["column or stop", "residual, rms", "unit", "samples"].map(String::from);
+    let segments = match fitted.segments.len() {
+        0 => String::new(),
+        own => {
+            format!("<p>The motion is divided into {} segments, each with a start of its own.</p>\n", own + 1)
+        }
+    };
+    // Without given deviations the weights are those of the residuals themselves.
+    let free = measured.samples().saturating_sub(fitted.values.len());
+    let cost = request.sigma.as_ref().map_or(String::new(), |_| {
+        format!(
+            " Sum of the squares over those of the noise: {} for {free} degrees of freedom.",
+            significant(fitted.cost)
+        )
+    });
+    format!(
+        "<h2>Residuals</h2>\n{}<p>Correlation of a residual with the next one: {}. The fitted motion keeps near the \
+         record until {} s.{cost}</p>\n{segments}",
+        table(&header, rows),
+        rounded(fitted.uncertainty.persistence),
+        significant(fitted.near_until),
+    )
+}
+
+/// Program, command and files from which the fit was made.
+fn origin(command_line: &str, files: &[&Path]) -> Result<String> {
+    let mut rows = Vec::new();
+    for path in files {
+        let bytes = std::fs::read(path).map_err(crate::Error::file("reading", path))?;
+        rows.push(vec![
+            escape(&path.display().to_string()),
+            bytes.len().to_string(),
+            format!("{:016x}", fnv1a(&bytes)),
+        ]);
+    }
+    let header = ["file", "bytes", "digest (FNV-1a)"].map(String::from);
+    Ok(format!(
+        "<h2>How it was made</h2>\n<p>vibro {}:</p>\n<pre>{}</pre>\n{}",
+        env!("CARGO_PKG_VERSION"),
+        escape(command_line),
+        table(&header, rows)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_error;
+
+    #[test]
+    fn closed_form_an_error_has_two_digits_and_its_number_as_many_decimals() {
+        let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+        assert_eq!(with_error(5.001234, 0.00234), pair("5.0012", "0.0023"));
+        assert_eq!(with_error(-302_784.3, 667.2), pair("−302784", "667"));
+        assert_eq!(with_error(1.0, 0.0), pair("1", "0"));
+    }
+}
