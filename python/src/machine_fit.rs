@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
-use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
+use vibro_studies::fit::{Filter, FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
 
 /// Parts into which the longest course of a fit is divided for a progress bar.
 const PARTS: u32 = 1000;
@@ -83,7 +83,7 @@ pub fn columns_of_table(
 
 /// Fits numbers of a machine to a record.
 #[pyfunction]
-#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, loss, segments, starts, progress = None))]
+#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, filters, loss, segments, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
 pub fn fit<'py>(
     py: Python<'py>,
@@ -94,6 +94,7 @@ pub fn fit<'py>(
     contacts: Vec<(String, Vec<f64>)>,
     free: Vec<(String, Option<(f64, f64)>)>,
     sigma: Option<Vec<f64>>,
+    filters: Vec<(String, u32, f64)>,
     loss: &str,
     segments: Option<f64>,
     starts: u32,
@@ -102,6 +103,9 @@ pub fn fit<'py>(
     let column = |(name, values): &(String, PyReadonlyArray1<'_, f64>)| {
         let name = name.parse().map_err(Failure::from)?;
         PyResult::Ok((name, values.as_slice()?.to_vec()))
+    };
+    let filter = |(column, order, frequency): (String, u32, f64)| {
+        PyResult::Ok(Filter { column: column.parse().map_err(Failure::from)?, order, frequency })
     };
     let count = columns.len();
     let request = FitRequest {
@@ -114,6 +118,7 @@ pub fn fit<'py>(
         },
         free: free.into_iter().map(|(name, within)| Free { name, within }).collect(),
         sigma,
+        filters: filters.into_iter().map(filter).collect::<PyResult<_>>()?,
         loss: match loss {
             "soft_l1" => Loss::SoftL1,
             "huber" => Loss::Huber,

@@ -179,3 +179,22 @@ def test_a_signal_leaves_the_best_values_so_far(monkeypatch: pytest.MonkeyPatch)
     assert isinstance(best, vi.Fit) and best.verdict.startswith("undecided: ended by hand")
     assert best.rms["a.s"] <= np.sqrt(np.mean(off**2)) * (1 + 1e-12)
     assert told[-1][1] == 1000 and "attempt 1 of at most" in str(told[-1][2])
+
+
+def test_closed_form_an_accelerometer_is_fitted_through_its_filter() -> None:
+    ball = {
+        "name": "Ball",
+        "gravity": 9.81,
+        "body": {"b": {"mass": 1.0, "gravity": 1.0}},
+        "stop": {"floor": {"between": ["ground", "b"], "gap": 1.0, "restitution": 0.79}},
+    }
+    # The filter's answers to gravity from the start on, and to the jump of the speed at the impact.
+    t, hit, rate = np.linspace(0.0, 1.0, 400), np.sqrt(2 / 9.81), 2 * np.pi * 40 / np.sqrt(2)
+    late = np.clip(t - hit, 0.0, None)
+    shown = 9.81 * (1 - np.exp(-rate * t) * (np.cos(rate * t) + np.sin(rate * t)))
+    shown -= 1.8 * 9.81 * hit * 2 * rate * np.exp(-rate * late) * np.sin(rate * late)
+    found = vi.fit(vi.Machine(ball), {"b.a": (t, shown)}, free=["stop.floor.restitution"], filter={"b.a": (2, "40 Hz")})
+    # Rounding of samples of up to 1000 m/s².
+    assert abs(found.values["stop.floor.restitution"] - 0.8) < 1e-9
+    with pytest.raises(TypeError, match="expected a pair of order and corner frequency"):
+        vi.fit(vi.Machine(ball), {"b.a": (t, shown)}, free=["stop.floor.restitution"], filter={"b.a": 40.0})

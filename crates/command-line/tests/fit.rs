@@ -208,6 +208,7 @@ fn refused_records_ranges_and_deviations_are_named_with_their_file() {
         ("empty.csv", "time,b.s\n"),
         ("twice.csv", "time,b.s,b.s\n0,1,1\n1,2,2\n"),
         ("early.csv", "time,b.s\n-2,1\n-1,2\n"),
+        ("shown.csv", "time,b.a\n0,0\n0.1,9\n0.2,10\n"),
         ("order.csv", "element,time\nfloor,1\nfloor,0.5\n"),
         ("sound.csv", "time,b.s\n0,0\n0.1,0.05\n0.2,0.2\n"),
     ];
@@ -221,6 +222,12 @@ fn refused_records_ranges_and_deviations_are_named_with_their_file() {
         ("--events order.csv --free stop.floor.gap", "order.csv: floor: contact 2 has the time 0.5 s"),
         (&format!("{sound}=3:2"), "stop.floor.gap=3:2: its ends do not rise"),
         (&format!("{sound}=0.5:2 --within stop.floor.gap=0.6:2"), "stop.floor.gap has two ranges"),
+        ("--data shown.csv --free stop.floor.gap", "b.a has no filter; expected that of its sensor"),
+        (
+            "--data shown.csv --free stop.floor.gap --filter b.a=2",
+            "COLUMN=ORDER,FREQUENCY, e.g. box.a=2,400Hz",
+        ),
+        ("--data shown.csv --free stop.floor.gap --filter b.a=9,40Hz", "expected an order from 1 to 8"),
         ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two deviations"),
     ];
     for (arguments, words) in cases {

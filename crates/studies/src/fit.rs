@@ -9,6 +9,7 @@ mod checks;
 mod elimination;
 mod errors;
 mod evaluated;
+mod filter;
 mod finished;
 mod horizons;
 mod loss;
@@ -24,6 +25,7 @@ mod unknowns;
 mod verdict;
 
 pub use errors::{Uncertainty, Undetermined};
+pub use filter::Filter;
 pub use loss::Loss;
 pub use progress::{Observer, Progress};
 pub use verdict::Verdict;
@@ -140,6 +142,8 @@ pub struct FitRequest {
     /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times,
     /// s. Without them all columns weigh the same by their own deviation.
     pub sigma: Option<Vec<f64>>,
+    /// Filters of the sensors of columns; a column of accelerations has one.
+    pub filters: Vec<Filter>,
     /// How residuals count.
     pub loss: Loss,
     /// Whether the motion is divided.
@@ -192,6 +196,13 @@ pub struct Fitted {
 /// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
 pub fn fit(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     check(request)?;
+    let carrying = filter::carrying(request)?;
+    let fitted = fit_carrying(carrying.as_ref().unwrap_or(request), observer)?;
+    Ok(filter::without(fitted, request.filters.len()))
+}
+
+/// The fit of a machine that carries the filters of its sensors.
+fn fit_carrying(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     let mut model = Model::new(request)?;
     let (watch, compared) = (model.watch.clone(), model.compared.clone());
     let go_on: &(dyn Fn() -> bool + Sync) = &|| watch.go_on(observer, compared.simulations());

@@ -196,6 +196,7 @@ def fit(
     within: Optional[Mapping[str, tuple[Union[float, str], Union[float, str]]]] = None,
     events: Optional[Mapping[str, ArrayLike]] = None,
     sigma: Optional[Mapping[str, Union[float, str]]] = None,
+    filter: Optional[Mapping[str, tuple[int, Union[float, str]]]] = None,
     loss: str = "linear",
     segments: Union[str, float] = "auto",
     starts: int = 0,
@@ -233,6 +234,9 @@ def fit(
     sigma
         Standard deviation of the noise of each column, in SI or as a text with a unit, and of the times of ``events`` as ``"contacts"``; by
         the residuals without it.
+    filter
+        Order and corner frequency (Hz, or a text with a unit) of the low-pass filter of a column's sensor, Butterworth's: ``{"box.a": (2, 400.0)}``.
+        A column of accelerations requires one.
     loss
         ``linear``, ``soft_l1`` or ``huber``: how residuals count.
     segments
@@ -257,7 +261,7 @@ def fit(
         Where no motion of the machine covers the record.
     """
     if isinstance(machine, ParameterValues):
-        arguments = {"within": within, "events": events, "sigma": sigma, "loss": loss, "segments": segments, "starts": starts}
+        arguments = {"within": within, "events": events, "sigma": sigma, "filter": filter, "loss": loss, "segments": segments, "starts": starts}
         return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
     if not isinstance(machine, MachineDescription):
         raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Machine and PaperMachine")
@@ -283,6 +287,7 @@ def fit(
             contacts,
             [(name, ranges.get(name)) for name in names],
             _sigma(machine, sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
+            [_filter(column, own) for column, own in (filter or {}).items()],
             loss,
             _length(segments),
             whole("starts", starts, 0, 10_000),
@@ -321,6 +326,15 @@ def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> 
     if name.startswith("record."):
         raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
     return number("within", machine._in_si(name, value))
+
+
+def _filter(column: str, own: Any) -> tuple[str, int, float]:
+    """Column, order and corner frequency, Hz, of a sensor's filter."""
+    if isinstance(own, str) or not isinstance(own, Sequence) or len(own) != 2:
+        raise TypeError(f"filter: {column} = {own!r}: expected a pair of order and corner frequency, such as (2, 400.0)")
+    name = f"filter: {column}"
+    frequency = quantity(name, "Hz", own[1]) if isinstance(own[1], str) else number(name, own[1])
+    return column, whole(name, own[0], 1, 8), frequency
 
 
 def _length(segments: Union[str, float]) -> Optional[float]:

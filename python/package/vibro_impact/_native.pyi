@@ -148,6 +148,7 @@ def fit(
     contacts: Sequence[tuple[str, Sequence[float]]],
     free: Sequence[tuple[str, tuple[float, float] | None]],
     sigma: Sequence[float] | None,
+    filters: Sequence[tuple[str, int, float]],
     loss: str,
     segments: float | None,
     starts: int,

@@ -116,9 +116,9 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
     }
 }
 
-/// Problems of a start at rest beside a block that reads a body.
+/// Problems of a start at rest with blocks that feed the motion of bodies back to loads.
 pub(super) fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
-    if let Some((block, read)) = machine.reader() {
+    if let Some((block, read)) = machine.feedback() {
         let text = format!(
             "the machine starts at rest, and block.{} reads {read}: what it feeds back has no equilibrium that loads lead to; \
              allowed is a start of the bodies and of the block instead",

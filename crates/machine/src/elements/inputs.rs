@@ -22,11 +22,6 @@ impl Description {
         })
     }
 
-    /// The first block that reads a body or an element, with the name of what it reads.
-    pub(crate) fn reader(&self) -> Option<(&Block, String)> {
-        self.reads_body(|_| true)
-    }
-
     /// The first block by which loads feed back what bodies do, with the name of what it reads.
     pub fn feedback(&self) -> Option<(&Block, String)> {
         let mut reached = HashSet::new();

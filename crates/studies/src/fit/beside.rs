@@ -1,9 +1,10 @@
 //! The motion of a machine beside a record, segment by segment.
 
-use super::Measured;
 use super::evaluated::{Point, Reach, Rows, Segment, Varied};
+use super::filter::{Carried, Sensor, sensors};
 use super::statistics::interval;
 use super::unknowns::{Columns, Made, Unknowns};
+use super::{FitRequest, Measured};
 use crate::QuantityName;
 use crate::error::{Error, Result};
 use std::ops::Range;
@@ -22,6 +23,8 @@ pub(super) struct Compared<'a> {
     quantities: Vec<Quantity>,
     /// The rate of each column's quantity, where a quantity has it.
     pub rates: Vec<Option<Quantity>>,
+    /// Filters of columns.
+    sensors: Vec<Sensor>,
     /// Index of the stop of each list of contacts.
     stops: Vec<usize>,
     simulations: AtomicU32,
@@ -121,12 +124,24 @@ pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize
 }
 
 impl<'a> Compared<'a> {
-    pub fn new(measured: &'a Measured, d: &Description) -> Result<Self> {
-        let quantity = |(name, _): &(QuantityName, Vec<f64>)| Ok(name.find(d)?.quantity);
+    pub fn new(request: &'a FitRequest) -> Result<Self> {
+        let (measured, d) = (&request.measured, &request.machine.description);
+        let sensors = sensors(request)?;
+        let quantity = |(name, _): &(QuantityName, Vec<f64>)| match request
+            .filters
+            .iter()
+            .position(|own| own.column == *name)
+        {
+            Some(k) => Ok((sensors[k].output, sensors[k].rate)),
+            None => Ok((name.find(d)?.quantity, rate_of(name, d))),
+        };
+        let pairs = measured.columns.iter().map(quantity).collect::<Result<Vec<_>>>()?;
+        let (quantities, rates) = pairs.into_iter().unzip();
         Ok(Self {
             measured,
-            quantities: measured.columns.iter().map(quantity).collect::<Result<_>>()?,
-            rates: measured.columns.iter().map(|(name, _)| rate_of(name, d)).collect(),
+            quantities,
+            rates,
+            sensors,
             stops: stops_of(measured, d)?,
             simulations: AtomicU32::new(0),
         })
@@ -184,7 +199,10 @@ impl<'a> Compared<'a> {
         let (from, next) = (node(k), reach.nodes.get(k).copied());
         let until = next.unwrap_or(reach.end);
         let states = (k > 0).then(|| point.states[k - 1].len());
-        let columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
+        let mut columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
+        // Later segments begin in states of their own.
+        let begins = if varied && k == 0 { &self.sensors[..] } else { &[] };
+        let carried = Carried::of(begins, (&made.machine, &made.start), &mut columns.by)?;
         let inside = |times: &[f64]| {
             let end = |time: &f64| if next.is_some() { *time < until } else { *time <= until };
             times.partition_point(|time| *time < from)..times.partition_point(end)
@@ -211,14 +229,21 @@ impl<'a> Compared<'a> {
             let sample = |k: usize| {
                 let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
                 let rate = self.rates[k].map(|rate| motion.motion().value(rate));
-                (value, columns.all(|p| motion.derivative(self.quantities[k], p), rate, Some(k)))
+                (
+                    value,
+                    columns.all(
+                        |p| carried.with(p, |p| motion.derivative(self.quantities[k], p)),
+                        rate,
+                        Some(k),
+                    ),
+                )
             };
             samples.push((0..data.len()).map(sample).collect());
         }
         if (next.is_some() || !self.stops.is_empty()) && until + made.shift > motion.motion().time() {
             motion.advance_observed(until + made.shift, &mut note)?;
         }
-        let end = if next.is_some() { end_of(&motion, &columns) } else { Vec::new() };
+        let end = if next.is_some() { end_of(&motion, &columns, &carried) } else { Vec::new() };
         let lost =
             (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
         let lost = lost.collect();
@@ -331,11 +356,12 @@ impl Followed {
 }
 
 /// The state of a motion with its derivatives.
-fn end_of(motion: &Differentiated, columns: &Columns) -> Vec<Varied> {
+fn end_of(motion: &Differentiated, columns: &Columns, carried: &Carried) -> Vec<Varied> {
     let own = motion.motion();
     let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();
     let rates = own.state_derivatives();
-    let all =
-        |(i, state): (usize, f64)| (state, columns.all(|p| Some(by[p].as_ref()?[i]), Some(rates[i]), None));
+    let all = |(i, state): (usize, f64)| {
+        (state, columns.all(|p| carried.with(p, |p| Some(by[p].as_ref()?[i])), Some(rates[i]), None))
+    };
     own.states().into_iter().enumerate().map(all).collect()
 }

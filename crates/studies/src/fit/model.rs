@@ -65,9 +65,9 @@ fn given(sigma: &[f64], measured: &Measured) -> Result<Vec<f64>> {
 
 impl<'a> Model<'a> {
     pub fn new(request: &'a FitRequest) -> Result<Self> {
-        let FitRequest { machine, measured, sigma, loss, .. } = request;
-        let (d, columns) = (&machine.description, &measured.columns);
-        let compared = Compared::new(measured, d)?;
+        let FitRequest { measured, sigma, loss, .. } = request;
+        let columns = &measured.columns;
+        let compared = Compared::new(request)?;
         let noise = |(_, values): &(QuantityName, Vec<f64>)| noise(values).max(rounding(values));
         let noise: Vec<f64> = columns.iter().map(noise).collect();
         // Beside outliers a column's own deviation is theirs.

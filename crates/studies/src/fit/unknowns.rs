@@ -1,6 +1,7 @@
 //! The free numbers of a fit: what each is, where it begins, and what it may be.
 
 use super::FitRequest;
+use super::filter::{self, Sensor};
 use crate::Machine;
 use crate::error::{Error, Result};
 use vibro_machine::derivative::By;
@@ -32,6 +33,7 @@ pub(super) struct Unknowns<'a> {
     /// The values from which the fit begins.
     pub begin: Vec<f64>,
     columns: usize,
+    sensors: Vec<Sensor>,
 }
 
 /// What values of the free numbers make.
@@ -98,7 +100,15 @@ impl<'a> Unknowns<'a> {
             Unknown::Shift | Unknown::Offset(_) => Some(0.0),
         };
         let begin = all.iter().map(|unknown| begin(unknown).unwrap_or(0.0)).collect();
-        Ok(Self { machine, start, all, names, begin, columns: columns.len() })
+        Ok(Self {
+            machine,
+            start,
+            all,
+            names,
+            begin,
+            columns: columns.len(),
+            sensors: filter::sensors(request)?,
+        })
     }
 
     /// The values that a free number may have.
@@ -128,7 +138,9 @@ impl<'a> Unknowns<'a> {
                 Unknown::Offset(k) => offsets[k] = value,
             }
         }
-        Ok(Made { machine: self.machine.with(of_machine)?, start, shift, offsets })
+        let mut machine = self.machine.with(of_machine)?;
+        filter::begin(&self.sensors, &mut machine, &start)?;
+        Ok(Made { machine, start, shift, offsets })
     }
 }
 

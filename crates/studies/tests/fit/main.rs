@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 mod emps;
+mod filtered;
 mod losses;
 mod regular;
 mod segments;
@@ -85,7 +86,8 @@ fn contacts(machine: &Machine, stops: &[&str], until: f64, sigma: f64, noise: &m
 fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
     let free = free.iter().map(|name| Free { name: (*name).to_owned(), within: None }).collect();
     let (start, loss, segments) = (Start::default(), Loss::Linear, Segments::Auto);
-    FitRequest { machine, start, measured, free, sigma: None, loss, segments, starts: 0 }
+    let filters = Vec::new();
+    FitRequest { machine, start, measured, free, sigma: None, filters, loss, segments, starts: 0 }
 }
 
 fn fitted(request: &FitRequest) -> Fitted {

@@ -31,6 +31,10 @@ pub struct FitArguments {
     /// residuals]
     #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
     pub sigma: Vec<String>,
+    /// Low-pass filter of a column's sensor: Butterworth's, by order and corner frequency. A column
+    /// of accelerations, such as box.a, requires one. May be repeated
+    #[arg(long, value_name = "COLUMN=ORDER,FREQUENCY")]
+    pub filter: Vec<String>,
     /// How residuals count
     #[arg(long, value_name = "LOSS", default_value = "linear")]
     pub loss: LossArgument,

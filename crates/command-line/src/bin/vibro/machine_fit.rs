@@ -15,9 +15,8 @@ use vibro::report::fit_page;
 use vibro::studies::{self, fit_json};
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
-use vibro_machine::What;
 use vibro_numerics::quantities::quantity_in;
-use vibro_studies::fit::{self, FitRequest, Free, Measured, Segments, fit};
+use vibro_studies::fit::{self, Filter, FitRequest, Free, Measured, Segments, fit};
 use vibro_studies::{Machine, QuantityName};
 
 /// A number with an optional unit of a dimension, SI.
@@ -133,6 +132,15 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
     }
 }
 
+/// The filter of a column's sensor.
+fn filter(text: &str) -> Result<Filter> {
+    let form = || Error::form(text, "COLUMN=ORDER,FREQUENCY, e.g. box.a=2,400Hz");
+    let (column, own) = text.split_once('=').ok_or_else(form)?;
+    let (order, frequency) = own.split_once(',').ok_or_else(form)?;
+    let order = order.trim().parse().map_err(|_| form())?;
+    Ok(Filter { column: column.trim().parse()?, order, frequency: number("--filter", "Hz", frequency)? })
+}
+
 /// The value of --segments in the account of a run.
 fn segments_text(segments: Segments) -> String {
     match segments {
@@ -155,14 +163,9 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
     let start = start_of(&machine, &a.start)?;
     let measured = read_record(a.data.as_deref(), a.events.as_deref(), &machine.description)?;
-    for (name, _) in &measured.columns {
-        if name.what == What::A {
-            let problem = "allowed are s and v of bodies, e, rate and f of elements".into();
-            return Err(Error::Refused { what: format!("column {name}"), problem });
-        }
-    }
     let free = free(&mut machine, a)?;
     check_record(&measured, (a.data.as_deref(), a.events.as_deref()), (&machine, &start), &free)?;
+    let filters = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
     let sigma = sigma(&machine, &measured, &a.sigma)?;
     let path =
         |path: &Option<PathBuf>| path.as_ref().map_or(String::new(), |path| path.display().to_string());
@@ -172,6 +175,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         ("free", a.free.join(",")),
         ("within", a.within.join(",")),
         ("sigma", a.sigma.join(",")),
+        ("filter", a.filter.join(" ")),
         ("loss", format!("{:?}", a.loss)),
         ("segments", segments_text(a.segments)),
         ("starts", a.starts.to_string()),
@@ -196,6 +200,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         measured,
         free,
         sigma,
+        filters,
         loss: a.loss.into(),
         segments: a.segments,
         starts: a.starts,
