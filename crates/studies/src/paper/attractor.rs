@@ -25,7 +25,7 @@ use vibro_impact::simulator::Simulator;
 /// A settled motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attractor {
-    /// Period in drive periods, where there is one up to [`LONGEST`].
+    /// Period in drive periods, where a short one is found.
     pub period: Option<u32>,
     /// Whether the distances between returns decrease from each eighth of the record to the next.
     /// They do so in a transient that has not died out.
