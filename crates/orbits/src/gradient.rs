@@ -83,18 +83,43 @@ impl Orbit {
     /// # Errors
     /// As [`measure`](Self::measure).
     pub fn gradient(&self, measure: &Measure) -> Result<Vec<ParameterDerivative>> {
-        self.measure(measure)?;
         let machine = self.problem.family.at(self.value())?;
         let all = machine.description.parameters().into_iter().filter(|p| !p.name.contains(".start."));
         let all: Vec<_> = all.map(|p| (p.name, p.unit, p.value)).collect();
+        self.derivatives(&machine, measure, all)
+    }
+
+    /// The derivatives of a measure of the orbit by some parameters, as
+    /// [`gradient`](Self::gradient) has them by all.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure); [`Error::Refusal`](vibro_studies::Error::Refusal) for an
+    /// unknown parameter.
+    pub fn gradient_by(&self, measure: &Measure, names: &[String]) -> Result<Vec<ParameterDerivative>> {
+        let machine = self.problem.family.at(self.value())?;
+        let named = |name: &String| {
+            let found = machine.description.parameter(name)?;
+            Ok((found.name, found.unit, found.value))
+        };
+        let some = names.iter().map(named).collect::<Result<Vec<_>>>()?;
+        self.derivatives(&machine, measure, some)
+    }
+
+    fn derivatives(
+        &self,
+        machine: &Machine,
+        measure: &Measure,
+        by: Vec<(String, &'static str, f64)>,
+    ) -> Result<Vec<ParameterDerivative>> {
+        self.measure(measure)?;
         let linear = Linear::of(self).map_err(in_words);
         let of = |(parameter, unit, value): (String, &'static str, f64)| {
             let derivative = linear.as_ref().map_err(Clone::clone).and_then(|linear| {
-                self.derivative(linear, &machine, (&parameter, value), measure).map_err(in_words)
+                self.derivative(linear, machine, (&parameter, value), measure).map_err(in_words)
             });
             ParameterDerivative { parameter, unit, value, derivative }
         };
-        Ok(all.into_par_iter().map(of).collect())
+        Ok(by.into_par_iter().map(of).collect())
     }
 
     fn derivative(

@@ -27,10 +27,12 @@ mod between;
 mod choice;
 mod designs;
 mod row;
+mod searched;
 
 pub use choice::{Choice, choice, each_final_row};
 pub use designs::{Designs, ParameterInterval, SampledAxis};
-pub use row::{Again, DesignRow, Summary};
+pub use row::{Again, BARS, DesignRow, Summary};
+pub use searched::{SearchedRow, searched};
 
 use crate::axis::AxisName;
 use crate::error::{Error, Result};

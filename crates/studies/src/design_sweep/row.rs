@@ -28,7 +28,7 @@ pub struct Summary {
 }
 
 /// Half the length of an error bar, in spreads.
-pub(super) const BARS: f64 = 2.0;
+pub const BARS: f64 = 2.0;
 
 /// Whether a value with this spread is exact up to rounding, since its motion repeats.
 pub(super) fn is_exact(value: f64, spread: f64) -> bool {

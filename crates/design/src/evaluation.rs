@@ -1,0 +1,254 @@
+//! The value of a design with its error, and all designs that a search has evaluated.
+
+use crate::candidate::{Candidate, Signed};
+use crate::request::DesignRequest;
+use std::sync::{Mutex, PoisonError};
+use vibro_studies::design_sweep::{BARS, SearchedRow, Summary, SweepRequest, searched};
+
+/// What asks for an evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The machine's own numbers.
+    Own,
+    /// A point of the Sobol sequence.
+    Sobol,
+    /// Differential evolution over the whole ranges.
+    Evolution,
+    /// A local search by exact gradients of orbits.
+    Gradient,
+    /// Differential evolution in a smaller box around the best.
+    Nearby,
+}
+
+impl Stage {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Own => "own",
+            Self::Sobol => "sobol",
+            Self::Evolution => "evolution",
+            Self::Gradient => "gradient",
+            Self::Nearby => "nearby",
+        }
+    }
+}
+
+/// A measure's worst value over the motions of a design, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// The value.
+    pub value: f64,
+    /// Ends of its error bar, the lower one first.
+    pub bar: (f64, f64),
+    /// Whether every motion repeats, so that the bar is rounding.
+    pub is_exact: bool,
+}
+
+impl Value {
+    pub(crate) fn of(summary: &Summary, signed: &Signed) -> Self {
+        let upper = summary.largest + BARS * summary.spread;
+        let ends = [summary.lower, upper].map(|x| signed.sign() * x);
+        Self {
+            value: signed.sign() * summary.largest,
+            bar: (ends[0].min(ends[1]), ends[0].max(ends[1])),
+            is_exact: summary.is_exact,
+        }
+    }
+
+    /// Larger distance from the value to an end of its error bar.
+    pub fn error(&self) -> f64 {
+        (self.value - self.bar.0).max(self.bar.1 - self.value).max(0.0)
+    }
+}
+
+/// Rank of a design: how far it violates limits, then its signed goal. Designs without a value come
+/// last.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Score(pub f64, pub f64);
+
+impl Score {
+    /// Rank of a design without a value.
+    pub const WORST: Self = Self(f64::INFINITY, f64::INFINITY);
+
+    /// Whether no limit is violated.
+    pub fn is_feasible(self) -> bool {
+        self.0 == 0.0
+    }
+}
+
+/// A design that was evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// The numbers that vary, SI.
+    pub values: Vec<f64>,
+    /// What asked for it.
+    pub stage: Stage,
+    /// The goal; `None` where a motion has no value.
+    pub goal: Option<Value>,
+    /// The limited measures.
+    pub limits: Vec<Option<Value>>,
+    /// The motion with the worst goal, in words; empty where there is one motion.
+    pub place: String,
+    /// Reason for missing values, or a caveat.
+    pub reason: Option<String>,
+    /// Rank.
+    pub(crate) score: Score,
+}
+
+impl Evaluation {
+    /// Whether all values are known and no limit is violated by them.
+    pub fn is_feasible(&self) -> bool {
+        self.score.is_feasible()
+    }
+
+    /// The evaluation of a row.
+    pub(crate) fn of(
+        request: &DesignRequest,
+        (candidate, sweep): (&Candidate, &SweepRequest<Candidate>),
+        (row, stage): (&vibro_studies::design_sweep::DesignRow, Stage),
+    ) -> Self {
+        let value = |k: usize| row.outputs[k].map(|summary| Value::of(&summary, &sweep.measures[k]));
+        let limits: Vec<Option<Value>> = (1..sweep.measures.len()).map(value).collect();
+        let place = row.outputs[0]
+            .map_or(String::new(), |own| sweep.place_in_words(candidate, row.motion(sweep, own.at)));
+        let mut found = Self {
+            values: row.values.clone(),
+            stage,
+            goal: value(0),
+            limits,
+            place,
+            reason: row.reason.clone(),
+            score: Score::WORST,
+        };
+        found.score = found.scored(request, sweep);
+        found
+    }
+
+    /// Replaces a measure's value by a peak of the band that is worse, signed.
+    pub(crate) fn raise(&mut self, evaluator: &Evaluator, (measure, peak): (usize, f64), place: &[f64]) {
+        let (request, sweep) = (evaluator.request, &evaluator.sweep);
+        let sign = sweep.measures[measure].sign();
+        let value = match measure {
+            0 => &mut self.goal,
+            k => &mut self.limits[k - 1],
+        };
+        let Some(value) = value.as_mut().filter(|own| peak > sign * own.value) else { return };
+        let moved = sign * peak - value.value;
+        value.bar = (value.bar.0 + moved, value.bar.1 + moved);
+        value.value = sign * peak;
+        if measure == 0 {
+            // All starts lead to the worst value from a peak's place, or it is that of the first.
+            let start = sweep.starts.first().cloned().unwrap_or_default();
+            self.place = sweep.place_in_words(&evaluator.candidate, (place.to_vec(), start));
+        }
+        self.score = self.scored(request, sweep);
+    }
+
+    fn scored(&self, request: &DesignRequest, sweep: &SweepRequest<Candidate>) -> Score {
+        let Some(goal) = self.goal else { return Score::WORST };
+        let mut violation = 0.0;
+        for ((limit, value), signed) in request.limits.iter().zip(&self.limits).zip(&sweep.measures[1..]) {
+            let Some(value) = value else { return Score::WORST };
+            let over = signed.sign() * (value.value - limit.value);
+            let size = if limit.value == 0.0 { 1.0 } else { limit.value.abs() };
+            violation += over.max(0.0) / size;
+        }
+        let goal = sweep.measures[0].sign() * goal.value;
+        if goal.is_finite() && violation.is_finite() { Score(violation, goal) } else { Score::WORST }
+    }
+}
+
+/// Progress and end of a search.
+pub struct Control<'a> {
+    /// Whether the search is still wanted; asked at each evaluation.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    /// Called with the number of evaluations and the number that may be needed at most.
+    pub progress: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+/// Evaluates designs and keeps all of them.
+pub(crate) struct Evaluator<'a> {
+    pub request: &'a DesignRequest,
+    pub candidate: Candidate,
+    pub sweep: SweepRequest<Candidate>,
+    pub control: &'a Control<'a>,
+    all: Mutex<Vec<Evaluation>>,
+}
+
+impl<'a> Evaluator<'a> {
+    pub fn new(request: &'a DesignRequest, control: &'a Control<'a>) -> Self {
+        let candidate = Candidate::new(&request.machine, request.names(), request.robust);
+        let sweep = request.sweep(&candidate);
+        Self { request, candidate, sweep, control, all: Mutex::default() }
+    }
+
+    /// Values of a point of the unit box.
+    pub fn values(&self, unit: &[f64]) -> Vec<f64> {
+        let vary = self.request.vary.iter();
+        vary.zip(unit).map(|(own, u)| (own.from * (1.0 - u) + own.to * u).clamp(own.from, own.to)).collect()
+    }
+
+    /// The point of the unit box of some values.
+    pub fn unit(&self, values: &[f64]) -> Vec<f64> {
+        self.request.vary.iter().zip(values).map(|(own, x)| (x - own.from) / (own.to - own.from)).collect()
+    }
+
+    /// Evaluates a design and keeps it; `None` where the search is not wanted any more.
+    pub fn evaluate(&self, values: Vec<f64>, stage: Stage) -> Option<(Evaluation, SearchedRow)> {
+        if !(self.control.go_on)() {
+            return None;
+        }
+        let found = searched(&self.candidate, &self.sweep, values);
+        let own = Evaluation::of(self.request, (&self.candidate, &self.sweep), (&found.row, stage));
+        let done = {
+            let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.push(own.clone());
+            all.len()
+        };
+        (self.control.progress)(done, self.request.evaluations as usize);
+        Some((own, found))
+    }
+
+    /// Number of evaluations.
+    pub fn count(&self) -> usize {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Sorts the evaluations from a number on, so that their order does not depend on threads.
+    pub fn sort_from(&self, first: usize) {
+        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        let first = first.min(all.len());
+        all[first..].sort_by(|a, b| {
+            let pairs = a.values.iter().zip(&b.values).map(|(a, b)| a.total_cmp(b));
+            pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+        });
+    }
+
+    /// All evaluations.
+    pub fn all(&self) -> Vec<Evaluation> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Evaluations in ascending order of rank, without those that have no value; the earlier one
+    /// comes first of equal ones.
+    pub fn ranked(&self) -> Vec<Evaluation> {
+        let mut all: Vec<Evaluation> =
+            self.all().into_iter().filter(|own| own.score < Score::WORST).collect();
+        all.sort_by(|a, b| a.score.0.total_cmp(&b.score.0).then(a.score.1.total_cmp(&b.score.1)));
+        all
+    }
+
+    /// The best designs that are apart from each other by a distance in the unit box, in some
+    /// coordinate.
+    pub fn apart(&self, distance: f64, most: usize) -> Vec<Evaluation> {
+        let mut kept: Vec<(Vec<f64>, Evaluation)> = Vec::new();
+        for own in self.ranked() {
+            let unit = self.unit(&own.values);
+            let is_far = |other: &[f64]| other.iter().zip(&unit).any(|(a, b)| (a - b).abs() >= distance);
+            if kept.len() < most && kept.iter().all(|(other, _)| is_far(other)) {
+                kept.push((unit, own));
+            }
+        }
+        kept.into_iter().map(|(_, own)| own).collect()
+    }
+}

@@ -1,0 +1,140 @@
+//! Measures of periodic orbits with their exact derivatives, at points of a design's band.
+
+use crate::candidate::{Candidate, TOLERANCE};
+use crate::contact_points::ContactPoint;
+use crate::evaluation::Evaluator;
+use vibro_machine::Start;
+use vibro_orbits::{Orbit, Stability};
+use vibro_studies::design_sweep::DesignMachine;
+use vibro_studies::{Machine, common_period};
+
+/// Largest number of steps towards a peak of the band: a secant method squares its error.
+const STEPS: u32 = 8;
+/// Change of the band's parameter, in parts of its interval, at which a peak is found: its value is
+/// then known to the square of that.
+const FOUND: f64 = 1e-5;
+/// First step towards a peak, in parts of the interval to the neighbour.
+const FIRST: f64 = 0.05;
+
+/// An orbit that is followed while the numbers of the design change.
+#[derive(Clone, Debug)]
+pub(crate) struct Followed {
+    /// Its point of the band; the value along the bracket's axis moves with the peak.
+    pub point: ContactPoint,
+    /// A start on it, and the number of common periods of the drive after which it repeats.
+    seed: Start,
+    periods: Option<u32>,
+    /// The common period for which the seed's time holds, s.
+    period: Option<f64>,
+}
+
+/// The measure of an orbit that is followed, signed so that large is bad, and its derivatives by
+/// the numbers that vary.
+#[derive(Clone, Debug)]
+pub(crate) struct Slope {
+    pub value: f64,
+    pub gradient: Vec<f64>,
+}
+
+/// The machine of a design at a place of the band.
+fn machine(evaluator: &Evaluator, values: &[f64], place: &[f64]) -> Option<Machine> {
+    let names = evaluator.request.names().into_iter().zip(values.iter().copied());
+    let own: Candidate = evaluator.candidate.varied(&names.collect::<Vec<_>>()).ok()?;
+    let over = evaluator.sweep.over.iter().map(|axis| axis.name.clone()).zip(place.iter().copied());
+    Some(own.varied(&over.collect::<Vec<_>>()).ok()?.machine)
+}
+
+fn is_attractor(orbit: &Orbit) -> bool {
+    orbit.is_certified() && orbit.stability() == Stability::Stable
+}
+
+impl Followed {
+    /// The orbit on which the motion of a point settles; `None` where it settles on none.
+    pub fn new(evaluator: &Evaluator, values: &[f64], point: ContactPoint) -> Option<Self> {
+        let machine = machine(evaluator, values, &point.place)?;
+        let start = evaluator.sweep.starts.get(point.start)?;
+        let orbit = Orbit::settled(&machine, start, evaluator.sweep.discard).ok().filter(is_attractor)?;
+        let period = common_period(&machine.description);
+        Some(Self { point, seed: orbit.start(), periods: orbit.word().periods, period })
+    }
+
+    /// The orbit of other numbers, near the one that was found last.
+    fn orbit(&mut self, evaluator: &Evaluator, values: &[f64], place: &[f64]) -> Option<Orbit> {
+        let machine = machine(evaluator, values, place)?;
+        let period = common_period(&machine.description);
+        let mut seed = self.seed.clone();
+        if let (Some(now), Some(before)) = (period, self.period) {
+            seed.time *= now / before;
+        }
+        let time = period.zip(self.periods).map(|(period, count)| period * f64::from(count));
+        let near = time.and_then(|time| Orbit::near(&machine, &seed, time).ok()).filter(is_attractor);
+        let found = near.or_else(|| {
+            let own = evaluator.sweep.starts.get(self.point.start)?;
+            let settled = |start| Orbit::settled(&machine, start, evaluator.sweep.discard).ok();
+            settled(&seed).filter(is_attractor).or_else(|| settled(own).filter(is_attractor))
+        })?;
+        (self.seed, self.periods, self.period) = (found.start(), found.word().periods, period);
+        Some(found)
+    }
+
+    /// The measure with its derivatives by some names, signed.
+    fn slope(
+        &mut self,
+        evaluator: &Evaluator,
+        (values, place): (&[f64], &[f64]),
+        names: &[String],
+    ) -> Option<Slope> {
+        let signed = &evaluator.sweep.measures[self.point.measure];
+        let orbit = self.orbit(evaluator, values, place)?;
+        let value = signed.sign() * orbit.measure(&signed.measure).ok()?;
+        let by = orbit.gradient_by(&signed.measure, names).ok()?;
+        let gradient = by.into_iter().map(|own| Some(signed.sign() * own.derivative.ok()?));
+        Some(Slope { value, gradient: gradient.collect::<Option<_>>()? })
+    }
+
+    /// Moves the point to the peak of the band near it; leaves it where no orbit leads there.
+    fn climb(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<()> {
+        let (axis, low, high) = self.point.bracket.filter(|own| own.1 < own.2)?;
+        let name = [evaluator.sweep.over[axis].name.clone()];
+        let at = |own: &mut Self, x: f64| {
+            let mut place = own.point.place.clone();
+            place[axis] = x;
+            let slope = own.slope(evaluator, (values, &place), &name)?;
+            own.point.place = place;
+            Some(slope.gradient[0])
+        };
+        let mut before = self.point.place[axis];
+        let mut slope_before = at(self, before)?;
+        let end = |slope: f64| if slope > 0.0 { high } else { low };
+        let mut x = before + FIRST * (end(slope_before) - before);
+        for _ in 0..STEPS {
+            if (x - before).abs() <= FOUND * (high - low) {
+                break;
+            }
+            let slope = at(self, x)?;
+            let curvature = (slope - slope_before) / (x - before);
+            // Where the curve is not concave, the secant leads away from the peak.
+            let next = if curvature < 0.0 { x - slope / curvature } else { 0.5 * (x + end(slope)) };
+            (before, slope_before, x) = (x, slope, next.clamp(low, high));
+        }
+        Some(())
+    }
+
+    /// The measure at the peak near the point, signed.
+    pub fn peak(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<f64> {
+        self.climb(evaluator, values);
+        let place = self.point.place.clone();
+        Some(self.slope(evaluator, (values, &place), &[])?.value)
+    }
+
+    /// The measure at the point's place, with its derivatives by the numbers that vary.
+    pub fn at(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<Slope> {
+        let (names, place) = (evaluator.request.names(), self.point.place.clone());
+        let mut slope = self.slope(evaluator, (values, &place), &names)?;
+        if let Some(k) = evaluator.sweep.over.iter().position(|axis| axis.name == TOLERANCE) {
+            let factors = evaluator.candidate.factors(place[k]);
+            slope.gradient.iter_mut().zip(factors).for_each(|(slope, factor)| *slope *= factor);
+        }
+        Some(slope)
+    }
+}

@@ -1,0 +1,226 @@
+//! Model of the worst value around a design: linear pieces and one curvature.
+//!
+//! With d the step in the unit box, t the worst goal and s the worst excess of a limit, the step is
+//! the solution of
+//!
+//! ```text
+//! least t + ρ s + ½ dᵀ B d  with  f_i + g_i·d ≤ t,  c_j + h_j·d ≤ s,  s ≥ 0,  |d| ≤ half width
+//! ```
+//!
+//! where f_i are peaks of the goal and c_j excesses of limited peaks. B is the curvature of the
+//! Lagrangian by the formula of Broyden, Fletcher, Goldfarb and Shanno, with Powell's damping.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Weight ρ of the excess of a limit against the goal, both in their units.
+pub(crate) const WEIGHT: f64 = 100.0;
+/// Largest number of iterations of a quadratic problem; ten to twenty are usual.
+const ITERATIONS: usize = 60;
+/// Least slack of a limit at the begin of a quadratic problem.
+const FIRST_SLACK: f64 = 0.1;
+/// Residual of a quadratic problem that is solved.
+const SOLVED: f64 = 1e-11;
+/// Residual with which a solution is accepted where rounding has ended the iteration.
+const ACCEPTED: f64 = 1e-5;
+/// Part of the way to the nearest limit that an iteration goes.
+const INSIDE: f64 = 0.995;
+/// Part of the curvature along a step that an update keeps (Powell).
+const KEPT: f64 = 0.2;
+
+/// A linear piece of the model: a peak at the design, or at a design beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// Whether it is one of the goal.
+    pub is_goal: bool,
+    /// Its value at d = 0, in its unit; of a limit its excess.
+    pub value: f64,
+    /// Its derivatives in the unit box.
+    pub gradient: Vec<f64>,
+}
+
+impl Piece {
+    fn at(&self, d: &[f64]) -> f64 {
+        self.value + dot(&self.gradient, d)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Worst goal plus the weighted worst excess of a limit, of some pieces after a step.
+pub(crate) fn merit(pieces: &[Piece], d: &[f64]) -> f64 {
+    let most = |is_goal: bool| {
+        let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.at(d));
+        own.fold(f64::NEG_INFINITY, f64::max)
+    };
+    most(true) + WEIGHT * most(false).max(0.0)
+}
+
+/// Curvature of the Lagrangian.
+#[derive(Clone, Debug)]
+pub(crate) struct Curvature(Vec<Vec<f64>>);
+
+impl Curvature {
+    /// The unit matrix: a goal in its own unit bends by about as much over the unit box.
+    pub fn unit(numbers: usize) -> Self {
+        Self((0..numbers).map(|i| (0..numbers).map(|j| f64::from(u8::from(i == j))).collect()).collect())
+    }
+
+    fn times(&self, d: &[f64]) -> Vec<f64> {
+        self.0.iter().map(|row| dot(row, d)).collect()
+    }
+
+    /// Takes up that the gradient of the Lagrangian changed by `change` over a step.
+    pub fn update(&mut self, step: &[f64], change: &[f64]) {
+        let carried = self.times(step);
+        let (own, found) = (dot(step, &carried), dot(step, change));
+        if own <= 0.0 || !found.is_finite() {
+            return;
+        }
+        let part = if found >= KEPT * own { 1.0 } else { (1.0 - KEPT) * own / (own - found) };
+        let mixed: Vec<f64> = change.iter().zip(&carried).map(|(y, b)| part * y + (1.0 - part) * b).collect();
+        let along = dot(step, &mixed);
+        for (i, row) in self.0.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += mixed[i] * mixed[j] / along - carried[i] * carried[j] / own;
+            }
+        }
+    }
+}
+
+/// A step of the model, with the weights of its pieces in the Lagrangian: those of the goal add
+/// to 1.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub d: Vec<f64>,
+    pub weights: Vec<f64>,
+}
+
+/// The step that solves the problem within bounds around 0; `None` where it is not found.
+pub(crate) fn step(pieces: &[Piece], curvature: &Curvature, bounds: &[(f64, f64)]) -> Option<Step> {
+    let (n, m) = (bounds.len(), pieces.len());
+    // Unknowns: d, t, s. Rows: the pieces, s ≥ 0, the bounds.
+    let mut hessian = DMatrix::zeros(n + 2, n + 2);
+    curvature.0.iter().enumerate().for_each(|(i, row)| {
+        row.iter().enumerate().for_each(|(j, x)| hessian[(i, j)] = *x);
+    });
+    let mut linear = DVector::zeros(n + 2);
+    (linear[n], linear[n + 1]) = (1.0, WEIGHT);
+    let (mut rows, mut most) = (DMatrix::zeros(m + 1 + 2 * n, n + 2), DVector::zeros(m + 1 + 2 * n));
+    for (k, piece) in pieces.iter().enumerate() {
+        piece.gradient.iter().enumerate().for_each(|(i, x)| rows[(k, i)] = *x);
+        rows[(k, if piece.is_goal { n } else { n + 1 })] = -1.0;
+        most[k] = -piece.value;
+    }
+    rows[(m, n + 1)] = -1.0;
+    for (i, (low, high)) in bounds.iter().enumerate() {
+        let k = m + 1 + 2 * i;
+        (rows[(k, i)], most[k]) = (-1.0, -low);
+        (rows[(k + 1, i)], most[k + 1]) = (1.0, *high);
+    }
+    let worst = |is_goal: bool| {
+        let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.value);
+        own.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut begin = DVector::zeros(n + 2);
+    (begin[n], begin[n + 1]) = (worst(true), worst(false).max(0.0));
+    let (x, duals) = interior_point(&hessian, &linear, (&rows, &most), begin)?;
+    let d = x.iter().take(n).zip(bounds).map(|(x, own)| x.clamp(own.0, own.1)).collect();
+    Some(Step { d, weights: duals.iter().take(m).copied().collect() })
+}
+
+/// The least of ½ xᵀ H x + c·x with A x ≤ b, and its multipliers: S. Mehrotra's predictor and
+/// corrector (SIAM J. Optim. 2 (1992) 575–601), dense.
+fn interior_point(
+    hessian: &DMatrix<f64>,
+    linear: &DVector<f64>,
+    (rows, most): (&DMatrix<f64>, &DVector<f64>),
+    mut x: DVector<f64>,
+) -> Option<(DVector<f64>, DVector<f64>)> {
+    let count = most.len();
+    let mut slack = (most - rows * &x).map(|own| own.max(FIRST_SLACK));
+    let mut duals = DVector::from_element(count, 1.0);
+    for _ in 0..ITERATIONS {
+        let stationary = hessian * &x + linear + rows.tr_mul(&duals);
+        let primal = rows * &x + &slack - most;
+        let gap = slack.dot(&duals) / count as f64;
+        if stationary.amax() < SOLVED && primal.amax() < SOLVED && gap < SOLVED * SOLVED {
+            break;
+        }
+        let ratio = duals.component_div(&slack);
+        let scaled = DMatrix::from_fn(count, x.len(), |i, j| ratio[i] * rows[(i, j)]);
+        let factors = (hessian + rows.tr_mul(&scaled)).lu();
+        // The Newton step to slack × multiplier = wanted.
+        let newton = |wanted: &DVector<f64>| {
+            let rest =
+                (wanted - slack.component_mul(&duals) + duals.component_mul(&primal)).component_div(&slack);
+            let dx = factors.solve(&(-&stationary - rows.tr_mul(&rest)))?;
+            let d_slack = -&primal - rows * &dx;
+            let d_duals =
+                (wanted - slack.component_mul(&duals) - duals.component_mul(&d_slack)).component_div(&slack);
+            Some((dx, d_slack, d_duals))
+        };
+        let longest = |of: &DVector<f64>, by: &DVector<f64>| {
+            let ends = of.iter().zip(by.iter()).filter(|own| *own.1 < 0.0).map(|(x, dx)| -x / dx);
+            ends.fold(1.0, f64::min)
+        };
+        let Some((_, d_slack, d_duals)) = newton(&DVector::zeros(count)) else { break };
+        let part = longest(&slack, &d_slack).min(longest(&duals, &d_duals));
+        let after = (&slack + &d_slack * part).dot(&(&duals + &d_duals * part)) / count as f64;
+        let centre = DVector::from_element(count, gap * (after / gap).powi(3));
+        let corrected = centre - d_slack.component_mul(&d_duals);
+        let Some((dx, d_slack, d_duals)) = newton(&corrected) else { break };
+        let part = INSIDE * longest(&slack, &d_slack).min(longest(&duals, &d_duals));
+        let next = (&x + dx * part, &slack + d_slack * part, &duals + d_duals * part);
+        // Rounding ends the iteration before its numbers do.
+        if !next.0.iter().chain(next.1.iter()).chain(next.2.iter()).all(|x| x.is_finite()) {
+            break;
+        }
+        (x, slack, duals) = next;
+    }
+    let rest = (hessian * &x + linear + rows.tr_mul(&duals)).amax();
+    (rest < ACCEPTED).then_some((x, duals))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Error of solutions of small quadratic problems.
+    const SOLVED: f64 = 1e-8;
+
+    #[test]
+    fn closed_form_the_step_to_the_kink_of_two_pieces_and_their_weights() {
+        // |x - 0.1| + 2 y² with the curvature (1, 4): least at the kink x = 0.1, y = 0.
+        let piece = |slope: f64| Piece { is_goal: true, value: -0.1 * slope, gradient: vec![slope, 0.4] };
+        let pieces = [piece(1.0), piece(-1.0)];
+        let mut curvature = Curvature::unit(2);
+        curvature.update(&[0.0, 1.0], &[0.0, 4.0]);
+        let bounds = [(-1.0, 1.0); 2];
+        let found = step(&pieces, &curvature, &bounds).unwrap();
+        // In y: 0.4 + 4 y = 0. In x the weights differ by the curvature's 0.1.
+        let Step { d, weights } = found;
+        assert!((d[0] - 0.1).abs() < SOLVED && (d[1] + 0.1).abs() < SOLVED, "{d:?}");
+        assert!((weights[0] - 0.45).abs() < SOLVED && (weights[1] - 0.55).abs() < SOLVED, "{weights:?}");
+    }
+
+    #[test]
+    fn closed_form_a_limit_that_cannot_be_kept_is_passed_least() {
+        // x ≥ 2 within |x| ≤ 1, while the goal falls with -x.
+        let goal = Piece { is_goal: true, value: 0.0, gradient: vec![1.0] };
+        let limit = Piece { is_goal: false, value: 2.0, gradient: vec![-1.0] };
+        let found = step(&[goal, limit], &Curvature::unit(1), &[(-1.0, 1.0)]).unwrap();
+        assert!((found.d[0] - 1.0).abs() < SOLVED, "{found:?}");
+    }
+
+    #[test]
+    fn invariant_the_curvature_keeps_what_a_step_has_shown() {
+        let mut curvature = Curvature::unit(3);
+        let (step, change) = ([0.1, -0.2, 0.05], [0.3, -0.7, 0.2]);
+        curvature.update(&step, &change);
+        for (own, y) in curvature.times(&step).iter().zip(&change) {
+            assert!((own - y).abs() < SOLVED, "{own} {y}");
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! What is sought: goal, limits, ranges of the numbers that vary.
+
+use crate::candidate::{Candidate, Signed, TOLERANCE};
+use vibro_machine::Start;
+use vibro_studies::design_sweep::{DesignMachine, Designs, ParameterInterval, SampledAxis, SweepRequest};
+use vibro_studies::sobol::DIMENSIONS;
+use vibro_studies::{Error, Machine, Measure, Result, Section};
+
+/// Least and largest number of evaluations of a search: fewer do not make a generation, more take
+/// days.
+const EVALUATIONS: std::ops::RangeInclusive<u32> = 10..=1_000_000;
+/// Largest relative tolerance of [`DesignRequest::robust`]; a number must keep its sign.
+const MAX_TOLERANCE: f64 = 0.5;
+
+/// A measure that is to be small or large.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Goal {
+    /// The measure.
+    pub measure: Measure,
+    /// Whether large values are sought.
+    pub maximize: bool,
+}
+
+/// Side of a limit on which values are allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Up to the limit.
+    AtMost,
+    /// From the limit on.
+    AtLeast,
+}
+
+/// A measure that must not pass a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limit {
+    /// The measure.
+    pub measure: Measure,
+    /// The allowed side.
+    pub side: Side,
+    /// The limit, in the measure's SI unit.
+    pub value: f64,
+}
+
+/// Request of a design search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignRequest {
+    /// The machine; its own numbers are evaluated first where they lie in the ranges.
+    pub machine: Machine,
+    /// What is to be best.
+    pub goal: Goal,
+    /// Numbers that vary, with their ranges, SI.
+    pub vary: Vec<ParameterInterval<String>>,
+    /// Parameters over which a design has its worst value.
+    pub over: Vec<SampledAxis<String>>,
+    /// Parameters of [`over`](Self::over) whose values sample an interval.
+    pub between: Vec<String>,
+    /// Limits that the worst motion must keep.
+    pub limits: Vec<Limit>,
+    /// Relative tolerance of the numbers that vary, within which the worst value counts; 0 for
+    /// none.
+    pub robust: f64,
+    /// Starts of the motions of each design.
+    pub starts: Vec<Start>,
+    /// Returns discarded before a motion is measured.
+    pub discard: u32,
+    /// Returns over which a motion is measured.
+    pub periods: u32,
+    /// Number of designs that the search may evaluate.
+    pub evaluations: u32,
+    /// Periods of motion that may be spent on longer measurements of designs that may be the best.
+    pub again: u64,
+}
+
+impl DesignRequest {
+    /// A request without limits, band and tolerances, with the defaults of a sweep.
+    pub fn new(machine: Machine, goal: Goal, vary: Vec<ParameterInterval<String>>) -> Self {
+        let defaults = SweepRequest::<Candidate>::default();
+        Self {
+            machine,
+            goal,
+            vary,
+            over: Vec::new(),
+            between: Vec::new(),
+            limits: Vec::new(),
+            robust: 0.0,
+            starts: defaults.starts,
+            discard: defaults.discard,
+            periods: defaults.periods,
+            evaluations: 200,
+            again: defaults.again,
+        }
+    }
+
+    /// Names of the numbers that vary.
+    pub fn names(&self) -> Vec<String> {
+        self.vary.iter().map(|interval| interval.name.clone()).collect()
+    }
+
+    /// The goal and the limits as measures whose largest values are the worst.
+    pub(crate) fn measures(&self) -> Vec<Signed> {
+        let goal = Signed { measure: self.goal.measure.clone(), is_negative: self.goal.maximize };
+        let limit =
+            |own: &Limit| Signed { measure: own.measure.clone(), is_negative: own.side == Side::AtLeast };
+        std::iter::once(goal).chain(self.limits.iter().map(limit)).collect()
+    }
+
+    /// The sweep by which designs are measured, without designs.
+    pub(crate) fn sweep(&self, candidate: &Candidate) -> SweepRequest<Candidate> {
+        let mut over = self.over.clone();
+        if candidate.tolerances() > 1 {
+            let values = (0..candidate.tolerances()).map(|k| k as f64).collect();
+            over.push(SampledAxis { name: TOLERANCE.into(), values });
+        }
+        SweepRequest {
+            designs: Designs::Rows { names: self.names(), rows: Vec::new() },
+            over,
+            starts: self.starts.clone(),
+            discard: self.discard,
+            periods: self.periods,
+            measures: self.measures(),
+            between: self.between.clone(),
+            again: self.again,
+        }
+    }
+
+    /// Checks what every evaluation needs.
+    ///
+    /// # Errors
+    /// [`Error::Described`] with the number or name, and what is expected; as
+    /// [`SweepRequest::check`] and [`Section::of`].
+    pub fn check(&self) -> Result<()> {
+        let refused = |problem: String| Err(Error::Described { problem });
+        if !(1..=DIMENSIONS).contains(&self.vary.len()) {
+            return refused(format!(
+                "{} numbers vary; expected 1 to {DIMENSIONS}: name those that matter most",
+                self.vary.len()
+            ));
+        }
+        for ParameterInterval { name, from, to } in &self.vary {
+            self.machine.description.parameter(name)?;
+            if !(from < to && (to - from).is_finite()) {
+                return refused(format!(
+                    "{name} = {from}:{to}: expected a range LOW:HIGH with LOW below HIGH"
+                ));
+            }
+            if name.contains(".start.") {
+                return refused(format!(
+                    "{name}: a start is no part of a design; expected other numbers of the machine, and starts by `--start` (`start=` \
+                     in Python)"
+                ));
+            }
+        }
+        if !Machine::is_of_window(&self.goal.measure) {
+            return refused(format!(
+                "{} cannot be the goal; expected an output with an error bar of its window, such as amplitude.box.s",
+                self.goal.measure
+            ));
+        }
+        for measure in self.measures() {
+            measure.measure.check(&self.machine.description)?;
+        }
+        for limit in &self.limits {
+            if limit.measure == Measure::Class || !limit.value.is_finite() {
+                return refused(format!(
+                    "{} cannot be limited by {}; expected an output that is a number, and a finite limit",
+                    limit.measure, limit.value
+                ));
+            }
+        }
+        if !(0.0..=MAX_TOLERANCE).contains(&self.robust) {
+            let percent = 100.0 * self.robust;
+            return refused(format!(
+                "a tolerance of {percent} %; expected 0 % to {} %",
+                100.0 * MAX_TOLERANCE
+            ));
+        }
+        if !EVALUATIONS.contains(&self.evaluations) {
+            let (least, most) = (EVALUATIONS.start(), EVALUATIONS.end());
+            return refused(format!("{} evaluations; expected {least} to {most}", self.evaluations));
+        }
+        let mut sweep = self.sweep(&Candidate::new(&self.machine, self.names(), self.robust));
+        let middle = self.vary.iter().map(|own| 0.5 * (own.from + own.to)).collect();
+        sweep.designs = Designs::Rows { names: self.names(), rows: vec![middle] };
+        sweep.check()?;
+        Section::of(&self.machine.description, &self.machine.section).map(drop)
+    }
+}

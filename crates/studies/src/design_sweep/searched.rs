@@ -1,0 +1,55 @@
+//! A design measured at the values of its band and between them, with every motion.
+
+use super::between::{BandMotions, search_between};
+use super::row::{BARS, summary};
+use super::{Again, DesignMachine, DesignRow, MotionMeasures, SweepRequest, design, row};
+use crate::error::Result;
+
+/// A design's row with the motions from which it was summarized.
+#[derive(Clone, Debug)]
+pub struct SearchedRow {
+    /// The row.
+    pub row: DesignRow,
+    /// Combinations of values of [`SweepRequest::over`]: those of the request, then those that the
+    /// search between them has added.
+    pub places: Vec<Vec<f64>>,
+    /// Measures of the motions, combination by combination, from all starts at each.
+    pub motions: Vec<MotionMeasures>,
+}
+
+/// The row of a design whose intervals are searched for the largest value of each measure of the
+/// window, as [`choice`](super::choice) searches those of the designs that may be the best.
+pub fn searched<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: Vec<f64>) -> SearchedRow {
+    by_motions(set, request, &values).unwrap_or_else(|_| {
+        // The row has the reason.
+        let listed = SweepRequest {
+            designs: super::Designs::Rows { names: request.designs.names(), rows: vec![values] },
+            ..request.clone()
+        };
+        SearchedRow { row: row(set, &listed, 0), places: Vec::new(), motions: Vec::new() }
+    })
+}
+
+fn by_motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: &[f64]) -> Result<SearchedRow> {
+    let own = design(set, request, values)?;
+    let asked = request.places();
+    let count = asked.len();
+    let mut looked = BandMotions::new(&own, request, asked);
+    let mut unseen = vec![0.0; request.measures.len()];
+    for (index, measure) in request.measures.iter().enumerate() {
+        if M::is_of_window(measure) {
+            looked.unseen = 0.0;
+            search_between(&own, request, (index, f64::INFINITY), &mut looked);
+            unseen[index] = looked.unseen;
+        }
+    }
+    let again = Again { periods: request.periods, between: looked.places[count..].to_vec() };
+    let again = (!again.between.is_empty()).then_some(again);
+    let mut row = summary(set, values.to_vec(), request, &looked.outcomes, again);
+    for (output, unseen) in row.outputs.iter_mut().zip(unseen) {
+        if let Some(output) = output.as_mut().filter(|_| unseen > 0.0) {
+            (output.spread, output.is_exact) = (output.spread.max(unseen / BARS), false);
+        }
+    }
+    Ok(SearchedRow { row, places: looked.places, motions: looked.outcomes })
+}
