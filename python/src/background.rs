@@ -6,12 +6,16 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Interval between checks for signals: a longer delay after Ctrl-C would be noticed.
-pub const POLL: Duration = Duration::from_millis(30);
+const POLL: Duration = Duration::from_millis(30);
+
+/// Longest wait for the best result so far after a signal: a search ends after the simulations that
+/// run, which take a second for long records.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// State shared by the computing and the waiting thread.
 #[derive(Debug, Default)]
@@ -173,4 +177,33 @@ pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     // This process cannot end its parent's threads.
     std::mem::forget(pool.replace((process, Arc::clone(&made))));
     Ok(made)
+}
+
+/// An error; a signal's exception with the best result so far as its attribute `partial`, `None` if
+/// the work cannot end within [`PATIENCE`]. A second signal does not wait.
+pub fn with_best<T: Send, P: for<'py> IntoPyObject<'py>>(
+    py: Python<'_>,
+    error: PyErr,
+    mut partial: Receiver<T>,
+    parts: impl Fn(T) -> PyResult<P>,
+) -> PyErr {
+    if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
+        return error;
+    }
+    let begin = Instant::now();
+    let mut best = None;
+    while begin.elapsed() < PATIENCE {
+        let found;
+        (found, partial) = py.detach(move || (partial.recv_timeout(POLL), partial));
+        match found {
+            Ok(found) => best = parts(found).ok(),
+            Err(RecvTimeoutError::Timeout) if py.check_signals().is_ok() => continue,
+            Err(_) => {}
+        }
+        break;
+    }
+    match error.value(py).setattr("partial", best) {
+        Ok(()) => error,
+        Err(other) => other,
+    }
 }

@@ -29,6 +29,7 @@ mod background;
 mod designs;
 mod failure;
 mod machine;
+mod machine_design;
 mod machine_fit;
 mod machine_locus;
 mod machine_motion;
@@ -48,6 +49,8 @@ mod _native {
 
     #[pymodule_export]
     use super::machine::Described;
+    #[pymodule_export]
+    use super::machine_design::design;
     #[pymodule_export]
     use super::machine_fit::{columns_of_table, fit};
     #[pymodule_export]

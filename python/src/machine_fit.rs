@@ -1,24 +1,20 @@
 //! Fits of described machines to records.
 
 use crate::arrays::{Array1, column};
-use crate::background::{POLL, compute};
+use crate::background::{compute, with_best};
 use crate::failure::Failure;
 use crate::machine::{Described, Numbers};
 use numpy::PyReadonlyArray1;
-use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::HashMap;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::channel;
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
 use vibro_studies::fit::{Filter, FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
 
 /// Parts into which the longest course of a fit is divided for a progress bar.
 const PARTS: u32 = 1000;
-/// Longest wait for the best values after a signal: a fit ends after the simulations that run, which
-/// take a second for long records.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A fit as it is given to Python; all numbers in SI.
 #[derive(IntoPyObject)]
@@ -148,7 +144,7 @@ pub fn fit<'py>(
     });
     match found {
         Ok(fitted) => Ok(parts(py, &fitted, count)),
-        Err(error) => Err(with_best(py, error, partial, count)),
+        Err(error) => Err(with_best(py, error, partial, |fitted| Ok(parts(py, &fitted, count)))),
     }
 }
 
@@ -156,28 +152,4 @@ pub fn fit<'py>(
 fn in_words(now: &Progress) -> String {
     let best = now.best.map_or(String::new(), |best| format!(", best cost {best:.4e}"));
     format!("{}{best}, {} simulations", now.stage, now.simulations)
-}
-
-/// An error; a signal's exception with the best values so far as its attribute `partial`, `None` if
-/// the fit cannot end within [`PATIENCE`]. A second signal does not wait.
-fn with_best(py: Python<'_>, error: PyErr, mut partial: Receiver<Fitted>, columns: usize) -> PyErr {
-    if !error.is_instance_of::<PyKeyboardInterrupt>(py) {
-        return error;
-    }
-    let begin = Instant::now();
-    let mut best = None;
-    while begin.elapsed() < PATIENCE {
-        let found;
-        (found, partial) = py.detach(move || (partial.recv_timeout(POLL), partial));
-        match found {
-            Ok(fitted) => best = Some(parts(py, &fitted, columns)),
-            Err(RecvTimeoutError::Timeout) if py.check_signals().is_ok() => continue,
-            Err(_) => {}
-        }
-        break;
-    }
-    match error.value(py).setattr("partial", best) {
-        Ok(()) => error,
-        Err(other) => other,
-    }
 }

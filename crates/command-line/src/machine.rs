@@ -70,6 +70,11 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine)
 }
 
+/// The text of a machine's file with the numbers of another machine.
+pub fn rewritten(_path: &Path, machine: &Machine) -> String {
+    machine.description.to_toml()
+}
+
 /// A refusal of changed numbers with the lines at which the file has the same problems.
 fn placed(error: vibro_studies::Error, path: &Path) -> vibro_studies::Error {
     use vibro_studies::Error::Refusal;

@@ -33,6 +33,19 @@ impl Stage {
     }
 }
 
+impl Stage {
+    /// Words for the screen.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Own => "the machine's own numbers",
+            Self::Sobol => "sampling",
+            Self::Evolution => "evolution",
+            Self::Gradient => "gradients",
+            Self::Nearby => "evolution around the best",
+        }
+    }
+}
+
 /// A measure's worst value over the motions of a design, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
@@ -158,13 +171,29 @@ impl Evaluation {
     }
 }
 
+/// What a search is doing.
+#[derive(Clone, Copy, Debug)]
+pub struct Now {
+    /// What asked for the last evaluation.
+    pub stage: Stage,
+    /// Number of evaluated designs.
+    pub done: usize,
+    /// Best goal of a design that keeps the limits, SI.
+    pub best: Option<f64>,
+    /// Completed part of the search, from 0 to 1.
+    pub part: f64,
+}
+
 /// Progress and end of a search.
 pub struct Control<'a> {
     /// Whether the search is still wanted; asked at each evaluation.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
-    /// Called with the number of evaluations and the number that may be needed at most.
-    pub progress: &'a (dyn Fn(usize, usize) + Sync),
+    /// Called after each evaluation.
+    pub progress: &'a (dyn Fn(&Now) + Sync),
 }
+
+/// Evaluations of local searches and of the comparison, for the progress.
+const FURTHER: f64 = 30.0;
 
 /// Evaluates designs and keeps all of them.
 pub(crate) struct Evaluator<'a> {
@@ -200,12 +229,15 @@ impl<'a> Evaluator<'a> {
         }
         let found = searched(&self.candidate, &self.sweep, values);
         let own = Evaluation::of(self.request, (&self.candidate, &self.sweep), (&found.row, stage));
-        let done = {
+        let (done, best) = {
             let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
             all.push(own.clone());
-            all.len()
+            let kept = all.iter().filter(|own| own.is_feasible());
+            (all.len(), kept.min_by(|a, b| a.score.1.total_cmp(&b.score.1)).and_then(|own| own.goal))
         };
-        (self.control.progress)(done, self.request.evaluations as usize);
+        let part = done as f64 / (f64::from(self.request.evaluations) + FURTHER);
+        let (best, part) = (best.map(|goal| goal.value), part.min(1.0));
+        (self.control.progress)(&Now { stage, done, best, part });
         Some((own, found))
     }
 

@@ -41,7 +41,7 @@ mod search;
 
 pub use attractors::Attractor;
 pub use candidate::{Candidate, Signed};
-pub use evaluation::{Control, Evaluation, Stage, Value};
+pub use evaluation::{Control, Evaluation, Now, Stage, Value};
 pub use outcome::{Best, Check, Designed, Rival, Verdict};
 pub use request::{DesignRequest, Goal, Limit, Side};
 pub use search::design;

@@ -1,7 +1,9 @@
 //! What is sought: goal, limits, ranges of the numbers that vary.
 
 use crate::candidate::{Candidate, Signed, TOLERANCE};
+use std::fmt;
 use vibro_machine::Start;
+use vibro_numerics::quantities::quantity_in;
 use vibro_studies::design_sweep::{DesignMachine, Designs, ParameterInterval, SampledAxis, SweepRequest};
 use vibro_studies::sobol::DIMENSIONS;
 use vibro_studies::{Error, Machine, Measure, Result, Section};
@@ -39,6 +41,39 @@ pub struct Limit {
     pub side: Side,
     /// The limit, in the measure's SI unit.
     pub value: f64,
+}
+
+impl Limit {
+    /// Reads `OUTPUT<=VALUE` or `OUTPUT>=VALUE`; the value is in SI or has a unit.
+    ///
+    /// # Errors
+    /// [`Error::Form`] for another form, and for a value that is no number of the output's unit;
+    /// [`Error::Described`] for an output that the machine does not have.
+    pub fn read(text: &str, machine: &Machine) -> Result<Self> {
+        let form = |expected| Error::Form { text: text.into(), expected };
+        let of = |sign: &str, side| text.split_once(sign).map(|(output, value)| (output, side, value));
+        let signs = [("<=", Side::AtMost), (">=", Side::AtLeast), ("≤", Side::AtMost), ("≥", Side::AtLeast)];
+        let found = signs.into_iter().find_map(|(sign, side)| of(sign, side));
+        let (output, side, value) =
+            found.ok_or_else(|| form("OUTPUT<=VALUE or OUTPUT>=VALUE, e.g. impact.speed.steel<=0.5 m/s"))?;
+        let measure: Measure = output.parse()?;
+        measure.check(&machine.description)?;
+        let unit = measure.unit(&machine.description);
+        let value = quantity_in(unit, value.trim()).map(|own| own.value).filter(|x| x.is_finite());
+        let value = value
+            .ok_or_else(|| form("a finite number behind the sign, in SI or with a unit of the output"))?;
+        Ok(Self { measure, side, value })
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = match self.side {
+            Side::AtMost => "<=",
+            Side::AtLeast => ">=",
+        };
+        write!(f, "{}{sign}{}", self.measure, self.value)
+    }
 }
 
 /// Request of a design search.

@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any
 from ._base import AnyMachine
 from ._fmu import fmu_path
 from ._machine import Machine
+from ._machine_design import Design, DesignMotion, Rival, design
 from ._machine_fit import Fit, PaperFit, Segment, fit
 from ._machine_locus import LOCUS_LABELS, Locus
 from ._machine_orbits import LABELS, Branch, Orbit
@@ -65,6 +66,8 @@ __all__ = [
     "Attractor",
     "Basins",
     "Branch",
+    "Design",
+    "DesignMotion",
     "Diagram",
     "Direction",
     "Ends",
@@ -86,6 +89,7 @@ __all__ = [
     "PaperRun",
     "PaperSection",
     "PaperSpectrum",
+    "Rival",
     "Run",
     "Section",
     "Segment",
@@ -98,6 +102,7 @@ __all__ = [
     "Table",
     "Transition",
     "__version__",
+    "design",
     "fit",
     "fmu_path",
     "measure_many",

@@ -14,6 +14,7 @@ from ._arguments import MOST_PERIODS, discarded_and_kept, evenly_spaced, seconds
 from ._base import merged
 from ._instants import after, instants
 from ._machine_description import MachineDescription
+from ._machine_design import Design, design
 from ._machine_fit import fit
 from ._measures import Measures
 from ._machine_many import SectionLike, measures_of, names_of, section_of
@@ -457,6 +458,10 @@ class Machine(MachineDescription):
     def fit(self, record: RecordLike, **options: Any) -> Any:
         """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
         return fit(self, record, **options)
+
+    def design(self, **options: Any) -> Design:
+        """The design with the best output: :func:`design`, which has the options."""
+        return design(self, **options)
 
     def sketch(self) -> Sketch:
         """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""

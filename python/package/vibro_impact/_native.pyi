@@ -39,6 +39,7 @@ __all__ = [
     "paper_bifurcation",
     "paper_branches",
     "columns_of_table",
+    "design",
     "find",
     "fit",
     "paper_follow",
@@ -140,6 +141,20 @@ def simulate_many(
     machines: _Machines, starts: Sequence[_Numbers], until: float, in_rows: bool, progress: _Progress = None
 ) -> tuple[_Floats, list[str | None]]: ...
 def columns_of_table(machine: Described, text: str, names: dict[str, str]) -> list[tuple[str, list[float]]]: ...
+def design(
+    machine: Described,
+    output: str,
+    maximize: bool,
+    vary: Sequence[tuple[str, float, float]],
+    over: Sequence[tuple[str, Sequence[float], bool]],
+    subject_to: Sequence[str],
+    robust: float,
+    evaluations: int,
+    windows: tuple[int, int, int],
+    starts: Sequence[_Numbers],
+    section: float | str | None,
+    progress: _Progress = None,
+) -> _Parts: ...
 def fit(
     machine: Described,
     start: _Numbers,

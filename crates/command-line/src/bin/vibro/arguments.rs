@@ -15,6 +15,7 @@
 //! alias.
 
 use crate::common_arguments::{Common, FILE, WITH_FILE, WITHOUT_FILE, has_file};
+use crate::design_arguments::DesignArguments;
 use crate::fit_arguments::FitArguments;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::paper;
@@ -43,6 +44,7 @@ EXAMPLES
   vibro draw machine.toml
   vibro run machine.toml --until 2s --samples 1000 --out my-machine
   vibro sweep machine.toml --vary stop.steel.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25
+  vibro design machine.toml --minimize amplitude.box.s --vary stop.steel.gap=1mm:8mm,body.block.mass=0.2kg:0.5kg
   vibro fit machine.toml --data record.csv --free stop.steel.gap,spring.mount.stiffness
   vibro bifurcation machine.toml --vary stop.steel.gap=1mm:8mm:200 --of box.s
   vibro lyapunov machine.toml --vary stop.steel.gap=1mm:8mm:200
@@ -80,6 +82,7 @@ fn unused(command: &str) -> &'static [&'static str] {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
         "draw" | "fmu" => &["config", "replace", "discard_unfinished", "threads"],
         "section" | "fit" => &["config", "discard_unfinished", "threads"],
+        "design" => &["config", "discard_unfinished"],
         "template" | "new" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
@@ -214,6 +217,13 @@ pub enum Command {
     /// several starts. The row then has the least, mean and largest values. A design that cannot be
     /// simulated has a row with the reason.
     Sweep(Box<Sweep>),
+    /// The design of the machine of a FILE with the best output: least or largest, over a band, with
+    /// limits and tolerances
+    ///
+    /// The search is global (the Sobol sequence, then differential evolution) and local (by exact
+    /// derivatives of periodic orbits). It reports the best numbers with the error of the output,
+    /// whether other designs are told apart from them, and other motions of the best design.
+    Design(DesignArguments),
     /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record does
     /// not determine, the residuals and the fitted file
     ///

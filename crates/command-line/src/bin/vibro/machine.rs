@@ -8,7 +8,7 @@ use crate::output;
 use crate::packing;
 use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
-use crate::{machine_basin, machine_fit, machine_orbits, machine_studies};
+use crate::{machine_basin, machine_design, machine_fit, machine_orbits, machine_studies};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,6 +42,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Section(a) => machine_studies::section(file, common, a)?,
         Command::Response(a) => return machine_orbits::response(file, common, a),
         Command::Orbit(a) => machine_orbits::orbit(file, common, a)?,
+        Command::Design(a) => return machine_design::run(file, common, a),
         Command::Fit(a) => return machine_fit::run(common, a),
         Command::Orbits(a) => return machine_orbits::orbits(file, common, a),
         Command::Locus(a) => machine_orbits::loci(file, common, a)?,

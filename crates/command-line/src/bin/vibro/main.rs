@@ -2,6 +2,7 @@
 
 mod arguments;
 mod common_arguments;
+mod design_arguments;
 mod destination;
 mod fit_arguments;
 mod interruption;
@@ -11,6 +12,7 @@ mod loci;
 mod long;
 mod machine;
 mod machine_basin;
+mod machine_design;
 mod machine_fit;
 mod machine_orbits;
 mod machine_studies;
@@ -133,6 +135,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         Command::Locus(a) => vec![orbits::loci(&set, a)?],
         Command::Merge(a) => return long::merge(common, a),
         Command::Check { .. }
+        | Command::Design(_)
         | Command::Draw { .. }
         | Command::Fit(_)
         | Command::Fmu(_)

@@ -6,6 +6,7 @@
 //! one [`crate::arguments::Command`]; only their help differs.
 
 use crate::common_arguments::{FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
+use crate::design_arguments;
 use crate::paper_words::{Of, words};
 use crate::sweep_arguments::{EXAMPLES, EXAMPLES_OF_PAPER, TABLE};
 use clap::builder::Resettable;
@@ -82,7 +83,11 @@ pub fn grouped(all: Command) -> Command {
 
 /// A command whose help describes a machine's file alone.
 fn of_file(command: Command) -> Command {
-    let notes: &[&str] = if command.get_name() == "sweep" { &[EXAMPLES, TABLE, NUMBERS] } else { &[NUMBERS] };
+    let notes: &[&str] = match command.get_name() {
+        "sweep" => &[EXAMPLES, TABLE, NUMBERS],
+        "design" => &[design_arguments::EXAMPLES, design_arguments::FILES, NUMBERS],
+        _ => &[NUMBERS],
+    };
     let usage = command.clone().bin_name(format!("vibro {}", command.get_name())).render_usage().to_string();
     let usage = usage.trim_start_matches("Usage: ").replace("[FILE]", "<FILE>");
     described(command, Of::File, WITHOUT_FILE, notes).override_usage(usage)

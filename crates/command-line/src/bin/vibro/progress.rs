@@ -17,6 +17,9 @@ const PARTS: f64 = 1e6;
 /// Interval at which a clock is drawn, and shortest one between two fractions of a length of time.
 const TICK: Duration = Duration::from_millis(250);
 
+/// Time of a fraction that was never shown.
+const NEVER: u64 = u64::MAX;
+
 /// The clock of the command, while it is on the terminal, and the number of bars there.
 static TERMINAL: Mutex<Terminal> = Mutex::new(Terminal { clock: None, bars: 0 });
 
@@ -106,7 +109,7 @@ impl Progress {
             total: total as u64,
             unit,
             done: AtomicU64::new(0),
-            told: AtomicU64::new(0),
+            told: AtomicU64::new(NEVER),
             bar: OnceLock::new(),
             target: Mutex::new(Some(target)),
         }
@@ -140,8 +143,12 @@ impl Progress {
     pub fn described(&self, part: f64, words: &dyn Fn() -> String, left: &str) {
         let gone = self.begin.elapsed();
         let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
-        if gone > self.patience && (self.bar.get().is_none() || since >= TICK.as_millis() as u64) {
-            self.told.store(gone.as_millis() as u64, Ordering::Relaxed);
+        let is_due = self.told.load(Ordering::Relaxed) == NEVER || since >= TICK.as_millis() as u64;
+        if gone > self.patience && is_due {
+            // The first time left is shown at once.
+            if part > 0.0 {
+                self.told.store(gone.as_millis() as u64, Ordering::Relaxed);
+            }
             let bar = self.bar.get_or_init(|| self.bar());
             bar.set_length(PARTS as u64);
             bar.set_position((part * PARTS) as u64);

@@ -8,8 +8,9 @@ const READ_LATER: [&str; 4] = ["at", "mark", "set", "from"];
 /// Axes whose parameters depend on the machine.
 const AXES: [&str; 2] = ["vary", "over"];
 /// Value names of options, besides numbers, that are parsed with the command line.
-const FORMS: [&str; 11] = [
+const FORMS: [&str; 12] = [
     "TIME",
+    "PERCENT",
     "I/N",
     "NAME=FROM:TO",
     "NAME=FROM:TO[:COUNT]",
@@ -44,12 +45,13 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         let number = ["N", "X"].contains(&form.as_str());
         let takes = |commands: &[&str]| path.iter().any(|word| commands.contains(&word.as_str()));
         let of_both = AXES.contains(&option)
-            && takes(&["sweep", "bifurcation", "lyapunov", "orbits", "locus"])
+            && takes(&["sweep", "design", "bifurcation", "lyapunov", "orbits", "locus"])
             || option == "range" && takes(&["response"])
             || option == "start"
                 && takes(&[
                     "run",
                     "sweep",
+                    "design",
                     "bifurcation",
                     "lyapunov",
                     "fit",

@@ -1,0 +1,120 @@
+//! `vibro design`: from arguments to the library's search.
+
+use crate::common_arguments::{Common, names};
+use crate::design_arguments::DesignArguments;
+use crate::destination::{self, Destination};
+use crate::interruption::INTERRUPTED;
+use crate::machine_studies::{invocation, machine, read_axis};
+use crate::output;
+use crate::progress::{Progress, TIME};
+use crate::ranges::in_option;
+use crate::sweep::in_words;
+use crate::sweep_arguments::AxisArgument;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use vibro::studies;
+use vibro::whole_file::write_whole;
+use vibro::{Error, Result};
+use vibro_design::{Control, DesignRequest, Goal, Limit, design};
+use vibro_studies::Machine;
+
+/// The goal of `--minimize` or `--maximize`.
+fn goal(a: &DesignArguments) -> Result<Goal> {
+    let (option, text, maximize) = match (&a.minimize, &a.maximize) {
+        (_, Some(text)) => ("--maximize", text.as_str(), true),
+        (text, None) => ("--minimize", text.as_deref().unwrap_or_default(), false),
+    };
+    Ok(Goal { measure: text.parse().map_err(in_option(option))?, maximize })
+}
+
+/// The request, checked.
+fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(&'static str, String)>)> {
+    let mut machine: Machine = machine(&a.file, &a.section, common)?;
+    let mut axes = |all: &[String]| -> Result<Vec<AxisArgument<String>>> {
+        all.iter().map(|text| read_axis(&mut machine, text)).collect()
+    };
+    let (vary, over) = (axes(&names(&a.vary))?, axes(&a.over)?);
+    let intervals = vary.iter().map(|axis| {
+        let form =
+            |_| Error::form(axis.to_string(), "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm");
+        axis.interval().map_err(form)
+    });
+    let intervals = intervals.collect::<Result<_>>()?;
+    let limit = |text: &String| Limit::read(text, &machine).map_err(in_option("--subject-to"));
+    let limits: Vec<Limit> = a.subject_to.iter().map(limit).collect::<Result<_>>()?;
+    let mut request = DesignRequest {
+        over: over.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?,
+        between: over.iter().filter_map(|axis| axis.range().map(|range| range.name.clone())).collect(),
+        limits,
+        robust: a.robust,
+        discard: a.discard,
+        periods: a.periods,
+        evaluations: a.evaluations,
+        again: a.again,
+        ..DesignRequest::new(machine.clone(), goal(a)?, intervals)
+    };
+    if !a.start.is_empty() {
+        let one =
+            |given: &String| vibro::machine::read_start(&machine, given, &mut |words| crate::note(&words));
+        request.starts = a.start.iter().map(one).collect::<Result<_>>()?;
+    }
+    request.check()?;
+    let limits: Vec<String> = request.limits.iter().map(ToString::to_string).collect();
+    let options = vec![
+        (if request.goal.maximize { "maximize" } else { "minimize" }, request.goal.measure.to_string()),
+        ("vary", in_words(&vary)),
+        ("over", in_words(&over)),
+        ("resolution", a.resolution.to_string()),
+        ("subject-to", limits.join(" ")),
+        ("robust", a.robust.to_string()),
+        ("evaluations", a.evaluations.to_string()),
+        ("discard", a.discard.to_string()),
+        ("periods", a.periods.to_string()),
+        ("again", a.again.to_string()),
+        ("start", in_words(&request.starts)),
+    ];
+    Ok((request, options))
+}
+
+/// Searches for the best design. Returns `false` if the search was ended by hand; the best design
+/// until then is written.
+pub fn run(file: &Path, common: &Common, a: &DesignArguments) -> Result<bool> {
+    let (request, options) = request(a, common)?;
+    let options: Vec<(&str, String)> = options;
+    let invocation = invocation(common, &options);
+    let destination = Destination::new(common, &invocation, &request.machine);
+    // The folder is checked before work begins.
+    let out = destination.place(&[destination.result("design")])?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
+    drop(ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            // A second Ctrl-C does not wait for the designs that are being measured.
+            std::process::exit(INTERRUPTED);
+        }
+    }));
+    let progress = Progress::new(0, TIME);
+    let found = design(
+        &request,
+        &Control {
+            go_on: &|| !stop.load(Ordering::Relaxed),
+            progress: &|now| {
+                let best = now.best.map_or(String::new(), |best| format!(", best {best:.4e}"));
+                let words = || format!("{}, {} designs{best}", now.stage.words(), now.done);
+                progress.described(now.part, &words, "left at most");
+            },
+        },
+    )?;
+    drop(progress);
+    let study = studies::designed(&request, &found)?;
+    let held = destination::hold(&common.out);
+    destination.write(std::slice::from_ref(&study))?;
+    if let Some(machine) = studies::best_machine(&request, &found)? {
+        write_whole(&out.join("best.toml"), vibro::machine::rewritten(file, &machine).as_bytes())?;
+    }
+    drop(held);
+    output::print(&[study], &request.machine, &out, common)?;
+    Ok(!stop.load(Ordering::Relaxed))
+}

@@ -1,0 +1,278 @@
+"""Searches for the best design of machines of your own."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Optional, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._arguments import MOST_PERIODS, Floats, number, whole
+from ._base import AnyMachine
+from ._machine_description import MachineDescription
+from ._machine_many import SectionLike, section_of
+from ._machine_start import StartLike, numbers_of
+from ._progress import Bar
+from ._result import Result
+from ._show import Line, lines
+from ._start import Start
+
+#: An end of a range: a number in SI, or a text with a unit.
+_End = Union[float, str]
+
+#: Values of an interval without a count.
+_VALUES = 11
+
+
+@dataclasses.dataclass(frozen=True)
+class DesignMotion:
+    """A motion of the best design at the place of its worst value."""
+
+    kind: str
+    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
+    contacts: float
+    "Impacts and first touches a return."
+    goal: float
+    "The output, SI."
+    bar: tuple[float, float]
+    "Ends of its error bar."
+    starts: int
+    "Number of the starts that lead to it."
+    start: Start
+    "One of these starts; empty for the machine's own."
+    requested: bool
+    "Whether a start of the search leads to it."
+    worse: bool
+    "Whether it is worse than the design's value beyond the error bars."
+
+
+@dataclasses.dataclass(frozen=True)
+class Rival:
+    """Another design, far from the best one."""
+
+    values: dict[str, float]
+    "Its numbers by name, SI."
+    goal: float
+    "The output, SI."
+    bar: tuple[float, float]
+    "Ends of its error bar."
+    told_apart: bool
+    "Whether it is worse than the best beyond the error bars."
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class Design(Result):
+    """The best design of a machine of your own; all numbers in SI."""
+
+    verdict: str
+    "``decided``; or ``undecided: …`` or ``none found: …`` with the reason."
+    machine: AnyMachine
+    "The machine with the numbers of the best design; as it was given where none was found."
+    values: dict[str, float]
+    "The numbers of the best design by name; empty where no design has a value."
+    goal: float
+    "The output of its worst motion; NaN where no design has a value."
+    bar: tuple[float, float]
+    "Ends of the error bar of that."
+    exact: bool
+    "Whether every motion repeats, so that the error bar is rounding."
+    place: str
+    "The worst motion, in words; empty where there is one motion."
+    at_ends: list[str]
+    "Numbers at an end of their range."
+    limits: dict[str, tuple[Optional[float], str]]
+    "By limit, as given, the output of the worst motion, and ``met``, ``not met`` or ``undecided``."
+    motions: list[DesignMotion]
+    "Motions that coexist at the place of the worst value."
+    rivals: list[Rival]
+    "Other designs that were compared with the best one."
+    gradients: bool
+    "Whether the best comes from exact derivatives of orbits."
+    names: tuple[str, ...]
+    "Names of the numbers that vary."
+    designs: Floats
+    "The numbers of all designs that were evaluated, shape (m, n), in order."
+    goals: Floats
+    "The output of each, shape (m,); NaN where a motion has none."
+    within_limits: NDArray[np.bool_]
+    "Whether each keeps the limits, shape (m,)."
+    stages: list[str]
+    "What asked for each: own, sobol, evolution, gradient, nearby."
+
+    def _picture(self) -> str:
+        count = np.arange(1.0, len(self.goals) + 1)
+        is_known = np.isfinite(self.goals)
+        return lines([Line(count[is_known], self.goals[is_known], dots=True)], "evaluation", "output of the worst motion, SI")
+
+
+def design(
+    machine: MachineDescription,
+    *,
+    vary: Mapping[str, tuple[_End, _End]],
+    minimize: Optional[str] = None,
+    maximize: Optional[str] = None,
+    over: Optional[Mapping[str, Any]] = None,
+    subject_to: Iterable[str] = (),
+    robust: float = 0.0,
+    evaluations: int = 200,
+    periods: int = 60,
+    settle: int = 300,
+    again: int = 300_000,
+    section: SectionLike = None,
+    start: Union[StartLike, list[StartLike]] = None,
+    progress: bool = False,
+) -> Design:
+    """The design with the least or largest output of its worst motion: ``vibro design FILE``.
+
+    >>> import vibro_impact as vi
+    >>> slide = vi.Machine({
+    ...     "name": "Slide", "body": {"a": {"mass": 1.0}},
+    ...     "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4, "damping": 2.0}},
+    ...     "load": {"f": {"on": "a", "amplitude": 1.0, "frequency": 10.0}},
+    ... })
+    >>> found = vi.design(slide, maximize="amplitude.a.s", vary={"spring.k.stiffness": (2e3, 6e3)}, evaluations=20)
+    >>> found.verdict, round(found.values["spring.k.stiffness"], 3)
+    ('decided', 3947.842)
+
+    Parameters
+    ----------
+    machine
+        The machine; its own numbers are evaluated first where they lie in the ranges.
+    vary
+        The numbers that vary, each with the ends of its range, in SI or as texts with units.
+    minimize, maximize
+        The output that is to be small or large in its worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` has all.
+    over
+        Parameters over which a design has its worst value: a tuple ``(from, to)`` or ``(from, to, count)`` is an interval, in which peaks are
+        also searched between the values, and a list has single values.
+    subject_to
+        Limits that the worst motion must keep, such as ``"impact.speed.steel <= 0.5 m/s"``.
+    robust
+        Relative tolerance of the numbers that vary: the worst value at the corners of the box of all tolerances counts (of more than four
+        numbers, at 16 corners), for the best design also at 32 points inside.
+    evaluations
+        Number of designs that are evaluated; local searches may add some ten for each of three basins.
+    periods, settle, section
+        As of :meth:`Machine.measure`.
+    again
+        Periods of motion that may be spent on measuring the best designs longer.
+    start
+        As of :meth:`Machine.simulate`, or a list of such: every design is run from each.
+    progress
+        Whether to show a progress bar, with the stage, the number of designs and the best output so far.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C, with the best design so far as its attribute ``partial``: a :class:`Design` whose verdict is ``undecided: ended by hand``;
+        None where the simulations that run do not end within 10 s, or at a second Ctrl-C.
+    ValueError, TypeError
+        For arguments out of their range and unknown names.
+    """
+    if not isinstance(machine, MachineDescription):
+        raise TypeError(f"machine is of type {type(machine).__name__}: expected a Machine; a PaperMachine has `described()`")
+    if (minimize is None) == (maximize is None):
+        raise TypeError(f"minimize = {minimize!r} and maximize = {maximize!r}: expected one of them, e.g. minimize='amplitude.box.s'")
+    limits = [subject_to] if isinstance(subject_to, str) else list(subject_to)
+    ranges = [(name, *_ends(machine, f"vary: {name}", name, ends)) for name, ends in vary.items()]
+    axes = [_axis(machine, name, given) for name, given in (over or {}).items()]
+    starts = start if isinstance(start, list) else [start]
+    windows = (whole("settle", settle, 0, MOST_PERIODS), whole("periods", periods, 1, MOST_PERIODS), whole("again", again, 0, 2**63))
+    names = tuple(name for name, _, _ in ranges)
+
+    def made(found: dict[str, Any]) -> Design:
+        return _designed(machine, names, limits, found)
+
+    with Bar(progress, 1000, "‰") as bar, _partial(made):
+        found = _native.design(
+            machine._described,
+            str(minimize if maximize is None else maximize),
+            maximize is not None,
+            ranges,
+            axes,
+            limits,
+            number("robust", robust),
+            whole("evaluations", evaluations, 10, 1_000_000),
+            windows,
+            [numbers_of(machine, own) for own in starts],
+            section_of(section),
+            bar.report,
+        )
+    return made(found)
+
+
+def _ends(machine: MachineDescription, what: str, name: str, ends: Any) -> tuple[float, float]:
+    """The ends of a range, SI."""
+    if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
+        raise TypeError(f"{what} = {ends!r}: expected a pair of its least and largest value, in SI or as texts with units")
+    low, high = (_value(machine, name, end) for end in ends)
+    if not low < high:
+        raise ValueError(f"{what} = {ends!r}: expected a least value below the largest")
+    return low, high
+
+
+def _value(machine: MachineDescription, name: str, value: _End) -> float:
+    return number(name, machine._in_si(name, value) if isinstance(value, str) else value)
+
+
+def _axis(machine: MachineDescription, name: str, given: Any) -> tuple[str, list[float], bool]:
+    """The values of a parameter of a band, and whether they sample an interval."""
+    if isinstance(given, tuple):
+        count = whole(f"over: {name}[2]", given[2], 2, 1000) if len(given) == 3 else _VALUES
+        low, high = _ends(machine, f"over: {name}", name, given[:2])
+        return name, np.linspace(low, high, count).tolist(), True
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise TypeError(f"over: {name} = {given!r}: expected a tuple (from, to) or (from, to, count), or a list of values")
+    return name, [_value(machine, name, value) for value in given], False
+
+
+@contextlib.contextmanager
+def _partial(made: Callable[[dict[str, Any]], Design]) -> Iterator[None]:
+    """Makes the best design so far, which a KeyboardInterrupt has as `partial`, a :class:`Design`."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        found = getattr(interrupt, "partial", None)
+        setattr(interrupt, "partial", None if found is None else made(found))  # noqa: B010 (not in its type)
+        raise
+
+
+def _designed(machine: MachineDescription, names: tuple[str, ...], limits: list[str], found: dict[str, Any]) -> Design:
+    def named(values: list[float]) -> dict[str, float]:
+        return dict(zip(names, values))
+
+    best: dict[str, Any] = found["best"] or {
+        "values": [], "goal": (np.nan, np.nan, np.nan), "exact": False, "place": "", "at_ends": [], "limits": [], "attractors": [],
+    }
+    values = named(best["values"])
+    motions = [
+        DesignMotion(
+            own["kind"], own["contacts"], own["goal"][0], own["goal"][1:], own["starts"], Start(dict(own["start"])), own["requested"],
+            own["worse"],
+        )
+        for own in best["attractors"]
+    ]
+    is_found = values and not found["verdict"].startswith("none found")
+    return Design(
+        verdict=found["verdict"],
+        machine=machine.replace(values) if is_found else machine,
+        values=values,
+        goal=best["goal"][0],
+        bar=best["goal"][1:],
+        exact=best["exact"],
+        place=best["place"],
+        at_ends=best["at_ends"],
+        limits={text: (own and own[0], check) for text, (own, check) in zip(limits, best["limits"])},
+        motions=motions,
+        rivals=[Rival(named(values), goal[0], goal[1:], apart) for values, goal, apart in found["rivals"]],
+        gradients=found["gradients"],
+        names=names,
+        designs=found["values"],
+        goals=found["goals"],
+        within_limits=found["within_limits"],
+        stages=found["stages"],
+    )
