@@ -45,6 +45,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "iwan_joint",
     "shaken_rig" "shaken_rig.csv",
     "run_up",
+    "impact_damper",
 };
 
 /// Names of version 0.3 that this version still understands, with the names of the machines.

@@ -133,11 +133,6 @@ fn second_method_the_engineers_damper_by_brute_force() {
             }
         }
     }
-        "{least:?} {} {best:?} {} {}",
-        worst(best.values[0], best.values[1]),
-        found.verdict,
-        found.evaluations.len()
-    );
     assert!(best.goal.value < least.0 * (1.0 + STEPPED), "{best:?} {least:?}");
     let own = worst(best.values[0], best.values[1]);
     assert!((own / best.goal.value - 1.0).abs() < STEPPED, "{best:?} {own}");

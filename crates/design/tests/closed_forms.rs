@@ -92,20 +92,22 @@ const RESTITUTION: f64 = 0.6;
 const RATIO_OF_DAMPING: f64 = 0.02;
 const FORCE: f64 = 4.0;
 
-/// A box at resonance with a ball between two rigid stops.
-fn impact_damper(gap: f64) -> String {
+/// The gallery's damper: a box at resonance with a ball between two rigid stops.
+fn impact_damper() -> Machine {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/impact_damper.toml");
+    let description = vibro_machine::file::read(path.as_ref()).unwrap();
     let w = TAU * NATURAL;
-    let (k, c) = (w * w, 2.0 * RATIO_OF_DAMPING * w);
-    let stop = |name: &str, between: &str| {
-        format!("[stop.{name}]\nbetween = {between}\ngap = \"= gap\"\nrestitution = {RESTITUTION}\n")
-    };
-    format!(
-        "name = \"ImpactDamper\"\n[body.box]\nmass = 1.0\n[body.ball]\nmass = {BALL}\nstart = {{ v = 0.3 }}\n\
-         [spring.mount]\nbetween = [\"ground\", \"box\"]\nstiffness = {k}\ndamping = {c}\n[parameters]\ngap = \"{gap} m\"\n\
-         {}{}[load.shaker]\non = \"box\"\namplitude = {FORCE}\nfrequency = {NATURAL}\n",
-        stop("right", "[\"box\", \"ball\"]"),
-        stop("left", "[\"ball\", \"box\"]")
-    )
+    let numbers = [
+        ("body.ball.mass", BALL),
+        ("stop.left.restitution", RESTITUTION),
+        ("spring.mount.damping", 2.0 * RATIO_OF_DAMPING * w),
+        ("spring.mount.stiffness", w * w),
+        ("load.shaker.amplitude", FORCE),
+    ];
+    for (name, value) in numbers {
+        assert!((description.get(name).unwrap() / value - 1.0).abs() < f64::EPSILON * 4.0, "{name}");
+    }
+    Machine::new(description)
 }
 
 /// Largest amplitude of the box in the symmetric motion with two impacts a period, by its closed
@@ -163,7 +165,7 @@ fn closed_form_the_best_gap_of_an_impact_damper() {
     let goal = Goal { measure: "amplitude.box.s".parse().unwrap(), maximize: false };
     let request = DesignRequest {
         evaluations: 24,
-        ..DesignRequest::new(machine(&impact_damper(0.005)), goal, vec![interval("gap", 0.006, 0.016)])
+        ..DesignRequest::new(impact_damper(), goal, vec![interval("gap", 0.006, 0.016)])
     };
     let found = design(&request, &CONTROL).unwrap();
     let best = found.best.as_ref().unwrap();
