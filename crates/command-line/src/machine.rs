@@ -12,7 +12,7 @@ mod summary;
 pub use columns::Chosen;
 pub use derivatives::{DerivativeRecord, check_parameters};
 pub use fit_record::{check_record, read_record};
-pub use fitted_file::write_fitted;
+pub use fitted_file::write_with_numbers;
 pub use picture::figure;
 pub use start::read_start;
 pub use summary::summary;
@@ -68,11 +68,6 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
         machine.changes.insert(name, words);
     }
     Ok(machine)
-}
-
-/// The text of a machine's file with the numbers of another machine.
-pub fn rewritten(_path: &Path, machine: &Machine) -> String {
-    machine.description.to_toml()
 }
 
 /// A refusal of changed numbers with the lines at which the file has the same problems.

@@ -1,4 +1,5 @@
-//! The file of a fitted machine: the text of the file from which it came, with the fitted numbers.
+//! The file of a fitted machine or of a design: the text of the file from which it came, with other
+//! numbers.
 
 use crate::table::read_text;
 use crate::whole_file::write_whole;
@@ -9,18 +10,22 @@ use std::path::Path;
 use vibro_machine::description::Description;
 use vibro_machine::file::{records_beside, with_numbers};
 
-/// Name of the file.
-const NAME: &str = "fitted.toml";
-/// Begin of the first line, which has the verdict; an older one is replaced.
-const FIRST: &str = "# vibro fit: ";
+/// Begins of the first line, which has the verdict; an older one is replaced.
+const FIRST: [&str; 2] = ["# vibro fit: ", "# vibro design: "];
 
-/// Writes the file of a fitted machine: comments, units and paths of records are those of the file
+/// Writes the file of a machine with other numbers: comments, units and paths of records are those of the file
 /// at `path`, and the records are copied next to it. A machine that its text cannot give by numbers
-/// alone, and one whose records would replace other files, is written out.
+/// alone, and one whose records would replace other files, is written out. The first line has the
+/// command and its verdict, such as `vibro fit: fits`.
 ///
 /// # Errors
 /// [`Error::File`].
-pub fn write_fitted(path: &Path, fitted: &Description, verdict: &str, out: &Path) -> Result<()> {
+pub fn write_with_numbers(
+    path: &Path,
+    machine: &Description,
+    (name, verdict): (&str, &str),
+    out: &Path,
+) -> Result<()> {
     let records = RefCell::new(BTreeMap::new());
     let beside = records_beside(path.parent().unwrap_or(Path::new("")));
     let read = |name: &str| {
@@ -28,7 +33,7 @@ pub fn write_fitted(path: &Path, fitted: &Description, verdict: &str, out: &Path
         records.borrow_mut().insert(name.to_owned(), text.clone());
         Ok(text)
     };
-    let edited = read_text(path).ok().and_then(|text| with_numbers(&text, &read, fitted));
+    let edited = read_text(path).ok().and_then(|text| with_numbers(&text, &read, machine));
     let records = records.into_inner();
     let text = match edited {
         Some(text) if records.iter().all(|(name, text)| is_free(&out.join(name), text)) => {
@@ -37,13 +42,13 @@ pub fn write_fitted(path: &Path, fitted: &Description, verdict: &str, out: &Path
             }
             text
         }
-        _ => fitted.to_toml(),
+        _ => machine.to_toml(),
     };
     let rest = match text.split_once('\n') {
-        Some((first, rest)) if first.starts_with(FIRST) => rest,
+        Some((first, rest)) if FIRST.iter().any(|own| first.starts_with(own)) => rest,
         _ => &text,
     };
-    write_whole(&out.join(NAME), format!("{FIRST}{verdict}\n{rest}").as_bytes())
+    write_whole(&out.join(name), format!("# {verdict}\n{rest}").as_bytes())
 }
 
 /// Whether a record may be written to a path: nothing is there, or the same.

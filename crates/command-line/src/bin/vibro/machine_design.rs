@@ -14,7 +14,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use vibro::studies;
-use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_design::{Control, DesignRequest, Goal, Limit, design};
 use vibro_studies::Machine;
@@ -112,7 +111,9 @@ pub fn run(file: &Path, common: &Common, a: &DesignArguments) -> Result<bool> {
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;
     if let Some(machine) = studies::best_machine(&request, &found)? {
-        write_whole(&out.join("best.toml"), vibro::machine::rewritten(file, &machine).as_bytes())?;
+        let verdict = format!("vibro design: {}", found.verdict);
+        let name = ("best.toml", verdict.as_str());
+        vibro::machine::write_with_numbers(file, &machine.description, name, &out)?;
     }
     drop(held);
     output::print(&[study], &request.machine, &out, common)?;

@@ -10,7 +10,7 @@ use crate::progress::{Progress, TIME};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use vibro::machine::{check_record, read_record, write_fitted};
+use vibro::machine::{check_record, read_record, write_with_numbers};
 use vibro::report::fit_page;
 use vibro::studies::{self, fit_json};
 use vibro::whole_file::write_whole;
@@ -215,7 +215,8 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let held = destination::hold(&common.out);
     destination.write(std::slice::from_ref(&study))?;
     write_whole(&out.join("fit.json"), fit_json(&fitted).as_bytes())?;
-    write_fitted(&a.file, &fitted.machine.description, &fitted.verdict.to_string(), &out)?;
+    let verdict = format!("vibro fit: {}", fitted.verdict);
+    write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), &out)?;
     let files = [Some(&a.file), a.data.as_ref(), a.events.as_ref()].map(|path| path.map(PathBuf::as_path));
     let files: Vec<&Path> = files.into_iter().flatten().collect();
     let page = fit_page((&request, &fitted), &study, &invocation.command_line, &files)?;
