@@ -16,10 +16,11 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) const WEIGHT: f64 = 100.0;
 /// Largest number of iterations of a quadratic problem; ten to twenty are usual.
 const ITERATIONS: usize = 60;
-/// Least slack of a limit at the begin of a quadratic problem.
-const FIRST_SLACK: f64 = 0.1;
 /// Residual of a quadratic problem that is solved.
 const SOLVED: f64 = 1e-11;
+/// Mean product of slack and multiplier of a quadratic problem that is solved; far below it rounding
+/// spoils the multipliers.
+const GAP: f64 = 1e-16;
 /// Residual with which a solution is accepted where rounding has ended the iteration.
 const ACCEPTED: f64 = 1e-5;
 /// Part of the way to the nearest limit that an iteration goes.
@@ -100,38 +101,41 @@ pub(crate) struct Step {
 /// The step that solves the problem within bounds around 0; `None` where it is not found.
 pub(crate) fn step(pieces: &[Piece], curvature: &Curvature, bounds: &[(f64, f64)]) -> Option<Step> {
     let (n, m) = (bounds.len(), pieces.len());
-    // Unknowns: d, t, s. Rows: the pieces, s ≥ 0, the bounds.
+    // Unknowns: d in widths of the bounds, t, s. Rows: the pieces, s ≥ 0, the bounds.
+    let width = |i: usize| bounds[i].1 - bounds[i].0;
     let mut hessian = DMatrix::zeros(n + 2, n + 2);
-    curvature.0.iter().enumerate().for_each(|(i, row)| {
-        row.iter().enumerate().for_each(|(j, x)| hessian[(i, j)] = *x);
-    });
+    for (i, row) in curvature.0.iter().enumerate() {
+        row.iter().enumerate().for_each(|(j, x)| hessian[(i, j)] = x * width(i) * width(j));
+    }
     let mut linear = DVector::zeros(n + 2);
     (linear[n], linear[n + 1]) = (1.0, WEIGHT);
     let (mut rows, mut most) = (DMatrix::zeros(m + 1 + 2 * n, n + 2), DVector::zeros(m + 1 + 2 * n));
     for (k, piece) in pieces.iter().enumerate() {
-        piece.gradient.iter().enumerate().for_each(|(i, x)| rows[(k, i)] = *x);
+        piece.gradient.iter().enumerate().for_each(|(i, x)| rows[(k, i)] = x * width(i));
         rows[(k, if piece.is_goal { n } else { n + 1 })] = -1.0;
         most[k] = -piece.value;
     }
     rows[(m, n + 1)] = -1.0;
     for (i, (low, high)) in bounds.iter().enumerate() {
         let k = m + 1 + 2 * i;
-        (rows[(k, i)], most[k]) = (-1.0, -low);
-        (rows[(k + 1, i)], most[k + 1]) = (1.0, *high);
+        (rows[(k, i)], most[k]) = (-1.0, -low / width(i));
+        (rows[(k + 1, i)], most[k + 1]) = (1.0, high / width(i));
     }
+    // A point inside all limits: the middle of the bounds, t and s above all pieces there.
+    let middle: Vec<f64> = bounds.iter().map(|own| 0.5 * (own.0 + own.1)).collect();
     let worst = |is_goal: bool| {
-        let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.value);
-        own.fold(f64::NEG_INFINITY, f64::max)
+        let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.at(&middle));
+        own.fold(0.0, f64::max)
     };
-    let mut begin = DVector::zeros(n + 2);
-    (begin[n], begin[n + 1]) = (worst(true), worst(false).max(0.0));
-    let (x, duals) = interior_point(&hessian, &linear, (&rows, &most), begin)?;
-    let d = x.iter().take(n).zip(bounds).map(|(x, own)| x.clamp(own.0, own.1)).collect();
-    Some(Step { d, weights: duals.iter().take(m).copied().collect() })
+    let mut begin: Vec<f64> = middle.iter().enumerate().map(|(i, x)| x / width(i)).collect();
+    begin.extend([worst(true) + 1.0, worst(false) + 1.0]);
+    let (x, duals) = interior_point(&hessian, &linear, (&rows, &most), DVector::from_vec(begin))?;
+    let unscaled = (0..n).map(|i| (x[i] * width(i)).clamp(bounds[i].0, bounds[i].1));
+    Some(Step { d: unscaled.collect(), weights: duals.iter().take(m).copied().collect() })
 }
 
-/// The least of ½ xᵀ H x + c·x with A x ≤ b, and its multipliers: S. Mehrotra's predictor and
-/// corrector (SIAM J. Optim. 2 (1992) 575–601), dense.
+/// The least of ½ xᵀ H x + c·x with A x ≤ b, and its multipliers, from a point inside all limits:
+/// S. Mehrotra's predictor and corrector (SIAM J. Optim. 2 (1992) 575–601), dense.
 fn interior_point(
     hessian: &DMatrix<f64>,
     linear: &DVector<f64>,
@@ -139,13 +143,13 @@ fn interior_point(
     mut x: DVector<f64>,
 ) -> Option<(DVector<f64>, DVector<f64>)> {
     let count = most.len();
-    let mut slack = (most - rows * &x).map(|own| own.max(FIRST_SLACK));
+    let mut slack = most - rows * &x;
     let mut duals = DVector::from_element(count, 1.0);
     for _ in 0..ITERATIONS {
         let stationary = hessian * &x + linear + rows.tr_mul(&duals);
         let primal = rows * &x + &slack - most;
         let gap = slack.dot(&duals) / count as f64;
-        if stationary.amax() < SOLVED && primal.amax() < SOLVED && gap < SOLVED * SOLVED {
+        if stationary.amax() < SOLVED && primal.amax() < SOLVED && gap < GAP {
             break;
         }
         let ratio = duals.component_div(&slack);
@@ -221,6 +225,47 @@ mod tests {
         curvature.update(&step, &change);
         for (own, y) in curvature.times(&step).iter().zip(&change) {
             assert!((own - y).abs() < SOLVED, "{own} {y}");
+        }
+    }
+
+    #[test]
+    fn invariant_no_point_nearby_is_better_than_the_step_of_random_problems() {
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+        };
+        for case in 0..300 {
+            let (n, m) = (1 + case % 4, 1 + case % 7);
+            let half = 0.2 * 0.3f64.powi(case as i32 % 11);
+            let bounds: Vec<(f64, f64)> = (0..n).map(|_| (-half * random().abs(), half)).collect();
+            let mut curvature = Curvature::unit(n);
+            for _ in 0..3 {
+                let step: Vec<f64> = (0..n).map(|_| random()).collect();
+                let change: Vec<f64> = (0..n).map(|_| 10.0 * random()).collect();
+                curvature.update(&step, &change);
+            }
+            let piece = |k: usize, x: &mut dyn FnMut() -> f64| Piece {
+                is_goal: k == 0 || x() > 0.0,
+                value: 1.0 + 0.1 * x(),
+                gradient: (0..n).map(|_| 3.0 * x()).collect(),
+            };
+            let pieces: Vec<Piece> = (0..m).map(|k| piece(k, &mut random)).collect();
+            let of = |d: &[f64]| merit(&pieces, d) + 0.5 * dot(d, &curvature.times(d));
+            let found =
+                step(&pieces, &curvature, &bounds).unwrap_or_else(|| panic!("{case} {pieces:?} {bounds:?}"));
+            let own = of(&found.d);
+            for _ in 0..50 {
+                let d: Vec<f64> =
+                    bounds.iter().map(|own| own.0 + (own.1 - own.0) * 0.5 * (1.0 + random())).collect();
+                let near: Vec<f64> = found.d.iter().zip(&d).map(|(a, b)| a + 1e-3 * (b - a)).collect();
+                for other in [d, near] {
+                    assert!(of(&other) >= own - SOLVED, "{case}: {own} {} {found:?} {pieces:?}", of(&other));
+                }
+            }
+            let sum: f64 =
+                pieces.iter().zip(&found.weights).filter(|own| own.0.is_goal).map(|own| own.1).sum();
+            assert!((sum - 1.0).abs() < SOLVED.sqrt(), "{case} {sum}");
         }
     }
 }

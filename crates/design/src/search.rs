@@ -74,7 +74,8 @@ fn local(evaluator: &Evaluator) -> (usize, Vec<Evaluation>) {
         let descended = descend(evaluator, (begin, row), &known);
         orbits += descended.orbits;
         known.push(evaluator.unit(&descended.found.values));
-        if descended.has_gradients {
+        let is_of_gradients = descended.is_stationary || descended.found.stage == Stage::Gradient;
+        if descended.has_gradients && is_of_gradients {
             found.push((descended.found, descended.is_stationary));
         }
     }

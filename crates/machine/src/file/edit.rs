@@ -8,7 +8,7 @@ use super::{Records, machine};
 use crate::check::check_structure;
 use crate::description::Description;
 use crate::slots::{Slot, slots};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use vibro_numerics::quantities::{in_si, split};
 
@@ -20,8 +20,8 @@ const ROUNDINGS: f64 = 4.0;
 /// replaced in place, in the unit that the text has for it. A number that the text leaves out is
 /// added next to its siblings.
 ///
-/// `None` where the result would not be read as the other machine: its elements differ, or the
-/// number follows from an expression or stands in a record.
+/// `None` where the result would not be read as the other machine: its elements differ, or a number
+/// that follows from an expression differs from it, or a number stands in a record.
 ///
 /// ```
 /// use vibro_machine::file::{no_records, parse, with_numbers};
@@ -35,13 +35,17 @@ const ROUNDINGS: f64 = 4.0;
 pub fn with_numbers(text: &str, records: Records, other: &Description) -> Option<String> {
     let (mut own, places) = read(text, records)?;
     let mut other = other.clone();
+    // A number that follows from a parameter is given by its expression.
+    let following: HashSet<String> = own.following().into_iter().map(|own| own.name).collect();
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     {
         let (own, other) = (slots(&mut own), slots(&mut other));
         if own.len() != other.len() {
             return None;
         }
-        for (own, other) in own.iter().zip(&other).filter(|(own, other)| *own.value != *other.value) {
+        let differs =
+            |(own, other): &(&Slot, &Slot)| *own.value != *other.value && !following.contains(&own.name);
+        for (own, other) in own.iter().zip(&other).filter(differs) {
             let edit = places.of(text, &own.name).map(|span| replaced(text, span, other));
             edits.push(edit.unwrap_or_else(|| places.added(text, other))?);
         }

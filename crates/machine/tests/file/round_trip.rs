@@ -29,3 +29,15 @@ proptest! {
         prop_assert_eq!(parse(&edited.unwrap(), "edited.toml", &no_records).unwrap(), other, "{}", text);
     }
 }
+
+/// Numbers that follow from a named parameter keep their expressions, and the parameter its unit
+/// and comment.
+#[test]
+fn golden_a_named_parameter_is_set_in_the_text_for_all_that_follows() {
+    let text = "name = \"A\"\n[parameters]\ngap = \"5 mm\" # of both\n[body.b]\nmass = 1.0\n\
+                [stop.right]\nbetween = [\"ground\", \"b\"]\ngap = \"= gap\"\nrestitution = 0.5\n\
+                [stop.left]\nbetween = [\"b\", \"ground\"]\ngap = \"= 2 * gap\"\nrestitution = 0.5\n";
+    let wider = parse(text, "a.toml", &no_records).unwrap().with([("gap", 7e-3)]).unwrap();
+    let edited = with_numbers(text, &no_records, &wider);
+    assert_eq!(edited.as_deref(), Some(text.replace("5 mm", "7 mm").as_str()));
+}
