@@ -181,8 +181,8 @@ pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
 
 /// An error; a signal's exception with the best result so far as its attribute `partial`, `None` if
 /// the work cannot end within [`PATIENCE`]. A second signal does not wait.
-pub fn with_best<T: Send, P: for<'py> IntoPyObject<'py>>(
-    py: Python<'_>,
+pub fn with_best<'py, T: Send, P: IntoPyObject<'py>>(
+    py: Python<'py>,
     error: PyErr,
     mut partial: Receiver<T>,
     parts: impl Fn(T) -> PyResult<P>,
