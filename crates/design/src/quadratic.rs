@@ -16,13 +16,12 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) const WEIGHT: f64 = 100.0;
 /// Largest number of iterations of a quadratic problem; ten to twenty are usual.
 const ITERATIONS: usize = 60;
-/// Residual of a quadratic problem that is solved.
-const SOLVED: f64 = 1e-11;
 /// Mean product of slack and multiplier of a quadratic problem that is solved; far below it rounding
 /// spoils the multipliers.
 const GAP: f64 = 1e-16;
-/// Residual with which a solution is accepted where rounding has ended the iteration.
-const ACCEPTED: f64 = 1e-5;
+/// Residual of a solution, and its mean product of slack and multiplier, that is accepted where
+/// rounding ends the iteration.
+const ACCEPTED: f64 = 1e-8;
 /// Part of the way to the nearest limit that an iteration goes.
 const INSIDE: f64 = 0.995;
 /// Part of the curvature along a step that an update keeps (Powell).
@@ -145,11 +144,17 @@ fn interior_point(
     let count = most.len();
     let mut slack = most - rows * &x;
     let mut duals = DVector::from_element(count, 1.0);
+    // Far below the accuracy that rounding allows the iteration spoils its numbers again.
+    let mut best: Option<(f64, DVector<f64>, DVector<f64>)> = None;
     for _ in 0..ITERATIONS {
         let stationary = hessian * &x + linear + rows.tr_mul(&duals);
         let primal = rows * &x + &slack - most;
         let gap = slack.dot(&duals) / count as f64;
-        if stationary.amax() < SOLVED && primal.amax() < SOLVED && gap < GAP {
+        let is_accepted = stationary.amax().max(primal.amax()) < ACCEPTED && gap < ACCEPTED;
+        if is_accepted && best.as_ref().is_none_or(|own| gap < own.0) {
+            best = Some((gap, x.clone(), duals.clone()));
+        }
+        if gap < GAP {
             break;
         }
         let ratio = duals.component_div(&slack);
@@ -183,8 +188,7 @@ fn interior_point(
         }
         (x, slack, duals) = next;
     }
-    let rest = (hessian * &x + linear + rows.tr_mul(&duals)).amax();
-    (rest < ACCEPTED).then_some((x, duals))
+    best.map(|(_, x, duals)| (x, duals))
 }
 
 #[cfg(test)]

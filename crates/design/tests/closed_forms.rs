@@ -319,3 +319,24 @@ fn invariant_a_search_does_not_depend_on_threads_and_is_ended_by_hand_with_its_b
         .fold(f64::INFINITY, f64::min);
     assert_eq!(found.best.unwrap().goal.value, least);
 }
+
+#[test]
+fn closed_form_two_frequencies_with_the_same_amplitude() {
+    // Of the resonances on either side the amplitudes at both frequencies are equal:
+    // (k - a²)² + (c a)² = (b² - k)² + (c b)².
+    let (c, a, b) = (2.0, TAU * 7.0, TAU * 9.0);
+    let request = DesignRequest {
+        over: vec![SampledAxis { name: "load.shaker.frequency".into(), values: vec![7.0, 9.0] }],
+        evaluations: 20,
+        ..DesignRequest::new(
+            mounted(1000.0, c, 8.0),
+            Goal { measure: "amplitude.box.s".parse().unwrap(), maximize: true },
+            vec![interval("spring.mount.stiffness", 1500.0, 4000.0)],
+        )
+    };
+    let found = design(&request, &CONTROL).unwrap();
+    let best = found.best.as_ref().unwrap();
+    let exact = 0.5 * (a * a + b * b + c * c);
+    assert!((best.values[0] / exact - 1.0).abs() < 1e-6, "{best:?} {exact}");
+    assert!((best.goal.value * (exact - a * a).hypot(c * a) - 1.0).abs() < 1e-6, "{best:?}");
+}
