@@ -66,9 +66,10 @@ pub fn fitted(
         sigma: None,
         loss: Loss::Linear,
         segments: Segments::Auto,
+        filters: Vec::new(),
         starts: 0,
     };
-    let fitted = fit(&request, &|| goes_on().unwrap_or(true))?;
+    let fitted = fit(&request, &|_| goes_on().unwrap_or(true))?;
     Ok(told(&request, &fitted)?.to_string())
 }
 
