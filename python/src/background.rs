@@ -69,10 +69,9 @@ impl Control {
 }
 
 /// Computes in another thread without Python's lock and waits for the result. `progress` is called
-/// with the number of finished parts and the total (0 if the caller knows the total), and with words
-/// for the present part where there are some. An exception
-/// from a signal or from `progress` ends the wait at once. The thread ends when it next checks its
-/// [`Control`], and its result is dropped.
+/// with the number of finished parts and the total (0 if the caller knows the total), and also with
+/// words for the present part if there are any. An exception from a signal or from `progress` ends
+/// the wait at once. The thread ends when it next checks its [`Control`], and its result is dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -179,9 +178,35 @@ pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     Ok(made)
 }
 
+/// As [`compute`], for a search that ends early with the best result so far: after a signal the
+/// exception has it, as parts for Python, as its attribute `partial`.
+pub fn search_with_best<'py, T: Clone + Send + 'static, P: IntoPyObject<'py>>(
+    py: Python<'py>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Control) -> Result<T, Failure> + Send + 'static,
+    parts: impl Fn(T) -> PyResult<P>,
+) -> PyResult<P> {
+    let (sender, partial) = channel();
+    let found = compute(py, progress, move |control| {
+        let found = work(control);
+        if control.is_cancelled()
+            && let Ok(found) = &found
+        {
+            // The caller may have stopped waiting for this, too.
+            let _ = sender.send(found.clone());
+        }
+        control.check()?;
+        found
+    });
+    match found {
+        Ok(found) => parts(found),
+        Err(error) => Err(with_best(py, error, partial, parts)),
+    }
+}
+
 /// An error; a signal's exception with the best result so far as its attribute `partial`, `None` if
 /// the work cannot end within [`PATIENCE`]. A second signal does not wait.
-pub fn with_best<'py, T: Send, P: IntoPyObject<'py>>(
+fn with_best<'py, T: Send, P: IntoPyObject<'py>>(
     py: Python<'py>,
     error: PyErr,
     mut partial: Receiver<T>,

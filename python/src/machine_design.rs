@@ -1,14 +1,11 @@
 //! Searches for the best design of described machines.
 
 use crate::arrays::{Array1, Array2, column, plane};
-use crate::background::{compute, with_best};
+use crate::background::{self, search_with_best};
 use crate::failure::Failure;
 use crate::machine::{Described, Numbers, SectionChoice};
 use pyo3::prelude::*;
-use std::sync::mpsc::channel;
-use vibro_design::{
-    Attractor, Best, Control, DesignRequest, Designed, Goal, Limit, Now, Value, design as search,
-};
+use vibro_design::{Attractor, Best, Control, DesignRequest, Designed, Goal, Limit, Value, design as search};
 use vibro_studies::design_sweep::{ParameterInterval, SampledAxis};
 
 /// Parts into which the longest course of a search is divided for a progress bar.
@@ -109,12 +106,6 @@ fn parts<'py>(py: Python<'py>, found: &Designed, numbers: usize) -> PyResult<Des
     })
 }
 
-/// Stage, number of designs and best goal.
-fn in_words(now: &Now) -> String {
-    let best = now.best.map_or(String::new(), |best| format!(", best {best:.4e}"));
-    format!("{}, {} designs{best}", now.stage.words(), now.done)
-}
-
 /// The design of a machine with the best output; `over` has names, values, and whether the values
 /// sample an interval.
 #[pyfunction]
@@ -154,26 +145,14 @@ pub fn design<'py>(
         ..DesignRequest::new(own, goal, intervals)
     };
     let numbers = request.vary.len();
-    let (sender, partial) = channel();
-    let found = compute(py, progress, move |control| {
+    let work = move |control: &background::Control| {
         let watched = Control {
             go_on: &|| !control.is_cancelled(),
             progress: &|now| {
-                control.at((PARTS * now.part) as usize, PARTS as usize, in_words(now));
+                control.at((PARTS * now.part) as usize, PARTS as usize, now.to_string());
             },
         };
-        let found = crate::background::pool()?.install(|| search(&request, &watched));
-        if control.is_cancelled()
-            && let Ok(found) = &found
-        {
-            // The caller may have stopped waiting for this, too.
-            let _ = sender.send(found.clone());
-        }
-        control.check()?;
-        Ok(found?)
-    });
-    match found {
-        Ok(found) => parts(py, &found, numbers),
-        Err(error) => Err(with_best(py, error, partial, |found| parts(py, &found, numbers))),
-    }
+        Ok(background::pool()?.install(|| search(&request, &watched))?)
+    };
+    search_with_best(py, progress, work, |found| parts(py, &found, numbers))
 }

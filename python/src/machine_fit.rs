@@ -1,14 +1,13 @@
 //! Fits of described machines to records.
 
 use crate::arrays::{Array1, column};
-use crate::background::{compute, with_best};
+use crate::background::{Control, search_with_best};
 use crate::failure::Failure;
 use crate::machine::{Described, Numbers};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::HashMap;
-use std::sync::mpsc::channel;
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
 use vibro_studies::fit::{Filter, FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
@@ -128,24 +127,12 @@ pub fn fit<'py>(
         },
         starts,
     };
-    let (sender, partial) = channel();
-    let found = compute(py, progress, move |control| {
-        let fitted = vibro_studies::fit::fit(&request, &|now| {
+    let work = move |control: &Control| {
+        Ok(vibro_studies::fit::fit(&request, &|now| {
             control.at((f64::from(PARTS) * now.part) as usize, PARTS as usize, in_words(now))
-        });
-        if control.is_cancelled()
-            && let Ok(fitted) = &fitted
-        {
-            // The caller may have stopped waiting for this, too.
-            let _ = sender.send(fitted.clone());
-        }
-        control.check()?;
-        Ok(fitted?)
-    });
-    match found {
-        Ok(fitted) => Ok(parts(py, &fitted, count)),
-        Err(error) => Err(with_best(py, error, partial, |fitted| Ok(parts(py, &fitted, count)))),
-    }
+        })?)
+    };
+    search_with_best(py, progress, work, |fitted| Ok(parts(py, &fitted, count)))
 }
 
 /// Costs and number of simulations of a fit, with its stage.

@@ -355,7 +355,7 @@ fn catches_ctrl_c(pid: u32) -> bool {
 fn ctrl_c_writes_the_best_values_so_far_as_undecided() {
     let out = folder("fit-ended");
     std::fs::create_dir_all(&out).unwrap();
-    // No ball moves like this: without an end by hand the fit goes on for a minute and does not fit.
+    // No ball moves like this: without an end by hand the fit takes a minute and does not fit.
     let row = |k: usize| format!("{:?},{}\n", 1e-3 * k as f64, (k * k) % 7);
     let table = "time,b.s\n".to_owned() + &(0..20_000).map(row).collect::<String>();
     std::fs::write(out.join("m.toml"), BALL).unwrap();

@@ -1,12 +1,13 @@
 //! Other motions of a design: attractors that coexist at its worst place.
 
+use crate::candidate::of_machine;
 use crate::evaluation::{Evaluator, Value};
 use crate::request::DesignRequest;
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_machine::elements::Action;
 use vibro_machine::{Assembly, Start};
-use vibro_studies::design_sweep::{BARS, DesignMachine, Designs, SweepRequest};
+use vibro_studies::design_sweep::{BARS, DesignMachine};
 use vibro_studies::sobol::{DIMENSIONS, coordinate};
 use vibro_studies::{Machine, Measure, Measured, MotionClass};
 
@@ -45,14 +46,8 @@ fn measured(
     measures: &[Measure],
     start: &Start,
 ) -> Option<Measured> {
-    let sweep = SweepRequest::<Machine> {
-        designs: Designs::Grid(Vec::new()),
-        starts: vec![start.clone()],
-        discard: request.discard,
-        periods: request.periods,
-        measures: measures.to_vec(),
-        ..SweepRequest::default()
-    };
+    let returns = (request.discard, request.periods);
+    let sweep = of_machine(vec![start.clone()], returns, measures.to_vec());
     let (found, objection) = machine.outcomes(&sweep).into_iter().next()?;
     objection.is_none().then_some(found)
 }

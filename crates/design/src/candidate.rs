@@ -39,6 +39,17 @@ impl fmt::Display for Signed {
     }
 }
 
+/// Request of measures of a machine's motions from some starts; `returns` are discarded and kept.
+pub(crate) fn of_machine(
+    starts: Vec<Start>,
+    returns: (u32, u32),
+    measures: Vec<Measure>,
+) -> SweepRequest<Machine> {
+    let (discard, periods) = returns;
+    let designs = Designs::Grid(Vec::new());
+    SweepRequest { designs, starts, discard, periods, measures, ..SweepRequest::default() }
+}
+
 /// A machine with the tolerances of the numbers that vary.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -136,14 +147,8 @@ impl DesignMachine for Candidate {
     }
 
     fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures> {
-        let own = SweepRequest::<Machine> {
-            designs: Designs::Grid(Vec::new()),
-            starts: request.starts.clone(),
-            discard: request.discard,
-            periods: request.periods,
-            measures: request.measures.iter().map(|own| own.measure.clone()).collect(),
-            ..SweepRequest::default()
-        };
+        let measures = request.measures.iter().map(|own| own.measure.clone()).collect();
+        let own = of_machine(request.starts.clone(), (request.discard, request.periods), measures);
         let mut found = self.machine.outcomes(&own);
         for (measured, _) in &mut found {
             for (number, measure) in measured.numbers.iter_mut().zip(&request.measures) {

@@ -1,13 +1,13 @@
 //! Comparison of the best designs of a search by longer measurements, and what is said of the best.
 
 use crate::attractors::attractors;
-use crate::candidate::{Candidate, Signed};
+use crate::candidate::Signed;
 use crate::descent::refined;
-use crate::evaluation::{Control, Evaluation, Evaluator, Value};
+use crate::evaluation::{Control, Evaluation, Evaluator, Value, is_near};
 use crate::outcome::{Best, Check, Designed, Rival, Verdict};
 use crate::request::Limit;
 use rayon::prelude::*;
-use vibro_studies::design_sweep::{DesignMachine, Designs, SearchedRow, SweepRequest, choice, row, searched};
+use vibro_studies::design_sweep::{Designs, SearchedRow, SweepRequest, choice, row, searched};
 use vibro_studies::parts::{PartStore, Task};
 use vibro_studies::{Error, Machine, Result};
 
@@ -94,14 +94,12 @@ fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
     let mut tops = evaluator.apart(APART, RIVALS);
     tops.extend(found.iter().cloned());
     let mut all: Vec<Contender> = tops.par_iter().map(|own| with_peaks(evaluator, own)).collect();
-    all.sort_by(|a, b| rank(&a.own, &b.own));
+    all.sort_by(|a, b| a.own.score.order(&b.own.score));
     let mut kept: Vec<Contender> = Vec::new();
     for contender in all {
         let unit = evaluator.unit(&contender.own.values);
-        let is_near = |other: &Contender| {
-            evaluator.unit(&other.own.values).iter().zip(&unit).all(|(a, b)| (a - b).abs() < APART)
-        };
-        if kept.len() < RIVALS && !kept.iter().any(is_near) {
+        let is_beside = |other: &Contender| is_near(&evaluator.unit(&other.own.values), &unit, APART);
+        if kept.len() < RIVALS && !kept.iter().any(is_beside) {
             kept.push(contender);
         }
     }
@@ -110,10 +108,6 @@ fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
         false => kept.truncate(1),
     }
     kept
-}
-
-fn rank(a: &Evaluation, b: &Evaluation) -> std::cmp::Ordering {
-    a.score.0.total_cmp(&b.score.0).then(a.score.1.total_cmp(&b.score.1))
 }
 
 /// Compares the best designs by longer measurements, and looks for other motions of the best one.
@@ -128,7 +122,7 @@ pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation])
         has_gradients: false,
     };
     if stopped() {
-        let best = found.iter().chain(&evaluator.ranked()).min_by(|a, b| rank(a, b)).cloned();
+        let best = found.iter().chain(&evaluator.ranked()).min_by(|a, b| a.score.order(&b.score)).cloned();
         designed.best = best.and_then(|own| {
             best_of(evaluator, &Contender { own, has_peaks: false, periods: evaluator.sweep.periods })
         });
@@ -142,7 +136,7 @@ pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation])
         return Ok(designed);
     }
     let left = longer(evaluator, &mut all);
-    all.sort_by(|a, b| rank(&a.own, &b.own));
+    all.sort_by(|a, b| a.own.score.order(&b.own.score));
     let signed = &evaluator.sweep.measures[0];
     let (first, others) = all.split_at(1);
     let rival = |other: &Contender| {
@@ -266,10 +260,7 @@ fn inside_tolerances(evaluator: &Evaluator, best: &mut Best) {
 fn at_worst(evaluator: &Evaluator, values: &[f64]) -> Option<Machine> {
     let SearchedRow { row, .. } = searched(&evaluator.candidate, &evaluator.sweep, values.to_vec());
     let (place, _) = row.motion(&evaluator.sweep, row.outputs[0]?.at);
-    let names = evaluator.request.names().into_iter().zip(values.iter().copied());
-    let own: Candidate = evaluator.candidate.varied(&names.collect::<Vec<_>>()).ok()?;
-    let over = evaluator.sweep.over.iter().map(|axis| axis.name.clone()).zip(place);
-    Some(own.varied(&over.collect::<Vec<_>>()).ok()?.machine)
+    evaluator.machine(values, &place)
 }
 
 /// What is known of the best design.

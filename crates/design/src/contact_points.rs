@@ -18,7 +18,7 @@ pub struct ContactPoint {
     pub place: Vec<f64>,
     /// Index of the start.
     pub start: usize,
-    /// The interval of the band in which the peak lies, from valley to valley: the axis, and the ends.
+    /// The interval of the band in which the peak lies, from valley to valley: axis and ends.
     pub bracket: Option<(usize, f64, f64)>,
 }
 

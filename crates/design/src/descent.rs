@@ -6,7 +6,7 @@
 //! model foretold the last step. Every step is a full evaluation, so that no peak is overlooked.
 
 use crate::contact_points::contact_points;
-use crate::evaluation::{Evaluation, Evaluator, Stage};
+use crate::evaluation::{Evaluation, Evaluator, Stage, is_near};
 use crate::orbits::{Followed, Slope};
 use crate::quadratic::{Curvature, Piece, Step, merit, step};
 use rayon::prelude::*;
@@ -143,11 +143,11 @@ fn change(from: &Around, to: &Around, weights: &[f64]) -> Vec<f64> {
                 .map(|(a, b)| ((a - b) / a.abs().max(b.abs()).max(f64::MIN_POSITIVE)).abs())
                 .fold(0.0, f64::max)
         };
-        let alike = |other: &&(&Followed, &Piece)| {
+        let alike = |other: &(&Followed, &Piece)| {
             (other.0.point.measure, other.0.point.start) == (own.point.measure, own.point.start)
         };
-        let others: Vec<(&Followed, &Piece)> = to.orbits.iter().zip(&to.pieces).collect();
-        let nearest = others.iter().filter(alike).min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
+        let others = to.orbits.iter().zip(&to.pieces).filter(alike);
+        let nearest = others.min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
         let Some((_, there)) = nearest else { continue };
         for ((sum, a), b) in sum.iter_mut().zip(&piece.gradient).zip(&there.gradient) {
             *sum += weight * (b - a);
@@ -204,8 +204,7 @@ pub(crate) fn descend(
             half = (GROWS * half).min(FIRST);
         }
         own = next;
-        let is_known = |other: &Vec<f64>| other.iter().zip(&own.unit).all(|(a, b)| (a - b).abs() < SAME);
-        if known.iter().any(is_known) {
+        if known.iter().any(|other| is_near(other, &own.unit, SAME)) {
             break;
         }
     }

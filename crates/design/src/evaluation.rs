@@ -2,8 +2,11 @@
 
 use crate::candidate::{Candidate, Signed};
 use crate::request::DesignRequest;
-use std::sync::{Mutex, PoisonError};
-use vibro_studies::design_sweep::{BARS, SearchedRow, Summary, SweepRequest, searched};
+use std::cmp::Ordering;
+use std::fmt;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use vibro_studies::Machine;
+use vibro_studies::design_sweep::{BARS, DesignMachine, SearchedRow, Summary, SweepRequest, searched};
 
 /// What asks for an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,9 +34,7 @@ impl Stage {
             Self::Nearby => "nearby",
         }
     }
-}
 
-impl Stage {
     /// Words for the screen.
     pub fn words(self) -> &'static str {
         match self {
@@ -82,6 +83,11 @@ pub struct Score(pub f64, pub f64);
 impl Score {
     /// Rank of a design without a value.
     pub const WORST: Self = Self(f64::INFINITY, f64::INFINITY);
+
+    /// Order of two ranks, the better one first.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
+    }
 
     /// Whether no limit is violated.
     pub fn is_feasible(self) -> bool {
@@ -184,6 +190,14 @@ pub struct Now {
     pub part: f64,
 }
 
+impl fmt::Display for Now {
+    /// Stage, number of designs and best goal.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {} designs", self.stage.words(), self.done)?;
+        self.best.map_or(Ok(()), |best| write!(f, ", best {best:.4e}"))
+    }
+}
+
 /// Progress and end of a search.
 pub struct Control<'a> {
     /// Whether the search is still wanted; asked at each evaluation.
@@ -201,7 +215,31 @@ pub(crate) struct Evaluator<'a> {
     pub candidate: Candidate,
     pub sweep: SweepRequest<Candidate>,
     pub control: &'a Control<'a>,
-    all: Mutex<Vec<Evaluation>>,
+    all: Mutex<Kept>,
+}
+
+/// Designs that were evaluated, in order.
+#[derive(Default)]
+struct Kept {
+    designs: Vec<Evaluation>,
+    /// Signed and plain goal of the best design that keeps the limits.
+    best: Option<(f64, f64)>,
+}
+
+impl Kept {
+    fn push(&mut self, own: Evaluation) {
+        if let Some(goal) = own.goal.filter(|_| own.is_feasible())
+            && self.best.is_none_or(|best| own.score.1 < best.0)
+        {
+            self.best = Some((own.score.1, goal.value));
+        }
+        self.designs.push(own);
+    }
+}
+
+/// Whether two points of the unit box are near each other in every coordinate.
+pub(crate) fn is_near(a: &[f64], b: &[f64], distance: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < distance)
 }
 
 impl<'a> Evaluator<'a> {
@@ -230,35 +268,45 @@ impl<'a> Evaluator<'a> {
         let found = searched(&self.candidate, &self.sweep, values);
         let own = Evaluation::of(self.request, (&self.candidate, &self.sweep), (&found.row, stage));
         let (done, best) = {
-            let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut all = self.kept();
             all.push(own.clone());
-            let kept = all.iter().filter(|own| own.is_feasible());
-            (all.len(), kept.min_by(|a, b| a.score.1.total_cmp(&b.score.1)).and_then(|own| own.goal))
+            (all.designs.len(), all.best.map(|(_, goal)| goal))
         };
-        let part = done as f64 / (f64::from(self.request.evaluations) + FURTHER);
-        let (best, part) = (best.map(|goal| goal.value), part.min(1.0));
+        let part = (done as f64 / (f64::from(self.request.evaluations) + FURTHER)).min(1.0);
         (self.control.progress)(&Now { stage, done, best, part });
         Some((own, found))
     }
 
+    /// The machine of a design at a place of the band.
+    pub fn machine(&self, values: &[f64], place: &[f64]) -> Option<Machine> {
+        let names = self.request.names().into_iter().zip(values.iter().copied());
+        let own = self.candidate.varied(&names.collect::<Vec<_>>()).ok()?;
+        let over = self.sweep.over.iter().map(|axis| axis.name.clone()).zip(place.iter().copied());
+        Some(own.varied(&over.collect::<Vec<_>>()).ok()?.machine)
+    }
+
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Number of evaluations.
     pub fn count(&self) -> usize {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).len()
+        self.kept().designs.len()
     }
 
     /// Sorts the evaluations from a number on, so that their order does not depend on threads.
     pub fn sort_from(&self, first: usize) {
-        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        let all = &mut self.kept().designs;
         let first = first.min(all.len());
         all[first..].sort_by(|a, b| {
             let pairs = a.values.iter().zip(&b.values).map(|(a, b)| a.total_cmp(b));
-            pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+            pairs.fold(Ordering::Equal, Ordering::then)
         });
     }
 
     /// All evaluations.
     pub fn all(&self) -> Vec<Evaluation> {
-        self.all.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.kept().designs.clone()
     }
 
     /// Evaluations in ascending order of rank, without those that have no value; the earlier one
@@ -266,7 +314,7 @@ impl<'a> Evaluator<'a> {
     pub fn ranked(&self) -> Vec<Evaluation> {
         let mut all: Vec<Evaluation> =
             self.all().into_iter().filter(|own| own.score < Score::WORST).collect();
-        all.sort_by(|a, b| a.score.0.total_cmp(&b.score.0).then(a.score.1.total_cmp(&b.score.1)));
+        all.sort_by(|a, b| a.score.order(&b.score));
         all
     }
 
@@ -276,8 +324,7 @@ impl<'a> Evaluator<'a> {
         let mut kept: Vec<(Vec<f64>, Evaluation)> = Vec::new();
         for own in self.ranked() {
             let unit = self.unit(&own.values);
-            let is_far = |other: &[f64]| other.iter().zip(&unit).any(|(a, b)| (a - b).abs() >= distance);
-            if kept.len() < most && kept.iter().all(|(other, _)| is_far(other)) {
+            if kept.len() < most && !kept.iter().any(|(other, _)| is_near(other, &unit, distance)) {
                 kept.push((unit, own));
             }
         }

@@ -1,12 +1,11 @@
 //! Measures of periodic orbits with their exact derivatives, at points of a design's band.
 
-use crate::candidate::{Candidate, TOLERANCE};
+use crate::candidate::TOLERANCE;
 use crate::contact_points::ContactPoint;
 use crate::evaluation::Evaluator;
 use vibro_machine::Start;
 use vibro_orbits::{Orbit, Stability};
-use vibro_studies::design_sweep::DesignMachine;
-use vibro_studies::{Machine, common_period};
+use vibro_studies::common_period;
 
 /// Largest number of steps towards a peak of the band: a secant method squares its error.
 const STEPS: u32 = 8;
@@ -36,14 +35,6 @@ pub(crate) struct Slope {
     pub gradient: Vec<f64>,
 }
 
-/// The machine of a design at a place of the band.
-fn machine(evaluator: &Evaluator, values: &[f64], place: &[f64]) -> Option<Machine> {
-    let names = evaluator.request.names().into_iter().zip(values.iter().copied());
-    let own: Candidate = evaluator.candidate.varied(&names.collect::<Vec<_>>()).ok()?;
-    let over = evaluator.sweep.over.iter().map(|axis| axis.name.clone()).zip(place.iter().copied());
-    Some(own.varied(&over.collect::<Vec<_>>()).ok()?.machine)
-}
-
 fn is_attractor(orbit: &Orbit) -> bool {
     orbit.is_certified() && orbit.stability() == Stability::Stable
 }
@@ -51,7 +42,7 @@ fn is_attractor(orbit: &Orbit) -> bool {
 impl Followed {
     /// The orbit on which the motion of a point settles; `None` where it settles on none.
     pub fn new(evaluator: &Evaluator, values: &[f64], point: ContactPoint) -> Option<Self> {
-        let machine = machine(evaluator, values, &point.place)?;
+        let machine = evaluator.machine(values, &point.place)?;
         let start = evaluator.sweep.starts.get(point.start)?;
         let orbit = Orbit::settled(&machine, start, evaluator.sweep.discard).ok().filter(is_attractor)?;
         let period = common_period(&machine.description);
@@ -60,7 +51,7 @@ impl Followed {
 
     /// The orbit of other numbers, near the one that was found last.
     fn orbit(&mut self, evaluator: &Evaluator, values: &[f64], place: &[f64]) -> Option<Orbit> {
-        let machine = machine(evaluator, values, place)?;
+        let machine = evaluator.machine(values, place)?;
         let period = common_period(&machine.description);
         let mut seed = self.seed.clone();
         if let (Some(now), Some(before)) = (period, self.period) {

@@ -16,8 +16,8 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) const WEIGHT: f64 = 100.0;
 /// Largest number of iterations of a quadratic problem; ten to twenty are usual.
 const ITERATIONS: usize = 60;
-/// Mean product of slack and multiplier of a quadratic problem that is solved; far below it rounding
-/// spoils the multipliers.
+/// Mean product of slack and multiplier at which a quadratic problem is solved; far below it
+/// rounding spoils the multipliers.
 const GAP: f64 = 1e-16;
 /// Residual of a solution, and its mean product of slack and multiplier, that is accepted where
 /// rounding ends the iteration.

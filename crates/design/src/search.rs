@@ -79,7 +79,7 @@ fn local(evaluator: &Evaluator) -> (usize, Vec<Evaluation>) {
             found.push((descended.found, descended.is_stationary));
         }
     }
-    found.sort_by(|a, b| a.0.score.0.total_cmp(&b.0.score.0).then(a.0.score.1.total_cmp(&b.0.score.1)));
+    found.sort_by(|a, b| a.0.score.order(&b.0.score));
     let is_done = found.first().is_some_and(|(own, is_stationary)| *is_stationary && own.is_feasible());
     let left = (evaluator.request.evaluations as usize).saturating_sub(evaluator.count());
     if let Some(top) = evaluator.ranked().first().filter(|_| !is_done) {

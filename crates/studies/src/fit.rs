@@ -188,8 +188,8 @@ pub struct Fitted {
     pub cost: f64,
 }
 
-/// Fits numbers of a machine to a record. `observer` sees the progress at each step and ends the fit
-/// by returning false. The result then has the best values so far, and is undecided.
+/// Fits numbers of a machine to a record. `observer` sees the progress at each step and ends the
+/// fit by returning false. The result then has the best values so far, and is undecided.
 ///
 /// # Errors
 /// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Callable, Optional, Union
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from ._base import AnyMachine
 from ._machine_description import MachineDescription
 from ._machine_many import SectionLike, section_of
 from ._machine_start import StartLike, numbers_of
-from ._progress import Bar
+from ._progress import Bar, partial
 from ._result import Result
 from ._show import Line, lines
 from ._start import Start
@@ -187,7 +186,7 @@ def design(
     def made(found: dict[str, Any]) -> Design:
         return _designed(machine, names, limits, found)
 
-    with Bar(progress, 1000, "‰") as bar, _partial(made):
+    with Bar(progress, 1000, "‰") as bar, partial(made):
         found = _native.design(
             machine._described,
             str(minimize if maximize is None else maximize),
@@ -228,17 +227,6 @@ def _axis(machine: MachineDescription, name: str, given: Any) -> tuple[str, list
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise TypeError(f"over: {name} = {given!r}: expected a tuple (from, to) or (from, to, count), or a list of values")
     return name, [_value(machine, name, value) for value in given], False
-
-
-@contextlib.contextmanager
-def _partial(made: Callable[[dict[str, Any]], Design]) -> Iterator[None]:
-    """Makes the best design so far, which a KeyboardInterrupt has as `partial`, a :class:`Design`."""
-    try:
-        yield
-    except KeyboardInterrupt as interrupt:
-        found = getattr(interrupt, "partial", None)
-        setattr(interrupt, "partial", None if found is None else made(found))  # noqa: B010 (not in its type)
-        raise
 
 
 def _designed(machine: MachineDescription, names: tuple[str, ...], limits: list[str], found: dict[str, Any]) -> Design:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Callable, Optional, Union
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from ._machine_description import MachineDescription
 from ._machine_start import StartLike, numbers_of
 from ._base import AnyMachine
 from ._paper_parameters import SI_NAMES
-from ._progress import Bar
+from ._progress import Bar, partial
 from ._start import Start
 from ._show import Line, lines
 from ._result import Result
@@ -184,7 +183,7 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
         parts = {field.name: getattr(found, field.name) for field in dataclasses.fields(found)}
         return PaperFit(**{**parts, "machine": machine.replace(**fitted), "twin": found.machine})
 
-    with _partial(made):
+    with partial(made):
         return made(fit(twin, columns, free=names, start=start, **arguments))
 
 
@@ -278,7 +277,7 @@ def fit(
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
     names_of_columns = [name for name, _ in columns]
     kind = type(machine)
-    with Bar(progress, 1000, "‰") as bar, _partial(lambda found: _fitted(kind, names, t, names_of_columns, found)):
+    with Bar(progress, 1000, "‰") as bar, partial(lambda found: _fitted(kind, names, t, names_of_columns, found)):
         found = _native.fit(
             machine._described,
             numbers_of(machine, start),
@@ -294,17 +293,6 @@ def fit(
             bar.report,
         )
     return _fitted(kind, names, t, names_of_columns, found)
-
-
-@contextlib.contextmanager
-def _partial(made: Callable[[Any], Fit]) -> Iterator[None]:
-    """Makes the best values so far, which a KeyboardInterrupt has as `partial`, a :class:`Fit`."""
-    try:
-        yield
-    except KeyboardInterrupt as interrupt:
-        found = getattr(interrupt, "partial", None)
-        setattr(interrupt, "partial", None if found is None else made(found))  # noqa: B010 (not in its type)
-        raise
 
 
 def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:

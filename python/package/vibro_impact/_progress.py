@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
+from collections.abc import Iterator
 from typing import Any, Callable, Optional
 
 
@@ -47,3 +49,14 @@ class Bar:
             self.bar.close()
         elif self.wanted:
             sys.stderr.write("\n")
+
+
+@contextlib.contextmanager
+def partial(made: Callable[[Any], Any]) -> Iterator[None]:
+    """Makes the best result so far of a search, which a KeyboardInterrupt has as its attribute `partial`."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        found = getattr(interrupt, "partial", None)
+        setattr(interrupt, "partial", None if found is None else made(found))  # noqa: B010 (not in its type)
+        raise

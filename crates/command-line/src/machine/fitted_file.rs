@@ -13,10 +13,10 @@ use vibro_machine::file::{records_beside, with_numbers};
 /// Begins of the first line, which has the verdict; an older one is replaced.
 const FIRST: [&str; 2] = ["# vibro fit: ", "# vibro design: "];
 
-/// Writes the file of a machine with other numbers: comments, units and paths of records are those of the file
-/// at `path`, and the records are copied next to it. A machine that its text cannot give by numbers
-/// alone, and one whose records would replace other files, is written out. The first line has the
-/// command and its verdict, such as `vibro fit: fits`.
+/// Writes the file of a machine with other numbers. The file has the comments, units and paths of
+/// records of the file at `path`, and the records are copied next to it. If the text cannot give the
+/// machine by numbers alone, or if the records would replace other files, the machine is written out
+/// in full. The first line has the command and its verdict, e.g. `vibro fit: fits`.
 ///
 /// # Errors
 /// [`Error::File`].

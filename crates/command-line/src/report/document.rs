@@ -1,4 +1,4 @@
-//! Pages of HTML in one file: style for light and dark, wide and narrow, without script and network.
+//! HTML pages in one file, without script and network, for light and dark, wide and narrow screens.
 
 use vibro_figures::html::escape;
 

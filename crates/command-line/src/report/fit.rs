@@ -133,18 +133,20 @@ fn correlations(fitted: &Fitted) -> String {
 /// Root mean squares of the residuals, in SI, and how they follow each other.
 fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
     let unit = |name: &str| {
-        let named = name.parse::<QuantityName>().ok()?.find(&request.machine.description).ok();
+        let name = name.parse::<QuantityName>().ok();
+        let named = name.and_then(|name| name.find(&request.machine.description).ok());
         // The residuals of a stop's contacts are times.
-        Some(named.map_or("s", |NamedQuantity { unit, .. }| unit))
+        named.map_or("s", |NamedQuantity { unit, .. }| unit)
     };
     let measured = &request.measured;
     let count = |name: &str| {
         let contacts = measured.contacts.iter().find(|own| own.0 == name);
         contacts.map_or(measured.times.len(), |own| own.1.len())
     };
-    let rows = fitted.rms.iter().map(|(name, rms)| {
-        vec![escape(name), rounded(*rms), unit(name).unwrap_or("s").into(), count(name).to_string()]
-    });
+    let rows = fitted
+        .rms
+        .iter()
+        .map(|(name, rms)| vec![escape(name), rounded(*rms), unit(name).into(), count(name).to_string()]);
     let header = ["column or stop", "residual, rms", "unit", "samples"].map(String::from);
     let segments = match fitted.segments.len() {
         0 => String::new(),

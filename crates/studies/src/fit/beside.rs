@@ -24,7 +24,7 @@ pub(super) struct Compared<'a> {
     /// The rate of each column's quantity, where a quantity has it.
     pub rates: Vec<Option<Quantity>>,
     /// Filters of columns.
-    sensors: Vec<Sensor>,
+    pub sensors: Arc<[Sensor]>,
     /// Index of the stop of each list of contacts.
     stops: Vec<usize>,
     simulations: AtomicU32,
@@ -127,13 +127,12 @@ impl<'a> Compared<'a> {
     pub fn new(request: &'a FitRequest) -> Result<Self> {
         let (measured, d) = (&request.measured, &request.machine.description);
         let sensors = sensors(request)?;
-        let quantity = |(name, _): &(QuantityName, Vec<f64>)| match request
-            .filters
-            .iter()
-            .position(|own| own.column == *name)
-        {
-            Some(k) => Ok((sensors[k].output, sensors[k].rate)),
-            None => Ok((name.find(d)?.quantity, rate_of(name, d))),
+        let quantity = |(name, _): &(QuantityName, Vec<f64>)| {
+            let filter = request.filters.iter().position(|own| own.column == *name);
+            match filter.map(|k| &sensors[k]) {
+                Some(sensor) => Ok((sensor.output, sensor.rate)),
+                None => Ok((name.find(d)?.quantity, rate_of(name, d))),
+            }
         };
         let pairs = measured.columns.iter().map(quantity).collect::<Result<Vec<_>>>()?;
         let (quantities, rates) = pairs.into_iter().unzip();
@@ -141,7 +140,7 @@ impl<'a> Compared<'a> {
             measured,
             quantities,
             rates,
-            sensors,
+            sensors: sensors.into(),
             stops: stops_of(measured, d)?,
             simulations: AtomicU32::new(0),
         })
@@ -229,14 +228,8 @@ impl<'a> Compared<'a> {
             let sample = |k: usize| {
                 let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
                 let rate = self.rates[k].map(|rate| motion.motion().value(rate));
-                (
-                    value,
-                    columns.all(
-                        |p| carried.with(p, |p| motion.derivative(self.quantities[k], p)),
-                        rate,
-                        Some(k),
-                    ),
-                )
+                let by = |p| carried.with(p, |p| motion.derivative(self.quantities[k], p));
+                (value, columns.all(by, rate, Some(k)))
             };
             samples.push((0..data.len()).map(sample).collect());
         }

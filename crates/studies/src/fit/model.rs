@@ -81,7 +81,7 @@ impl<'a> Model<'a> {
         Ok(Self {
             sigma: sigma.as_ref().map_or_else(|| Ok(own.collect()), |sigma| given(sigma, measured))?,
             has_sigma: sigma.is_some(),
-            unknowns: Arc::new(Unknowns::new(request, &compared.rates)?),
+            unknowns: Arc::new(Unknowns::new(request, &compared.rates, compared.sensors.clone())?),
             times: times_of(measured),
             measured,
             loss: *loss,

@@ -36,7 +36,8 @@ impl Model<'_> {
         let Some(machine) = exact(&request.machine) else { return Ok(None) };
         let request = FitRequest { machine, ..request.clone() };
         // A quantum that is free has no place in the other machine.
-        let unknowns = Unknowns::new(&request, &self.compared.rates);
+        let (rates, sensors) = (&self.compared.rates, self.compared.sensors.clone());
+        let unknowns = Unknowns::new(&request, rates, sensors);
         let other = unknowns.and_then(|own| self.compared.beside(&own, point, reach, false));
         let apart = other.map_or(f64::INFINITY, |other| beside.apart(&other, self.deviations()));
         let why = "a block rounds what it reads, and derivatives do not see the steps of its quantum";

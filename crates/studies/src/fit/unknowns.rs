@@ -4,6 +4,7 @@ use super::FitRequest;
 use super::filter::{self, Sensor};
 use crate::Machine;
 use crate::error::{Error, Result};
+use std::sync::Arc;
 use vibro_machine::derivative::By;
 use vibro_machine::{Assembly, Quantity, Start};
 
@@ -33,7 +34,7 @@ pub(super) struct Unknowns<'a> {
     /// The values from which the fit begins.
     pub begin: Vec<f64>,
     columns: usize,
-    sensors: Vec<Sensor>,
+    sensors: Arc<[Sensor]>,
 }
 
 /// What values of the free numbers make.
@@ -47,13 +48,13 @@ pub(super) struct Made {
 }
 
 impl<'a> Unknowns<'a> {
-    /// The free numbers of a request; `rates` has the rate of each column's quantity, where a
-    /// quantity has it.
+    /// The free numbers of a request. `rates` has the rate of each column's quantity, where a
+    /// quantity has one; `sensors` has the filters that the machine carries.
     ///
     /// # Errors
     /// [`Error::Described`] for a column that the record does not have, and for a shift beside a
     /// column without a rate; [`Error::Refusal`] for a name that neither machine nor start has.
-    pub fn new(request: &'a FitRequest, rates: &[Option<Quantity>]) -> Result<Self> {
+    pub fn new(request: &'a FitRequest, rates: &[Option<Quantity>], sensors: Arc<[Sensor]>) -> Result<Self> {
         let FitRequest { machine, start, measured, free, .. } = request;
         let refused = |problem: String| Err(Error::Described { problem });
         let columns: Vec<String> = measured.columns.iter().map(|(name, _)| name.to_string()).collect();
@@ -100,15 +101,7 @@ impl<'a> Unknowns<'a> {
             Unknown::Shift | Unknown::Offset(_) => Some(0.0),
         };
         let begin = all.iter().map(|unknown| begin(unknown).unwrap_or(0.0)).collect();
-        Ok(Self {
-            machine,
-            start,
-            all,
-            names,
-            begin,
-            columns: columns.len(),
-            sensors: filter::sensors(request)?,
-        })
+        Ok(Self { machine, start, all, names, begin, columns: columns.len(), sensors })
     }
 
     /// The values that a free number may have.

@@ -217,8 +217,8 @@ pub enum Command {
     /// several starts. The row then has the least, mean and largest values. A design that cannot be
     /// simulated has a row with the reason.
     Sweep(Box<Sweep>),
-    /// The design of the machine of a FILE with the best output: least or largest, over a band, with
-    /// limits and tolerances
+    /// The design of the machine of a FILE with the best output: least or largest, over a band,
+    /// with limits and tolerances
     ///
     /// The search is global (the Sobol sequence, then differential evolution) and local (by exact
     /// derivatives of periodic orbits). It reports the best numbers with the error of the output,

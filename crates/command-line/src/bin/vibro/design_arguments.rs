@@ -13,7 +13,7 @@ EXAMPLES
     --over load.shaker.frequency=9Hz:11Hz --subject-to 'impact.speed.steel<=0.5 m/s' --robust 5%
   (`vibro sweep machine.toml --list` names all outputs)";
 
-/// What the files contain.
+/// The files that the command writes.
 pub const FILES: &str = "\
 FILES
   best.toml     the machine's file with the numbers of the best design
@@ -70,7 +70,7 @@ pub struct DesignArguments {
     /// Starts: every design is run from each.
     #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is run from each"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
-    /// Where motions are looked at.
+    /// Section at which motions are sampled.
     #[command(flatten)]
     pub section: SectionArguments,
 }

@@ -1,9 +1,11 @@
-//! Ctrl-C during a long study: prints which parts are kept and how to continue.
+//! Ctrl-C during a computation: a long study says which parts are kept and how to continue; a search
+//! ends with the best result so far.
 
 use crate::invocation::as_typed;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::{Mutex, Once};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, Once};
 use vibro::part_folder::{PartFolder, parts_in_words, stop_saving};
 
 /// Exit code of a program that Ctrl-C has ended, by the convention of shells: 128 + SIGINT.
@@ -19,6 +21,28 @@ struct InterruptedStudy {
 
 static WORK: Mutex<Option<InterruptedStudy>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
+
+/// A second Ctrl-C while the first one still waits for work that has begun.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Second {
+    /// It has no effect.
+    Waits,
+    /// It ends the program, and nothing is written.
+    Ends,
+}
+
+/// From now on Ctrl-C sets the returned flag, by which a computation ends early with what it has.
+pub fn flag(second: Second) -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let asked = flag.clone();
+    // Without a handler Ctrl-C ends the program too, but nothing is written.
+    drop(ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) && second == Second::Ends {
+            std::process::exit(INTERRUPTED);
+        }
+    }));
+    flag
+}
 
 /// From now on Ctrl-C ends the program and prints how many of `count` parts are kept; 0 stands for
 /// an unknown count. Parts are in `folders`, each of which is `home` or lies in it. Finished parts

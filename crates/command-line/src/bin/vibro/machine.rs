@@ -3,6 +3,7 @@
 use crate::arguments::Command;
 use crate::common_arguments::{Common, names};
 use crate::destination::{self, Destination};
+use crate::interruption::{self, Second};
 use crate::machine_studies::start_of;
 use crate::output;
 use crate::packing;
@@ -10,8 +11,7 @@ use crate::progress::{Progress, TIME};
 use crate::run::RunArguments;
 use crate::{machine_basin, machine_design, machine_fit, machine_orbits, machine_studies};
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use vibro::machine::{Chosen, DerivativeRecord, Ended, MotionRecord};
 use vibro::manifest::Manifest;
 use vibro::whole_file::write_whole;
@@ -109,10 +109,7 @@ fn follow(
     let columns = Chosen::of(&machine.description, &a.columns)?;
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    // Without a handler Ctrl-C ends the program too, but nothing is written.
-    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let stop = interruption::flag(Second::Waits);
     let progress = Progress::new(0, TIME);
     let what = (&times[..], &columns.further[..]);
     let record =

@@ -3,16 +3,15 @@
 use crate::common_arguments::{Common, names};
 use crate::design_arguments::DesignArguments;
 use crate::destination::{self, Destination};
-use crate::interruption::INTERRUPTED;
-use crate::machine_studies::{invocation, machine, read_axis};
+use crate::interruption::{self, Second};
+use crate::machine_studies::{invocation, machine, read_axis, starts_of};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::ranges::in_option;
 use crate::sweep::in_words;
 use crate::sweep_arguments::AxisArgument;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use vibro::studies;
 use vibro::{Error, Result};
 use vibro_design::{Control, DesignRequest, Goal, Limit, design};
@@ -54,9 +53,7 @@ fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(
         ..DesignRequest::new(machine.clone(), goal(a)?, intervals)
     };
     if !a.start.is_empty() {
-        let one =
-            |given: &String| vibro::machine::read_start(&machine, given, &mut |words| crate::note(&words));
-        request.starts = a.start.iter().map(one).collect::<Result<_>>()?;
+        request.starts = starts_of(&machine, &a.start)?;
     }
     request.check()?;
     let limits: Vec<String> = request.limits.iter().map(ToString::to_string).collect();
@@ -80,29 +77,18 @@ fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(
 /// until then is written.
 pub fn run(file: &Path, common: &Common, a: &DesignArguments) -> Result<bool> {
     let (request, options) = request(a, common)?;
-    let options: Vec<(&str, String)> = options;
     let invocation = invocation(common, &options);
     let destination = Destination::new(common, &invocation, &request.machine);
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result("design")])?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    // Without a handler Ctrl-C ends the program too, but nothing is written.
-    drop(ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            // A second Ctrl-C does not wait for the designs that are being measured.
-            std::process::exit(INTERRUPTED);
-        }
-    }));
+    let stop = interruption::flag(Second::Ends);
     let progress = Progress::new(0, TIME);
     let found = design(
         &request,
         &Control {
             go_on: &|| !stop.load(Ordering::Relaxed),
             progress: &|now| {
-                let best = now.best.map_or(String::new(), |best| format!(", best {best:.4e}"));
-                let words = || format!("{}, {} designs{best}", now.stage.words(), now.done);
-                progress.described(now.part, &words, "left at most");
+                progress.described(now.part, &|| now.to_string(), "left at most");
             },
         },
     )?;

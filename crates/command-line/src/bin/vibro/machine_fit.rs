@@ -3,13 +3,12 @@
 use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Destination};
 use crate::fit_arguments::FitArguments;
-use crate::interruption::INTERRUPTED;
+use crate::interruption::{self, Second};
 use crate::machine_studies::{invocation, machine, read_axis, start_of};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use vibro::machine::{check_record, read_record, write_with_numbers};
 use vibro::report::fit_page;
 use vibro::studies::{self, fit_json};
@@ -185,15 +184,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let destination = Destination::new(common, &invocation, &machine);
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    // Without a handler Ctrl-C ends the program too, but nothing is written.
-    drop(ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
-            // A second Ctrl-C does not wait for the simulation that still runs.
-            std::process::exit(INTERRUPTED);
-        }
-    }));
+    let stop = interruption::flag(Second::Ends);
     let request = FitRequest {
         machine: machine.clone(),
         start,

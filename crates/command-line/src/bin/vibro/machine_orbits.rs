@@ -3,6 +3,7 @@
 
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
+use crate::interruption::{self, Second};
 use crate::loci::{Curves, chosen, followed};
 use crate::machine_studies::{default_quantity, invocation, machine, read_axis, start_of};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
@@ -11,8 +12,7 @@ use crate::progress::Progress;
 use crate::ranges::in_option;
 use crate::study_arguments::Response;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use vibro::special_points::PointOfFile;
 use vibro::studies::{self, Study};
 use vibro::whole_file::write_whole;
@@ -150,10 +150,7 @@ impl KeptPaths for FolderOfPaths {
 /// The branches of a tree, and whether all were followed; Ctrl-C ends the growth, and paths kept in
 /// a folder let it go on.
 fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<Branch>, bool)> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    // Without a handler Ctrl-C ends the program too, but nothing is written.
-    drop(ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed)));
+    let stop = interruption::flag(Second::Waits);
     let progress = Progress::new(0, "branches");
     let kept = FolderOfPaths(paths);
     let found = tree_on(family, options, &kept, &mut |found, all| {

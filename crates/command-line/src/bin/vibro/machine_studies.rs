@@ -40,10 +40,18 @@ pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Resu
     Ok(machine)
 }
 
+fn read_start(machine: &Machine, given: &str) -> Result<Start> {
+    vibro::machine::read_start(machine, given, &mut |words| crate::note(&words))
+}
+
 /// The start that `--start` gives; the machine's own without it.
 pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
-    let read = |given: &String| vibro::machine::read_start(machine, given, &mut |words| crate::note(&words));
-    one_of(given)?.map_or_else(|| Ok(Start::default()), read)
+    one_of(given)?.map_or_else(|| Ok(Start::default()), |given| read_start(machine, given))
+}
+
+/// The starts that `--start` gives.
+pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
+    given.iter().map(|given| read_start(machine, given)).collect()
 }
 
 /// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
@@ -295,9 +303,7 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
     let mut request = request::<Machine>(a, &vary, &over, measures)?;
     if !a.start.is_empty() {
-        let one =
-            |given: &String| vibro::machine::read_start(&machine, given, &mut |words| crate::note(&words));
-        request.starts = a.start.iter().map(one).collect::<Result<_>>()?;
+        request.starts = starts_of(&machine, &a.start)?;
     }
     request.check()?;
     // Every design needs a section.
