@@ -26,11 +26,14 @@ const ROUNDINGS: f64 = 4.0;
 /// ```
 /// use vibro_machine::file::{no_records, parse, with_numbers};
 ///
-/// let text = "name = \"A\" # by hand\nbody.b = { mass = \"3 g\" }\n";
-/// let heavy = [("body.b.mass", 4e-3), ("body.b.start.v", 2.0)];
-/// let heavy = parse(text, "a.toml", &no_records)?.with(heavy)?;
-/// let edited = with_numbers(text, &no_records, &heavy).unwrap();
-/// assert!(edited.ends_with("# by hand\nbody.b = { mass = \"4 g\", start.v = 2.0 }\n"));
+/// let text = "name = \"A\" # by hand\n\
+///     spring.k = { between = [\"ground\", \"b\"], stiffness = 2.0 }\n\
+///     body.b = { mass = \"3 g\" }\n";
+/// let other = [("body.b.mass", 4e-3), ("body.b.start.v", 2.0)];
+/// let other = parse(text, "a.toml", &no_records)?.with(other)?;
+/// let edited = with_numbers(text, &no_records, &other).unwrap();
+/// assert!(edited.starts_with("name = \"A\" # by hand\n"));
+/// assert!(edited.ends_with("body.b = { mass = \"4 g\", start.v = 2.0 }\n"));
 /// # Ok::<(), vibro_machine::Refusal>(())
 /// ```
 pub fn with_numbers(text: &str, records: Records, other: &Description) -> Option<String> {
