@@ -217,7 +217,8 @@ fn compress(core: &Path, packed: &Path) -> Result<(), Error> {
     };
     let bytes = std::fs::read(core).map_err(file(core))?;
     // Code: many literals, which do not lie at multiples of anything.
-    let options = LzmaOptions { lc: 4, pb: 0, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
+    let options =
+        LzmaOptions { lc: 4, pb: 0, nice_len: 273, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
     let out = std::fs::File::create(packed).map_err(file(packed))?;
     let mut writer =
         LzmaWriter::new_use_header(out, &options, Some(bytes.len() as u64)).map_err(file(packed))?;

@@ -24,6 +24,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "cradle.toml",
     "damper_with_buffer.toml",
     "impact_pair.toml",
+    "impact_damper.toml",
     "den_hartog.toml",
     "impact_on_spring.toml",
     "relay_bounce.toml",

@@ -213,7 +213,7 @@ impl<'a> Compared<'a> {
             let (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }) = event.kind else { return };
             events.push((event.time - made.shift, stop));
             if let Some(list) = self.stops.iter().position(|own| *own == stop) {
-                let by = columns.all(|k| by[k], Some(-1.0), None);
+                let by = columns.all(&|k| by[k], Some(-1.0), None);
                 contacts[list].1.push((event.time - made.shift, by));
             }
         };
@@ -228,8 +228,8 @@ impl<'a> Compared<'a> {
             let sample = |k: usize| {
                 let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
                 let rate = self.rates[k].map(|rate| motion.motion().value(rate));
-                let by = |p| carried.with(p, |p| motion.derivative(self.quantities[k], p));
-                (value, columns.all(by, rate, Some(k)))
+                let by = |p| carried.with(p, &|p| motion.derivative(self.quantities[k], p));
+                (value, columns.all(&by, rate, Some(k)))
             };
             samples.push((0..data.len()).map(sample).collect());
         }
@@ -354,7 +354,7 @@ fn end_of(motion: &Differentiated, columns: &Columns, carried: &Carried) -> Vec<
     let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();
     let rates = own.state_derivatives();
     let all = |(i, state): (usize, f64)| {
-        (state, columns.all(|p| carried.with(p, |p| Some(by[p].as_ref()?[i])), Some(rates[i]), None))
+        (state, columns.all(&|p| carried.with(p, &|p| Some(by[p].as_ref()?[i])), Some(rates[i]), None))
     };
     own.states().into_iter().enumerate().map(all).collect()
 }

@@ -251,7 +251,7 @@ impl Carried {
     }
 
     /// The derivative of a quantity by a column, with what the start of the filters adds.
-    pub fn with(&self, p: usize, by: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    pub fn with(&self, p: usize, by: &dyn Fn(usize) -> Option<f64>) -> Option<f64> {
         let add = |sum: f64, (column, starts): &(usize, Vec<Option<f64>>)| match starts[p]? {
             0.0 => Some(sum),
             start => Some(sum + start * by(*column)?),

@@ -196,7 +196,7 @@ impl Columns {
     /// of the motion, and the column of an offset.
     pub fn all(
         &self,
-        by: impl Fn(usize) -> Option<f64>,
+        by: &dyn Fn(usize) -> Option<f64>,
         by_time: Option<f64>,
         column: Option<usize>,
     ) -> Vec<Option<f64>> {
