@@ -14,11 +14,15 @@ mod finished;
 mod horizons;
 mod loss;
 mod model;
+mod profile;
 mod progress;
 mod record;
+mod recorded;
 mod restarts;
 mod rounded;
+mod schedule;
 mod segments;
+mod shown;
 mod solver;
 mod statistics;
 mod unknowns;
@@ -31,11 +35,11 @@ pub use progress::{Observer, Progress};
 pub use verdict::Verdict;
 
 use self::checks::check;
-use self::evaluated::{Point, Reach, Solved};
-use self::horizons::over_horizons;
+use self::evaluated::{Reach, Solved};
 use self::model::Model;
+use self::profile::{Profile, profile};
 use self::restarts::{Found, restarted};
-use self::segments::over_segments;
+use self::schedule::{MOST_ATTEMPTS, best_from};
 use self::solver::{Bounds, Convergence, solve};
 use super::{Machine, QuantityName};
 use crate::error::{Error, Result};
@@ -50,22 +54,12 @@ const WAYS: [Way; 4] = [
     Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
     Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
 ];
-/// Starts beside the given one, within a part of the values, that are tried where no way leaves
-/// noise alone.
-const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: each of [`WAYS`], segments, and starts beside it.
-const MOST_ATTEMPTS: usize = WAYS.len() + 1 + BESIDE.0 as usize;
-/// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
-const LOOKED_AT: u32 = 128;
 /// Times that columns without a standard deviation are weighed by their residuals.
 const REWEIGHTED: u32 = 2;
 /// Times for losses under which large residuals count less: outliers leave the deviation in steps.
 const REWEIGHTED_ROBUST: u32 = 6;
 /// A motion that is close to the record throughout.
 const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
-/// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
-const AGREED: u32 = 3;
-const SAME: f64 = 1e-6;
 /// Times that a better point beside a fitted one is taken.
 const BETTER: u32 = 6;
 /// Most free numbers.
@@ -240,13 +234,20 @@ fn fit_carrying(request: &FitRequest, observer: Observer) -> Result<Fitted> {
         let found = solve(&model, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
         best = Solved { is_continuous: best.is_continuous, ..found };
     }
-    let mut doubt = None;
+    let (mut doubt, mut factors) = (None, vec![1.0; count]);
     for turn in 0..=BETTER {
         watch.begin(format!("starts beside the best point, {} of at most {}", turn + 1, BETTER + 1));
         if !go_on() {
             break;
         }
-        match restarted(&model, &bounds, &best, go_on)? {
+        let found = match profile(&model, &bounds, &best, go_on)? {
+            Profile::Better(own) => Found::Better(own),
+            Profile::Factors(own) => {
+                factors = own;
+                restarted(&model, &bounds, &best, &factors, go_on)?
+            }
+        };
+        match found {
             Found::Same => break,
             Found::Other(values) => {
                 doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));
@@ -266,7 +267,8 @@ fn fit_carrying(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     if !best.is_continuous {
         doubt = Some("segments do not make one motion".into());
     }
-    let fitted = model.finish(request, &best.point, &best.reach, best.cost, doubt)?;
+    let mut fitted = model.finish(request, &best.point, &best.reach, best.cost, doubt)?;
+    fitted.uncertainty.widen(&factors);
     Ok(if watch.is_ended() { Fitted { verdict: Verdict::ended(), ..fitted } } else { fitted })
 }
 
@@ -278,85 +280,3 @@ fn best_so_far(model: &Model, bounds: &Bounds, best: Option<Solved>) -> Option<S
     let given = model.cost(&given).ok().map(|cost| Solved { cost, ..given });
     given.into_iter().chain(best).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
-
-/// The point reached from a start by the first way that leaves noise alone, else by segments, else
-/// from the first start beside it that does, else the best one.
-fn best_from(
-    model: &Model,
-    bounds: &Bounds,
-    start: &[f64],
-    segments: Segments,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Solved> {
-    let (mut best, mut same): (Option<Solved>, u32) = (None, 0);
-    // Without stops a motion that keeps near the record from the start on has one valley.
-    let is_regular = !model.has_stops() && model.is_near(start, WAYS[0]);
-    let is_small = start.len() <= sobol::DIMENSIONS;
-    let beside = std::iter::once(()).filter(|()| is_small).flat_map(|()| starts_beside(model, bounds, start));
-    let horizons = |begin: &[f64], way: Way| over_horizons(model, bounds, begin, way, go_on);
-    let divided = |begin: &[f64], length: Option<f64>| {
-        over_segments(&model.for_segments(), bounds, begin, length, go_on)
-    };
-    let length = if let Segments::Length(length) = segments { Some(length) } else { None };
-    let ways = WAYS
-        .iter()
-        .take(if is_regular { 1 } else { WAYS.len() })
-        .map(|way| Box::new(|| horizons(start, *way)) as Attempt);
-    // Times of contacts say too little of the states in which segments begin.
-    let is_divided = segments != Segments::None && (!model.is_of_contacts() || length.is_some());
-    let by_segments = is_divided.then(|| Box::new(|| divided(start, length)) as Attempt);
-    let beside = beside.map(|begin| Box::new(move || horizons(&begin, WAYS[1])) as Attempt);
-    let mut tried = 0;
-    for (k, attempt) in ways.chain(by_segments).chain(beside).enumerate() {
-        model.watch.begin(format!("attempt {} of at most {MOST_ATTEMPTS}", k + 1));
-        tried = k;
-        let found = attempt();
-        model.watch.over(1);
-        let Ok(mut found) = found else { continue };
-        // A fit that was ended may not have seen where its motion breaks off.
-        found.cost = model.cost(&found).or_else(|e| if go_on() { Err(e) } else { Ok(f64::INFINITY) })?;
-        let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
-            || is_regular && model.is_near(&found.point.values, CLOSE)
-            || !go_on();
-        let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
-        if !found.is_continuous && best.is_some() {
-            continue;
-        }
-        if (found.cost / before - 1.0).abs() < SAME {
-            // Ways from one start may end in one wrong minimum.
-            same += u32::from(k >= WAYS.len());
-        } else if found.cost < before {
-            same = 1;
-        }
-        if found.cost < before {
-            best = Some(found);
-        }
-        if is_done || same >= AGREED {
-            break;
-        }
-    }
-    model.watch.over(MOST_ATTEMPTS - 1 - tried);
-    // The reason for none at all is that of the given start.
-    let best = best.map_or_else(|| horizons(start, WAYS[0]), Ok)?;
-    match length {
-        Some(_) if best.reach.nodes.is_empty() => divided(&best.point.values, length),
-        _ => Ok(best),
-    }
-}
-
-/// Starts around a given one; of contacts alone those whose motions keep near the record longest,
-/// since all that follow a contact which comes or goes are matched wrongly.
-fn starts_beside(model: &Model, bounds: &Bounds, start: &[f64]) -> Vec<Vec<f64>> {
-    let (count, part) = BESIDE;
-    let of = |count: u32| (1..=count).map(|k| bounds.beside(start, k, part));
-    if !model.is_of_contacts() {
-        return of(count).collect();
-    }
-    let near = |values: Vec<f64>| (model.near_until(&Point::from(values.clone()), &[], WAYS[1]), values);
-    let mut all: Vec<_> = of(LOOKED_AT).collect::<Vec<_>>().into_par_iter().map(near).collect();
-    all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    all.into_iter().take(count as usize).map(|(_, values)| values).collect()
-}
-
-/// A way to a fit.
-type Attempt<'a> = Box<dyn Fn() -> Result<Solved> + 'a>;

@@ -7,6 +7,7 @@ use super::unknowns::{Columns, Made, Unknowns};
 use super::{FitRequest, Measured};
 use crate::QuantityName;
 use crate::error::{Error, Result};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -56,6 +57,11 @@ impl Beside {
     /// For each time the residuals of all columns.
     pub fn samples(&self) -> impl Iterator<Item = &[Varied]> {
         self.0.iter().flat_map(|own| own.samples.iter().map(Vec::as_slice))
+    }
+
+    /// Number of impacts and first touches.
+    pub fn contacts_of_motion(&self) -> usize {
+        self.0.iter().map(|own| own.events.len()).sum()
     }
 
     /// The residuals of a column.
@@ -152,6 +158,11 @@ impl<'a> Compared<'a> {
         lists.filter(|times| !times.is_empty()).fold(0.0, |most: f64, times| most.max(interval(times)))
     }
 
+    /// The quantity of a column, and its rate where a quantity has it.
+    pub fn quantities_of(&self, column: usize) -> (Quantity, Option<Quantity>) {
+        (self.quantities[column], self.rates[column])
+    }
+
     /// Number of motions that were followed.
     pub fn simulations(&self) -> u32 {
         self.simulations.load(Ordering::Relaxed)
@@ -164,7 +175,7 @@ impl<'a> Compared<'a> {
             let found = self.follow(unknowns, point, reach, k, varied)?;
             if varied { self.filled(unknowns, point, reach, k, found) } else { Ok(found) }
         };
-        (0..=reach.nodes.len()).map(one).collect::<Result<_>>().map(Beside)
+        (0..=reach.nodes.len()).into_par_iter().map(one).collect::<Result<_>>().map(Beside)
     }
 
     /// The motion of a segment, at its begin.

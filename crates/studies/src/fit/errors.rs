@@ -106,6 +106,16 @@ impl Uncertainty {
         }
     }
 
+    /// Multiplies the errors by factors of 1 at least, as the profile of the cost says.
+    pub(super) fn widen(&mut self, factors: &[f64]) {
+        let all = self.errors.iter_mut().zip(&mut self.white).zip(factors);
+        for ((error, white), factor) in all {
+            for own in [error, white].into_iter().flatten() {
+                *own *= factor;
+            }
+        }
+    }
+
     fn none(names: &[String]) -> Self {
         let p = names.len();
         Self {

@@ -72,11 +72,13 @@ pub(super) fn from_rest(
     Ok(all.into_iter().fold(best, |best, own| if own.cost < best.cost { own } else { best }))
 }
 
-/// What starts some standard errors beside a point lead to.
+/// What starts some standard errors beside a point lead to. `factors` are the errors over those of
+/// the curvature.
 pub(super) fn restarted(
     model: &Model,
     bounds: &Bounds,
     best: &Solved,
+    factors: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
     let at = model.evaluate(&best.point, &best.reach)?;
@@ -107,8 +109,10 @@ pub(super) fn restarted(
     if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
         return Ok(Found::Better(own.clone()));
     }
-    let errors =
-        Uncertainty::of(&at, &bounds.names, &best.point.values, (model.loss, model.has_sigma)).errors;
+    let own = (model.loss, model.has_sigma);
+    let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
+    uncertainty.widen(factors);
+    let errors = uncertainty.errors;
     let is_other = |own: &&Solved| {
         let mut near = errors.iter().zip(&best.point.values).zip(&own.point.values);
         let is_one = |((error, a), b): ((&Option<f64>, &f64), &f64)| {

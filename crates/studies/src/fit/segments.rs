@@ -5,10 +5,10 @@
 //! A segment begins in mid-flight in the state that the fitted motion has there. How much its start
 //! may differ from the end of the segment before falls step by step, to rounding in the end.
 
-use super::beside::Followed;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
+use super::recorded::misses;
 use super::solver::{Bounds, Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::Result;
@@ -32,10 +32,10 @@ const LONGER: (f64, f64) = (0.1, 0.6);
 const NOISE: f64 = 1e-3;
 /// How far segments may miss the next one's start, in parts of the states' sizes, one after
 /// another.
-const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
+pub(super) const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
 
 /// Miss of a next start, in parts of the states' sizes, up to which segments are one motion.
-const CONTINUOUS: f64 = 1e-6;
+pub(super) const CONTINUOUS: f64 = 1e-6;
 
 /// Ends of segments: by the growth of changes, or by a length, s.
 pub(super) type Length = Option<f64>;
@@ -57,8 +57,7 @@ pub(super) fn over_segments(
     reach.end = model.near_until(&point, &[], WAY).max(least).min(end);
     let mut span = length.unwrap_or(reach.end - first);
     // A stiff buffer makes changes grow within one touch.
-    let contacts =
-        model.beside(&point, &Reach::whole(end))?.0.iter().map(|own| own.events.len()).sum::<usize>();
+    let contacts = model.beside(&point, &Reach::whole(end))?.contacts_of_motion();
     let spacing = CONTACTS * (end - first) / contacts.max(1) as f64;
     loop {
         point = solve(model, bounds, &point, (&reach, Convergence::Rough), go_on)?.point;
@@ -81,12 +80,7 @@ pub(super) fn over_segments(
         let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
         point = solve(model, bounds, &point, (&reach, convergence), go_on)?.point;
     }
-    let beside = model.beside(&point, &reach)?;
-    let misses = |(before, state): (&Followed, &Vec<f64>)| {
-        let missed = before.end.iter().zip(state).zip(&sizes);
-        missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
-    };
-    let is_continuous = beside.0.iter().zip(&point.states).all(|own| misses(own) < CONTINUOUS);
+    let is_continuous = misses(model, (&point, &reach), &sizes)?.iter().all(|miss| *miss < CONTINUOUS);
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 
@@ -186,7 +180,7 @@ impl Model<'_> {
 
     /// Half the range of each number of the state over the record's times, as far as the motion
     /// goes.
-    fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
+    pub(super) fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
         let (motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], false)?;
         let mut motion = motion.motion().clone();
         let states = motion.assembly().system().states();

@@ -43,6 +43,8 @@ impl Convergence {
 /// Part of a number by which a step moves it at most where contacts alone are matched, which come
 /// and go.
 const STEP: f64 = 0.2;
+/// Part of a number from which it does not come nearer to 0 while segments are apart.
+const INSIDE: f64 = 0.02;
 /// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;
 
@@ -119,6 +121,24 @@ impl Bounds {
             moved.clamp(self.low[i], self.high[i])
         };
         (0..start.len()).map(at).collect()
+    }
+
+    /// The bounds without 0, where a start is above it: a number of 0 has no derivative.
+    pub fn inside(&self, start: &[f64]) -> Self {
+        let mut bounds = self.clone();
+        for (low, x) in bounds.low.iter_mut().zip(start) {
+            if *low == 0.0 && *x > 0.0 {
+                *low = INSIDE * x;
+            }
+        }
+        bounds
+    }
+
+    /// The bounds with a number held at a value.
+    pub fn held(&self, number: usize, value: f64) -> Self {
+        let mut bounds = self.clone();
+        (bounds.low[number], bounds.high[number]) = (value, value);
+        bounds
     }
 
     /// Values with their names, in words.

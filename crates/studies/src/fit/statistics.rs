@@ -1,12 +1,16 @@
 //! Sizes of records and residuals: deviations, noise.
 
-/// Standard deviation of noise on a signal: the least that its differences of several orders say.
+/// Factor of the least estimate of the noise up to which estimates say the same.
+const SAME_NOISE: f64 = 1.2;
+
+/// Standard deviation of noise on a signal: the least that its differences of several orders say, in
+/// the mean of those that say nearly the same.
 ///
 /// A quarter of normal numbers are below 0.3186 standard deviations, and differences of order m
 /// have √C(2m, m) of them. Coarse samples of a motion raise low orders, its contacts most of high
 /// ones.
 pub(super) fn noise(values: &[f64]) -> f64 {
-    let (mut all, mut least, mut variance) = (values.to_vec(), f64::INFINITY, 1.0);
+    let (mut all, mut found, mut variance) = (values.to_vec(), Vec::new(), 1.0);
     for order in 1..=6 {
         all = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
         variance *= f64::from(2 * (2 * order - 1)) / f64::from(order);
@@ -14,10 +18,13 @@ pub(super) fn noise(values: &[f64]) -> f64 {
         sizes.sort_by(f64::total_cmp);
         let quarter = sizes.get(sizes.len() / 4).map_or(0.0, |size| size / (0.3186 * variance.sqrt()));
         if order > 1 {
-            least = least.min(quarter);
+            found.push(quarter);
         }
     }
-    least
+    let least = found.iter().copied().fold(f64::INFINITY, f64::min);
+    // The least of several that say the same is too small.
+    let same: Vec<f64> = found.into_iter().filter(|own| *own <= SAME_NOISE * least).collect();
+    same.iter().sum::<f64>() / same.len().max(1) as f64
 }
 
 /// Standard deviation by which values are rounded: that of the least step between two of them.

@@ -23,6 +23,19 @@ fn table(name: &str, count: u32, value: impl Fn(f64) -> f64) -> String {
     format!("time,{name}\n") + &(0..count).map(row).collect::<String>()
 }
 
+/// The drive in open loop with numbers of its own, whose voltage is held between samples at 1 kHz.
+pub fn driven(voltage: impl Fn(f64) -> f64, count: u32) -> Machine {
+    let truths = [
+        ("body.carriage.mass", 95.1),
+        ("damper.viscous.damping", 203.5),
+        ("friction.guide.force", 20.4),
+        ("load.offset.constant", 3.2),
+        ("body.carriage.start.s", 1e-3),
+        ("body.carriage.start.v", 7e-3),
+    ];
+    example("emps.toml", &table("voltage", count, voltage)).with(truths).unwrap()
+}
+
 /// Asserts that a fit has found numbers within their errors, and the record's noise.
 fn assert_found(found: &Fitted, truths: &[(&str, f64)]) {
     let errors = &found.uncertainty.errors;

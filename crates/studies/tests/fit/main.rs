@@ -9,6 +9,7 @@ mod losses;
 mod regular;
 mod segments;
 mod sure;
+mod trusted;
 mod verdicts;
 
 use vibro_machine::file::no_records;

@@ -86,7 +86,7 @@ fn made_contact_times_alone_of_gears_from_ten_starts() {
 }
 
 /// A mass on a spring with a stop, driven by a record that is held between its times.
-fn driven_by_a_record() -> Machine {
+pub fn driven_by_a_record() -> Machine {
     let mut noise = Noise(14);
     let rows: Vec<String> =
         (0..200).map(|i| format!("[{:?}, {:?}]", 0.01 * f64::from(i), 40.0 * noise.normal())).collect();

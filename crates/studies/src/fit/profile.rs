@@ -1,0 +1,152 @@
+//! Errors by the profile of the cost: how far a number goes until the least cost of all others has
+//! risen by a standard error's square. Impacts that come and go make kinks, at which the curvature
+//! at the minimum says too small an error.
+
+use super::elimination::Triangle;
+use super::errors::scale;
+use super::evaluated::{Point, Solved};
+use super::model::Model;
+use super::solver::{Bounds, Convergence, solve};
+use crate::error::Result;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Standard errors by which a number is moved.
+const AWAY: f64 = 2.0;
+/// Rise of the cost there, in units of the variance, between which the curvature says the error.
+const EXPECTED: (f64, f64) = (2.8, 5.6);
+/// Rise that is enough to tell the error, and how often a number is moved twice as far for it.
+const TOLD: f64 = 0.5;
+const FARTHER: u32 = 3;
+/// Fall of the cost, in units of the variance, by which another point is better.
+const BETTER: f64 = 0.5;
+/// Singular value, relative to the largest, below which a combination of numbers is not determined.
+const SINGULAR: f64 = 1e-9;
+
+/// What the profile of the cost says.
+pub(super) enum Profile {
+    /// Each error over that of the curvature; 1 at least.
+    Factors(Vec<f64>),
+    /// A better point.
+    Better(Solved),
+}
+
+/// A number that is moved: the rise of the cost, at how many errors, and the point there.
+struct Moved {
+    number: usize,
+    away: f64,
+    rise: f64,
+    found: Option<Solved>,
+}
+
+/// Changes of the numbers that move each by its standard error and leave the least cost of the
+/// others; `None` of a number that is not determined.
+struct Errors {
+    triangle: Triangle,
+    changes: Vec<Option<DVector<f64>>>,
+}
+
+impl Errors {
+    fn of(model: &Model, best: &Solved) -> Result<Option<Self>> {
+        let at = model.evaluate(&best.point, &best.reach)?;
+        let values = &best.point.values;
+        let p = values.len();
+        let triangle = Triangle::of(&at, model.loss, &Point::default(), 0.0, &vec![false; p]);
+        let Some(jacobian) = triangle.reduced(&at, p) else { return Ok(None) };
+        let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
+        let scaled = DMatrix::from_fn(jacobian.nrows(), p, |i, j| jacobian[(i, j)] * scales[j]);
+        let triangular = scaled.qr().r();
+        if triangular.nrows() < p || triangular.iter().any(|x| !x.is_finite()) {
+            return Ok(None);
+        }
+        let svd = triangular.svd(false, true);
+        let Some(right) = svd.v_t else { return Ok(None) };
+        let least = SINGULAR * svd.singular_values.max();
+        if svd.singular_values.iter().any(|own| *own <= least) {
+            return Ok(None);
+        }
+        let root = DMatrix::from_fn(p, p, |k, j| right[(k, j)] / svd.singular_values[k]);
+        let covariance = root.tr_mul(&root);
+        let deviation = model.variance(best.cost, p).sqrt();
+        let change = |j: usize| {
+            let error = covariance[(j, j)].sqrt();
+            let all = DVector::from_fn(p, |i, _| deviation * scales[i] * covariance[(i, j)] / error);
+            (error > 0.0 && !at.is_idle(j, values[j])).then_some(all)
+        };
+        Ok(Some(Self { triangle, changes: (0..p).map(change).collect() }))
+    }
+
+    /// The point at which a number is moved by some errors; `None` beyond its bounds.
+    fn moved(&self, bounds: &Bounds, best: &Point, j: usize, away: f64) -> Option<Point> {
+        let change = self.changes[j].as_ref()? * away;
+        let mut next = best.clone();
+        let states = self.triangle.states_of(&change, 0.0)?;
+        for (i, value) in next.values.iter_mut().enumerate() {
+            *value = (*value + change[i]).clamp(bounds.low[i], bounds.high[i]);
+        }
+        for (state, change) in next.states.iter_mut().zip(&states) {
+            state.iter_mut().zip(change).for_each(|(x, dx)| *x += dx);
+        }
+        let reached = (next.values[j] - best.values[j]) / change[j];
+        ((reached - 1.0).abs() < 1e-9).then_some(next)
+    }
+}
+
+/// Errors over those of the curvature, from both sides of each number.
+pub(super) fn profile(
+    model: &Model,
+    bounds: &Bounds,
+    best: &Solved,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Profile> {
+    let p = best.point.values.len();
+    let Some(errors) = Errors::of(model, best)? else { return Ok(Profile::Factors(vec![1.0; p])) };
+    let variance = model.variance(best.cost, p);
+    let sides: Vec<(usize, f64)> = (0..p).flat_map(|j| [(j, AWAY), (j, -AWAY)]).collect();
+    let side = |&(j, away): &(usize, f64)| side(model, bounds, best, &errors, (j, away, variance), go_on);
+    let all: Vec<Moved> = sides.par_iter().filter_map(side).collect();
+    let better = all.iter().filter(|own| own.rise < -BETTER).min_by(|a, b| a.rise.total_cmp(&b.rise));
+    if let Some(found) = better.and_then(|own| own.found.clone()) {
+        return Ok(Profile::Better(found));
+    }
+    let mut factors = vec![1.0; p];
+    for own in &all {
+        let factor = own.away.abs() / own.rise.max(TOLD / 4.0).sqrt();
+        factors[own.number] = f64::max(factors[own.number], factor);
+    }
+    Ok(Profile::Factors(factors))
+}
+
+/// A number moved to one side, as far as the rise of the cost tells its error.
+fn side(
+    model: &Model,
+    bounds: &Bounds,
+    best: &Solved,
+    errors: &Errors,
+    (j, mut away, variance): (usize, f64, f64),
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Option<Moved> {
+    let mut last = None;
+    for _ in 0..=FARTHER {
+        let Some(next) = errors.moved(bounds, &best.point, j, away) else { break };
+        let at = Solved { point: next.clone(), cost: f64::INFINITY, ..best.clone() };
+        // A motion that breaks off costs more than any.
+        let cost = model.cost(&at).unwrap_or(f64::INFINITY);
+        let (mut rise, mut found) = ((cost - best.cost) / variance, None);
+        let expected = (away / AWAY).powi(2);
+        if !(EXPECTED.0 * expected..=EXPECTED.1 * expected).contains(&rise) && go_on() {
+            let held = bounds.held(j, next.values[j]);
+            let own = solve(model, &held, &next, (&best.reach, Convergence::Back(f64::NEG_INFINITY)), go_on);
+            if let Ok(own) = own {
+                (rise, found) = ((own.cost - best.cost) / variance, Some(own));
+            }
+        }
+        let is_told = rise >= TOLD || rise < -BETTER;
+        last = Some(Moved { number: j, away, rise, found });
+        if is_told {
+            break;
+        }
+        away *= 2.0;
+    }
+    last
+}

@@ -1,0 +1,199 @@
+//! The order in which ways to a fit are tried, the cheapest first. A way is kept only if it is better
+//! over the whole record, and the first that leaves noise alone ends the search.
+
+use super::evaluated::{Point, Reach, Solved};
+use super::horizons::over_horizons;
+use super::model::Model;
+use super::recorded::over_recorded;
+use super::segments::over_segments;
+use super::solver::{Bounds, Convergence, solve};
+use super::{CLOSE, Segments, WAYS, Way};
+use crate::error::Result;
+use crate::sobol;
+use rayon::prelude::*;
+
+/// Starts beside the given one, within a part of the values, that are tried where no way leaves
+/// noise alone.
+const BESIDE: (u32, f64) = (8, 0.3);
+/// Largest number of attempts from a start: plain descent, segments by the record, each of [`WAYS`],
+/// segments by the motion, and starts beside it.
+pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
+/// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
+const LOOKED_AT: u32 = 128;
+/// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
+const AGREED: u32 = 3;
+const SAME: f64 = 1e-6;
+
+/// What ends a search early by returning false.
+type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// A way to a fit.
+enum Attempt {
+    /// Descent over the whole record at once: what regular motions need.
+    Plain,
+    /// Segments that begin as the record shows, then descent over the whole record.
+    Recorded(Vec<f64>),
+    /// Growing horizons.
+    Horizons(Vec<f64>, Way),
+    /// Segments that begin as the fitted motion does.
+    Divided,
+}
+
+/// Search for a fit from one start.
+struct Search<'a> {
+    model: &'a Model<'a>,
+    bounds: &'a Bounds,
+    start: &'a [f64],
+    segments: Segments,
+    go_on: GoOn<'a>,
+}
+
+impl Search<'_> {
+    /// The attempts in the order in which they are tried.
+    fn attempts(&self) -> impl Iterator<Item = Attempt> {
+        let Self { model, start, .. } = *self;
+        // Without stops a motion that keeps near the record from the start on has one valley.
+        let is_regular = self.is_regular();
+        // Times of contacts say too little of the states in which segments begin.
+        let is_divided =
+            self.segments != Segments::None && (!model.is_of_contacts() || self.length().is_some());
+        let is_recorded = is_divided && !model.is_of_contacts() && !is_regular;
+        let ways = WAYS.iter().take(if is_regular { 1 } else { WAYS.len() });
+        // Contacts alone are matched in their order, which only growing horizons keep.
+        let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
+        let recorded = is_recorded.then(|| Attempt::Recorded(start.to_vec()));
+        let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
+        let divided = is_divided.then_some(Attempt::Divided);
+        let beside = move |begin| match is_recorded {
+            true => Attempt::Recorded(begin),
+            false => Attempt::Horizons(begin, WAYS[1]),
+        };
+        let is_small = start.len() <= sobol::DIMENSIONS;
+        let besides = std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
+        plain.into_iter().chain(recorded).chain(horizons).chain(divided).chain(besides)
+    }
+
+    /// Whether the motion has one valley: without stops, and near the record from the start on.
+    fn is_regular(&self) -> bool {
+        !self.model.has_stops() && self.model.is_near(self.start, WAYS[0])
+    }
+
+    /// The length of segments, s, where it is given.
+    fn length(&self) -> Option<f64> {
+        if let Segments::Length(length) = self.segments { Some(length) } else { None }
+    }
+
+    /// Starts around the given one; of contacts alone those whose motions keep near the record
+    /// longest, since all that follow a contact which comes or goes are matched wrongly.
+    fn beside(&self) -> Vec<Vec<f64>> {
+        let (model, (count, part)) = (self.model, BESIDE);
+        let of = |count: u32| (1..=count).map(|k| self.bounds.beside(self.start, k, part));
+        if !model.is_of_contacts() {
+            return of(count).collect();
+        }
+        let near = |values: Vec<f64>| (model.near_until(&Point::from(values.clone()), &[], WAYS[1]), values);
+        let mut all: Vec<_> = of(LOOKED_AT).collect::<Vec<_>>().into_par_iter().map(near).collect();
+        all.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        all.into_iter().take(count as usize).map(|(_, values)| values).collect()
+    }
+
+    /// Descent over the whole record.
+    fn plain(&self, values: Vec<f64>) -> Result<Solved> {
+        let reach = Reach::whole(self.model.end());
+        let (model, bounds) = (self.model, self.bounds);
+        let found = solve(model, bounds, &values.into(), (&reach, Convergence::Rough), self.go_on)?;
+        if !model.fits(&found.point, &reach)? {
+            return Ok(found);
+        }
+        solve(model, bounds, &found.point, (&reach, Convergence::Whole), self.go_on)
+    }
+
+    /// The best point from segments that begin as the record shows.
+    fn from_near(&self, found: Solved) -> Result<Solved> {
+        let Self { model, go_on, .. } = *self;
+        let values = found.point.values.clone();
+        let mut best: Option<Solved> = None;
+        // One motion says more, where it is not chaotic.
+        let ways: [&dyn Fn() -> Result<Solved>; 3] =
+            [&|| self.plain(values.clone()), &|| Ok(found.clone()), &|| self.divided(&values)];
+        for way in ways {
+            let Ok(mut found) = way() else { continue };
+            found.cost = model.cost(&found)?;
+            let is_done = found.is_continuous && model.fits(&found.point, &found.reach)? || !go_on();
+            if best.as_ref().is_none_or(|best| found.is_continuous && found.cost < best.cost) {
+                best = Some(found);
+            }
+            if is_done {
+                break;
+            }
+        }
+        best.map_or_else(|| self.plain(values.clone()), Ok)
+    }
+
+    fn divided(&self, values: &[f64]) -> Result<Solved> {
+        over_segments(&self.model.for_segments(), self.bounds, values, self.length(), self.go_on)
+    }
+
+    fn follow(&self, attempt: Attempt) -> Result<Solved> {
+        let Self { model, bounds, go_on, .. } = *self;
+        match attempt {
+            Attempt::Plain => self.plain(self.start.to_vec()),
+            Attempt::Recorded(start) => {
+                let found = over_recorded(&model.for_segments(), bounds, &start, go_on)?;
+                self.from_near(found)
+            }
+            Attempt::Horizons(start, way) => over_horizons(model, bounds, &start, way, go_on),
+            Attempt::Divided => self.divided(self.start),
+        }
+    }
+}
+
+/// The point reached from a start by the first attempt that leaves noise alone, else the best one.
+pub(super) fn best_from(
+    model: &Model,
+    bounds: &Bounds,
+    start: &[f64],
+    segments: Segments,
+    go_on: GoOn,
+) -> Result<Solved> {
+    let search = Search { model, bounds, start, segments, go_on };
+    let is_regular = search.is_regular();
+    let (mut best, mut same): (Option<Solved>, u32) = (None, 0);
+    let mut tried = 0;
+    for (k, attempt) in search.attempts().enumerate() {
+        model.watch.begin(format!("attempt {} of at most {MOST_ATTEMPTS}", k + 1));
+        tried = k;
+        // Ways from one start may end in one wrong minimum.
+        let is_beside = k + BESIDE.0 as usize >= MOST_ATTEMPTS;
+        let found = search.follow(attempt);
+        model.watch.over(1);
+        let Ok(mut found) = found else { continue };
+        // A fit that was ended may not have seen where its motion breaks off.
+        found.cost = model.cost(&found).or_else(|e| if go_on() { Err(e) } else { Ok(f64::INFINITY) })?;
+        let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
+            || is_regular && model.is_near(&found.point.values, CLOSE)
+            || !go_on();
+        let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+        if !found.is_continuous && best.is_some() {
+            continue;
+        }
+        if (found.cost / before - 1.0).abs() < SAME {
+            same += u32::from(is_beside);
+        } else if found.cost < before {
+            same = 1;
+        }
+        if found.cost < before {
+            best = Some(found);
+        }
+        if is_done || same >= AGREED {
+            break;
+        }
+    }
+    model.watch.over(MOST_ATTEMPTS - 1 - tried);
+    // The reason for none at all is that of the given start.
+    let best = best.map_or_else(|| over_horizons(model, bounds, start, WAYS[0], go_on), Ok)?;
+    match search.length() {
+        Some(_) if best.reach.nodes.is_empty() => search.divided(&best.point.values),
+        _ => Ok(best),
+    }
+}

@@ -1,0 +1,226 @@
+//! Many noise draws of records of eight machines, each fitted from 25 % off: verdicts, and truths
+//! beside the errors. Asked for by name, since they cost some ten minutes each:
+//! `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
+
+use super::*;
+use std::time::Instant;
+
+/// Noise draws of each machine.
+const DRAWS: u32 = 200;
+/// Part of each free number by which a fit begins beside the truth.
+const OFF: f64 = 0.25;
+/// Part of a column's standard deviation that is noise.
+const NOISE: f64 = 0.01;
+/// Least part of right verdicts: a record has a chance of residuals that are more than noise.
+const RIGHT: f64 = 0.98;
+/// Parts of the truths within two errors: 95.4 % of normal ones, and what 200 draws say of it.
+const WITHIN_TWO: (f64, f64) = (0.90, 0.98);
+/// Errors by which a number of a fit that is accepted may be off, at most.
+const MOST_OFF: f64 = 5.0;
+
+/// A machine whose records are fitted.
+struct Tried {
+    machine: Machine,
+    columns: Vec<&'static str>,
+    /// Seconds and samples of the record.
+    record: (f64, usize),
+    free: Vec<&'static str>,
+}
+
+/// What the fits of one machine's records have come to.
+fn check_draws(own: &Tried) {
+    let draws = std::env::var("DRAWS").ok().and_then(|n| n.parse().ok()).unwrap_or(DRAWS);
+    let first: u32 = std::env::var("FIRST").ok().and_then(|n| n.parse().ok()).unwrap_or(0);
+    let exact: Vec<(&str, f64)> = own.columns.iter().map(|name| (*name, 0.0)).collect();
+    let exact = record(&own.machine, &exact, own.record.0, own.record.1, &mut Noise(0));
+    let size = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+    };
+    let truths: Vec<f64> = own.free.iter().map(|name| own.machine.description.get(name).unwrap()).collect();
+    let (mut right, mut within, mut most) = (0, vec![0; truths.len()], 0.0f64);
+    let (mut simulations, mut seconds) = (0, 0.0);
+    for draw in first..first + draws {
+        let mut noise = Noise(1000 + u64::from(draw));
+        (0..10).for_each(|_| _ = noise.uniform());
+        let mut measured = exact.clone();
+        for (_, values) in &mut measured.columns {
+            let sigma = NOISE * size(values);
+            values.iter_mut().for_each(|x| *x += sigma * noise.normal());
+        }
+        let signs: Vec<f64> = truths.iter().map(|_| (noise.uniform() - 0.5).signum()).collect();
+        // A restitution above 1 is refused.
+        let factor = |i: usize| {
+            let factor = 1.0 + OFF * signs[i];
+            if own.free[i].ends_with("restitution") { factor.min(0.98 / truths[i]) } else { factor }
+        };
+        let begin = Instant::now();
+        let found = fitted(&request(off(&own.machine, &own.free, factor), measured, &own.free));
+        let took = begin.elapsed().as_secs_f64();
+        let errors = found.uncertainty.errors.iter().map(|error| error.unwrap_or(f64::NAN));
+        let apart: Vec<f64> = found
+            .values
+            .iter()
+            .zip(&truths)
+            .zip(errors)
+            .map(|(((_, x), truth), error)| (x - truth) / error)
+            .collect();
+        let is_right = found.verdict == Verdict::Fits;
+        if is_right {
+            right += 1;
+            most = apart.iter().fold(most, |most, off| if off.abs() <= most { most } else { off.abs() });
+            within.iter_mut().zip(&apart).for_each(|(within, off)| *within += u32::from(off.abs() <= 2.0));
+        }
+        println!(
+            "draw {draw} {signs:?}: {} {took:.2} s, {} motions, cost {:.1}, off {apart:.2?}",
+            found.verdict, found.simulations, found.cost
+        );
+        simulations += found.simulations;
+        seconds += took;
+    }
+    let share = |count: u32, of: u32| f64::from(count) / f64::from(of);
+    println!(
+        "{}: {right} of {draws} fit, within two errors {:?}, most off {most:.2}, {:.0} motions and {:.2} s each",
+        own.machine.description.name,
+        within.iter().map(|n| share(*n, right)).collect::<Vec<_>>(),
+        share(simulations, draws),
+        seconds / f64::from(draws),
+    );
+    assert!(share(right, draws) >= RIGHT, "{right} of {draws}");
+    assert!(most <= MOST_OFF, "{most} errors off");
+    assert!(within.iter().all(|n| (WITHIN_TWO.0..=WITHIN_TWO.1).contains(&share(*n, right))), "{within:?}");
+}
+
+/// A box of 10 kg that shakes a block between a steel stop and a buffer, by a measured force.
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_shaken_box() {
+    let mut noise = Noise(77);
+    let mut force = 0.0;
+    let rows: Vec<String> = (0..=3000)
+        .map(|i| {
+            let t = 1e-3 * f64::from(i);
+            force = 0.9 * force + 20.0 * noise.normal();
+            format!("[{t:?}, {:?}]", 70.0 * (TAU * 9.3 * t).sin() + force)
+        })
+        .collect();
+    let text = format!(
+        "name = \"ShakenBox\"\ngravity = 9.81\n\
+         body.box = {{ mass = 10.0, gravity = -1.0, start = {{ s = -0.0026487 }} }}\n\
+         body.block = {{ mass = 0.8, gravity = -1.0, start = {{ s = -0.0065487 }} }}\n\
+         spring.mount = {{ between = [\"ground\", \"box\"], stiffness = 4e4, damping = 50.0 }}\n\
+         stop.steel = {{ between = [\"box\", \"block\"], gap = 5e-3, restitution = 0.65 }}\n\
+         stop.buffer = {{ between = [\"block\", \"box\"], gap = 4e-3, stiffness = 3e5, damping = 60.0 }}\n\
+         friction.guide = {{ between = [\"box\", \"block\"], force = 1.5 }}\n\
+         load.shaker = {{ on = \"box\", table = [{}] }}\n",
+        rows.join(", ")
+    );
+    check_draws(&Tried {
+        machine: Machine::parse(&text, "box.toml", &no_records).unwrap(),
+        columns: vec!["box.s", "block.s"],
+        record: (3.0, 1501),
+        free: vec![
+            "stop.steel.gap",
+            "stop.steel.restitution",
+            "stop.buffer.stiffness",
+            "stop.buffer.damping",
+            "friction.guide.force",
+        ],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_ball() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.ball = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"ball\"], gap = 1.0, restitution = 0.8 }\n";
+    check_draws(&Tried {
+        machine: Machine::parse(text, "ball.toml", &no_records).unwrap(),
+        columns: vec!["ball.s"],
+        record: (3.0, 301),
+        free: vec!["stop.floor.gap", "stop.floor.restitution"],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_an_oscillator_with_friction() {
+    check_draws(&Tried {
+        machine: example("coulomb_oscillator.toml"),
+        columns: vec!["mass.s"],
+        record: (0.25, 500),
+        free: vec!["spring.mount.stiffness", "friction.floor.force"],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_block_on_a_belt() {
+    check_draws(&Tried {
+        machine: example("belt_friction.toml").with([("friction.belt_contact.static", 3.0)]).unwrap(),
+        columns: vec!["block.s"],
+        record: (3.0, 400),
+        free: vec!["spring.holder.stiffness", "friction.belt_contact.force", "friction.belt_contact.static"],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_damper_with_a_buffer() {
+    check_draws(&Tried {
+        machine: example("damper_with_buffer.toml"),
+        columns: vec!["box.s", "block.s"],
+        record: (3.0, 900),
+        free: vec![
+            "stop.steel.gap",
+            "stop.steel.restitution",
+            "stop.buffer.gap",
+            "stop.buffer.stiffness",
+            "stop.buffer.damping",
+            "friction.guide.force",
+            "spring.mount.stiffness",
+        ],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_gears_with_backlash() {
+    check_draws(&Tried {
+        machine: example("gear_backlash.toml"),
+        columns: vec!["wheel.v", "drive_flank.e"],
+        record: (0.1, 500),
+        free: vec!["spring.clutch.stiffness", "friction.bearing.force", "spring.clutch.damping"],
+    });
+}
+
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_machine_that_a_record_drives() {
+    check_draws(&Tried {
+        machine: regular::driven_by_a_record(),
+        columns: vec!["a.s"],
+        record: (2.0, 400),
+        free: vec!["spring.k.stiffness", "spring.k.damping", "stop.wall.restitution", "stop.wall.gap"],
+    });
+}
+
+/// A linear drive by its voltage in open loop.
+#[test]
+#[ignore = "minutes"]
+fn trusted_made_records_of_a_drive() {
+    let voltage = |t: f64| 1.6 * (0.2 * TAU * t).sin() + 0.6 * (0.7 * TAU * t).sin();
+    check_draws(&Tried {
+        machine: emps::driven(voltage, 5001),
+        columns: vec!["carriage.s"],
+        record: (5.0, 1001),
+        free: vec![
+            "body.carriage.mass",
+            "damper.viscous.damping",
+            "friction.guide.force",
+            "load.offset.constant",
+            "body.carriage.start.s",
+            "body.carriage.start.v",
+        ],
+    });
+}
