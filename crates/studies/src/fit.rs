@@ -1,8 +1,9 @@
 //! Fits of a machine to a record: nonlinear least squares with exact derivatives.
 //!
 //! A motion with impacts follows its parameters only over a time: a plain fit over a long record
-//! ends in a wrong minimum. The fit begins with the horizon over which the motion of the given
-//! numbers keeps near the record, and goes on to longer ones as far as the fitted motion then does.
+//! often ends in a wrong minimum. `schedule` has the ways that are tried, the cheapest first: plain
+//! descent, growing horizons, segments that begin as the record shows, segments of the fitted
+//! motion, and starts beside.
 
 mod beside;
 mod checks;

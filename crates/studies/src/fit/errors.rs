@@ -56,7 +56,7 @@ pub struct Uncertainty {
     pub names: Vec<String>,
     /// Standard error of each, SI; `None` where the record does not determine it.
     pub errors: Vec<Option<f64>>,
-    /// Standard error of each if its residuals were white noise, SI.
+    /// Standard error of each if its residuals were white noise, by the curvature of the cost, SI.
     pub white: Vec<Option<f64>>,
     /// Correlations; 0 beside a number that is not determined.
     pub correlation: DMatrix<f64>,
@@ -106,12 +106,12 @@ impl Uncertainty {
         }
     }
 
-    /// Multiplies the errors by factors of 1 at least, as the profile of the cost says.
+    /// Multiplies the errors by factors of 1 at least, as the profile of the cost says. The errors
+    /// of white noise stay those of the curvature.
     pub(super) fn widen(&mut self, factors: &[f64]) {
-        let all = self.errors.iter_mut().zip(&mut self.white).zip(factors);
-        for ((error, white), factor) in all {
-            for own in [error, white].into_iter().flatten() {
-                *own *= factor;
+        for (error, factor) in self.errors.iter_mut().zip(factors) {
+            if let Some(error) = error {
+                *error *= factor;
             }
         }
     }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: plain descent, segments by the record, each of [`WAYS`],
+/// Largest number of attempts from a start: plain descent, each of [`WAYS`], segments by the record,
 /// segments by the motion, and starts beside it.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
 /// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
@@ -31,10 +31,10 @@ type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 enum Attempt {
     /// Descent over the whole record at once: what regular motions need.
     Plain,
-    /// Segments that begin as the record shows, then descent over the whole record.
-    Recorded(Vec<f64>),
     /// Growing horizons.
     Horizons(Vec<f64>, Way),
+    /// Segments that begin as the record shows, then descent over the whole record.
+    Recorded(Vec<f64>),
     /// Segments that begin as the fitted motion does.
     Divided,
 }
@@ -61,8 +61,9 @@ impl Search<'_> {
         let ways = WAYS.iter().take(if is_regular { 1 } else { WAYS.len() });
         // Contacts alone are matched in their order, which only growing horizons keep.
         let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
-        let recorded = is_recorded.then(|| Attempt::Recorded(start.to_vec()));
         let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
+        // Costs ten times as much as horizons on records with few impacts.
+        let recorded = is_recorded.then(|| Attempt::Recorded(start.to_vec()));
         let divided = is_divided.then_some(Attempt::Divided);
         let beside = move |begin| match is_recorded {
             true => Attempt::Recorded(begin),
@@ -70,7 +71,7 @@ impl Search<'_> {
         };
         let is_small = start.len() <= sobol::DIMENSIONS;
         let besides = std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
-        plain.into_iter().chain(recorded).chain(horizons).chain(divided).chain(besides)
+        plain.into_iter().chain(horizons).chain(recorded).chain(divided).chain(besides)
     }
 
     /// Whether the motion has one valley: without stops, and near the record from the start on.

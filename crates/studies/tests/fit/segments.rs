@@ -45,8 +45,8 @@ fn second_method_segments_of_a_length_come_to_the_point_of_one_motion() {
     // Impacts that come and go make minima that are a part of an error apart.
     let (one, many) = (by(Segments::None), by(Segments::Length(0.3)));
     assert!(one.segments.is_empty() && many.segments.len() >= 4, "{}", many.segments.len());
-    let pairs =
-        one.values.iter().zip(&many.values).zip(&one.uncertainty.errors).zip(&many.uncertainty.errors);
+    // Of the curvature: the profile sees how near impacts lie that come and go.
+    let pairs = one.values.iter().zip(&many.values).zip(&one.uncertainty.white).zip(&many.uncertainty.white);
     for ((((name, a), (_, b)), x), y) in pairs {
         let (x, y) = (x.unwrap(), y.unwrap());
         assert!(
