@@ -141,7 +141,7 @@ fn side(
                 (rise, found) = ((own.cost - best.cost) / variance, Some(own));
             }
         }
-        let is_told = rise >= TOLD || rise < -BETTER;
+        let is_told = !(-BETTER..TOLD).contains(&rise);
         last = Some(Moved { number: j, away, rise, found });
         if is_told {
             break;

@@ -110,7 +110,7 @@ impl Search<'_> {
     }
 
     /// The best point from segments that begin as the record shows.
-    fn from_near(&self, found: Solved) -> Result<Solved> {
+    fn continued(&self, found: Solved) -> Result<Solved> {
         let Self { model, go_on, .. } = *self;
         let values = found.point.values.clone();
         let mut best: Option<Solved> = None;
@@ -141,7 +141,7 @@ impl Search<'_> {
             Attempt::Plain => self.plain(self.start.to_vec()),
             Attempt::Recorded(start) => {
                 let found = over_recorded(&model.for_segments(), bounds, &start, go_on)?;
-                self.from_near(found)
+                self.continued(found)
             }
             Attempt::Horizons(start, way) => over_horizons(model, bounds, &start, way, go_on),
             Attempt::Divided => self.divided(self.start),
