@@ -34,6 +34,7 @@ pub struct FitParts<'py> {
     persistence: f64,
     segments: Vec<(f64, Numbers, Vec<f64>)>,
     lost: Vec<String>,
+    at_bounds: Numbers,
 }
 
 fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py> {
@@ -56,6 +57,7 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
         persistence: own.persistence,
         segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
         lost: fitted.lost.clone(),
+        at_bounds: fitted.at_bounds.clone(),
     }
 }
 

@@ -7,7 +7,7 @@ mod design_sweep;
 mod designed;
 mod diagram;
 mod diagram_orbits;
-mod fit;
+pub(crate) mod fit;
 mod gradient;
 mod isoperiodic;
 mod locus;

@@ -113,6 +113,17 @@ fn made_record_of_the_page() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let within = std::fs::read_to_string(home.join("within/fit.json")).unwrap();
     assert_eq!(number_after(&within, "spring.mount.stiffness", "value"), 9e3);
+    // The range does not have the record's stiffness: no fit, and no errors of one.
+    let shown = String::from_utf8_lossy(&output.stdout);
+    let page = std::fs::read_to_string(home.join("within/report.html")).unwrap();
+    for text in [&shown, &*page] {
+        assert!(
+            !text.contains('±') && text.contains("spring.mount.stiffness is at an end of its range"),
+            "{text}"
+        );
+    }
+    assert!(said[0].contains("spring.mount.stiffness = 10") && said[0].contains('±'), "{}", said[0]);
+    assert!(within.contains("\"at_bounds\": {\"spring.mount.stiffness\": 9000.0}"), "{within}");
     let drawn = std::fs::read_to_string(home.join("fit/fit.svg")).unwrap();
     is_kept("fit", &drawn);
     is_kept("valley", &valley_picture(&home));

@@ -172,6 +172,8 @@ pub struct Fitted {
     pub events: Vec<(f64, String)>,
     /// Segments after the first; empty of one motion.
     pub segments: Vec<Fresh>,
+    /// Numbers that lie at an end of their range, with that end, SI: their errors are of one side.
+    pub at_bounds: Vec<(String, f64)>,
     /// Why the fitted motion has no derivative by a number from some time on; differences stand
     /// there.
     pub lost: Vec<String>,
@@ -270,6 +272,7 @@ fn fit_carrying(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     }
     let mut fitted = model.finish(request, &best.point, &best.reach, best.cost, doubt)?;
     fitted.uncertainty.widen(&factors);
+    fitted.at_bounds = bounds.reached(&best.point.values);
     Ok(if watch.is_ended() { Fitted { verdict: Verdict::ended(), ..fitted } } else { fitted })
 }
 

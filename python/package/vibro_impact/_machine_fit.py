@@ -79,6 +79,8 @@ class Fit(Result):
     "Segments after the first, each with a start of its own; empty of one motion."
     lost: list[str]
     "Why the fitted motion has no derivative by a number from some time on, where differences stand."
+    at_bounds: dict[str, float]
+    "Numbers that lie at an end of their range, with that end: their errors are of one side."
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
@@ -372,4 +374,5 @@ def _fitted(kind: type[MachineDescription], names: list[str], t: Floats, columns
         persistence=found["persistence"],
         segments=[Segment(time, dict(state), dict(zip([name for name, _ in state], defect))) for time, state, defect in found["segments"]],
         lost=found["lost"],
+        at_bounds=dict(found["at_bounds"]),
     )

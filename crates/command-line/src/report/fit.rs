@@ -3,6 +3,7 @@
 use super::document::{document, table};
 use crate::Result;
 use crate::studies::Study;
+use crate::studies::fit::AT_BOUND;
 use std::path::Path;
 use vibro_figures::canvas;
 use vibro_figures::html::escape;
@@ -72,7 +73,7 @@ fn verdict(verdict: &Verdict) -> String {
     };
     let remark = match verdict {
         Verdict::Fits => "",
-        _ => " The errors below hold only where the motion is that of the record.",
+        _ => " No errors are shown: they would hold for another motion than the record's.",
     };
     format!("<p class=\"verdict {class}\"><b>{}</b>.{remark}</p>\n", escape(&verdict.to_string()))
 }
@@ -86,11 +87,16 @@ fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
         let (factor, symbol) = request.machine.unit(name);
         let begin = request.machine.description.get(name).map_or(String::new(), |x| significant(factor * x));
         let (shown, error) = match error {
-            Some(error) => with_error(factor * value, factor * error),
+            Some(_) if fitted.verdict != Verdict::Fits => (significant(factor * value), String::new()),
+            Some(error) => {
+                let (shown, error) = with_error(factor * value, factor * error);
+                (shown, format!("± {error}"))
+            }
             None => (significant(factor * value), "not determined".into()),
         };
+        let white = white.filter(|_| fitted.verdict == Verdict::Fits);
         let white = white.map_or(String::new(), |x| rounded(factor * x));
-        vec![escape(name), shown, format!("± {error}"), escape(&symbol), begin, white]
+        vec![escape(name), shown, error, escape(&symbol), begin, white]
     });
     let header =
         ["number", "fitted", "standard error", "unit", "first value", "error if residuals were white noise"];
@@ -105,7 +111,8 @@ fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
         })
         .collect();
     let lost = fitted.lost.iter().map(|lost| format!("<li>{}; differences stand in</li>", escape(lost)));
-    let notes = combinations + &lost.collect::<String>();
+    let at_bounds = fitted.at_bounds.iter().map(|(name, _)| format!("<li>{} {AT_BOUND}</li>", escape(name)));
+    let notes = combinations + &lost.chain(at_bounds).collect::<String>();
     let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
     format!("<h2>Numbers</h2>\n{}{notes}", table(&header.map(String::from), rows))
 }

@@ -11,6 +11,8 @@ use vibro_machine::quantity::NamedQuantity;
 use vibro_studies::fit::{FitRequest, Fitted, Verdict};
 use vibro_studies::significant;
 
+/// What is said of a number at an end of its range.
+pub const AT_BOUND: &str = "is at an end of its range: its error is of one side";
 /// Most points of a curve.
 const POINTS: usize = 2000;
 /// Most columns that are drawn.
@@ -24,12 +26,13 @@ const DRAWN: usize = 4;
 pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
     if fitted.verdict != Verdict::Fits {
-        remarks.push("errors below hold only where the motion is the record's".into());
+        remarks.push("no errors: they would hold for another motion than the record's".into());
     }
     for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
         let unit = request.machine.si_unit(name);
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         remarks.push(match error {
+            Some(_) if fitted.verdict != Verdict::Fits => format!("{name} = {}{unit}", significant(*value)),
             Some(error) => {
                 let vague = if *error > value.abs() { ", which may be 0: less than its error" } else { "" };
                 format!("{name} = {} ± {}{unit}{vague}", significant(*value), significant(*error))
@@ -43,6 +46,7 @@ pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     for own in &fitted.uncertainty.undetermined {
         remarks.push(format!("not determined, in parts of the values: {own}"));
     }
+    remarks.extend(fitted.at_bounds.iter().map(|(name, _)| format!("{name} {AT_BOUND}")));
     remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; differences stand there")));
     for (name, rms) in &fitted.rms {
         remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
@@ -111,6 +115,7 @@ pub fn fit_json(fitted: &Fitted) -> String {
         format!("{{\"combination\": {{{parts}}}, \"singular_value\": {value}}}")
     });
     let rms = fitted.rms.iter().map(|(name, rms)| format!("{}: {}", quoted(name), number(*rms)));
+    let at_bounds = fitted.at_bounds.iter().map(|(name, end)| format!("{}: {}", quoted(name), number(*end)));
     let segments = fitted.segments.iter().map(|own| {
         let named = own.state.iter().zip(&own.defect);
         let (state, defect): (Vec<_>, Vec<_>) = named
@@ -123,7 +128,7 @@ pub fn fit_json(fitted: &Fitted) -> String {
     // Writing to a text does not fail.
     let _ = writeln!(
         text,
-        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
+        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"at_bounds\": {{{}}},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
         quoted(&fitted.verdict.to_string()),
         list(parameters.collect()),
         list(names),
@@ -132,6 +137,7 @@ pub fn fit_json(fitted: &Fitted) -> String {
         list(rms.collect()),
         fitted.simulations,
         number(fitted.near_until),
+        list(at_bounds.collect()),
         number(own.persistence),
         list(segments.collect())
     );
@@ -212,6 +218,7 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
     }
     let told =
         fitted.values.iter().zip(&fitted.uncertainty.errors).map(|((name, value), error)| match error {
+            Some(_) if fitted.verdict != Verdict::Fits => format!("{name} = {}", significant(*value)),
             Some(error) => format!("{name} = {} ± {}", significant(*value), significant(*error)),
             None => format!("{name} undetermined"),
         });

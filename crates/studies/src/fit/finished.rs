@@ -72,6 +72,7 @@ impl Model<'_> {
                 Loss::Linear => self.near(&beside, f64::NEG_INFINITY, super::WAYS[0]),
                 Loss::SoftL1 | Loss::Huber => reach.end,
             },
+            at_bounds: Vec::new(),
             lost: beside.lost(),
             simulations: self.compared.simulations(),
             cost,

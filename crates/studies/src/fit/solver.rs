@@ -99,6 +99,14 @@ impl Bounds {
         Ok(Self { begin, low, high, names, given })
     }
 
+    /// The numbers that lie at an end of their range, with that end.
+    pub fn reached(&self, values: &[f64]) -> Vec<(String, f64)> {
+        let ends = self.low.iter().zip(&self.high);
+        let all = self.names.iter().zip(values).zip(ends);
+        let is_reached = all.filter(|((_, value), (low, high))| *value == *low || *value == *high);
+        is_reached.map(|((name, value), _)| (name.clone(), *value)).collect()
+    }
+
     /// Point `k` of the Sobol sequence within the bounds.
     pub fn within(&self, k: u32) -> Result<Vec<f64>> {
         let at = |i: usize| {

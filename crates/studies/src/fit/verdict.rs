@@ -2,17 +2,22 @@
 
 use super::beside::Beside;
 use super::evaluated::{Point, Reach};
+use super::loss::Loss;
 use super::model::Model;
 use super::statistics::{interval, persistence, size};
 use crate::error::Result;
 use crate::significant;
 use std::fmt;
 
-/// Residuals, in units of the noise, up to which a motion fits, and above which it does not.
+/// Residuals, in units of a noise that the record's differences say, up to which a motion fits, and
+/// in units of any noise, above which it does not. Of a given noise chance alone is allowed.
 const FITS: f64 = 1.3;
 const MISSES: f64 = 2.5;
-/// Standard deviations of a root mean square, by which few residuals may be larger.
+/// Standard deviations of a root mean square, by which residuals may be larger: one exact record in
+/// 700 is beyond.
 const CHANCE: f64 = 3.0;
+/// Variance of a median of sizes over that of a root mean square of as many normal numbers.
+const MEDIAN: f64 = 2.72;
 /// Standard deviations where differences say the noise, which is the least of several orders.
 const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
@@ -69,15 +74,16 @@ impl Model<'_> {
             let (spread, least) = (self.spread(beside.residuals(k)), LEAST * size(values));
             let times = spread / self.noise_of(k).max(least);
             // What differences say of few samples is vaguer than a root mean square.
-            let share = if self.has_sigma { CHANCE / 2f64.sqrt() } else { VAGUE };
+            let share = if self.has_sigma { self.chance() } else { VAGUE };
             let chance = 1.0 + share / (values.len() as f64).sqrt();
+            let allowed = if self.has_sigma { chance } else { FITS.max(chance) };
             let many = format!("the residuals of {name} are {} times its noise", significant(times));
             if times > MISSES.max(chance) {
                 return Verdict::Misses(many);
             }
             // Residuals within rounding of the record follow each other as it was rounded.
             let follow = if spread > least { persistence(beside.residuals(k)) } else { 0.0 };
-            if times > FITS.max(chance) {
+            if times > allowed {
                 doubt.get_or_insert(many);
             } else if follow > FOLLOWS.max(CHANCE / (values.len() as f64).sqrt()) {
                 doubt.get_or_insert(format!(
@@ -107,6 +113,12 @@ impl Model<'_> {
         doubt.map_or(Verdict::Fits, Verdict::Undecided)
     }
 
+    /// Part by which the deviation of one residual may be larger than its noise by chance.
+    fn chance(&self) -> f64 {
+        let variance = if self.loss == Loss::Linear { 0.5 } else { 0.5 * MEDIAN };
+        CHANCE * variance.sqrt()
+    }
+
     /// What the deviation of a list of contacts' times says against a motion. Without a given noise
     /// it is itself the only measure of it: a contact has no neighbour whose difference is noise.
     fn contacts_off_by(&self, list: usize, spread: f64, times: &[f64]) -> Option<Verdict> {
@@ -126,12 +138,12 @@ impl Model<'_> {
                 None
             };
         };
-        let times = spread / noise;
+        let (allowed, times) = (1.0 + self.chance() / (times.len() as f64).sqrt(), spread / noise);
         let why = || format!("contacts of {name} are off by {} times their noise", significant(times));
         if times > MISSES.max(chance) {
             Some(Verdict::Misses(why()))
         } else {
-            (times > FITS.max(chance)).then(|| Verdict::Undecided(why()))
+            (times > allowed).then(|| Verdict::Undecided(why()))
         }
     }
 }

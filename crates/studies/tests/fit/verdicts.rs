@@ -184,3 +184,35 @@ fn invariant_a_rounded_input_is_undecided_unless_its_steps_are_below_the_noise()
         assert!(!matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
     }
 }
+
+#[test]
+fn invariant_a_given_noise_is_left_by_chance_alone() {
+    // This draw of 500 samples is 5 % smaller than its noise, within two standard deviations.
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(51));
+    for loss in [Loss::Linear, Loss::Huber] {
+        let of = |part: f64| {
+            let (begin, sigma) = (off(&m, &FREE, |_| 1.1), Some(vec![part * 2e-6]));
+            fitted(&FitRequest { sigma, loss, ..request(begin, measured.clone(), &FREE) }).verdict
+        };
+        assert_eq!(of(1.0), Verdict::Fits, "{loss:?}");
+        let many = of(1.0 / 1.5).to_string();
+        assert!(many.starts_with("undecided: the residuals of mass.s are 1.4"), "{loss:?}: {many}");
+    }
+    let slightly = FitRequest { sigma: Some(vec![2e-6 / 1.25]), ..request(m, measured, &FREE) };
+    let slightly = fitted(&slightly).verdict.to_string();
+    assert!(slightly.starts_with("undecided: the residuals of mass.s are 1.1"), "{slightly}");
+}
+
+#[test]
+fn invariant_a_number_at_an_end_of_its_range_is_named() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(51));
+    let stiffness = m.description.get(FREE[0]).unwrap();
+    let mut own = request(off(&m, &FREE, |i| [0.9, 1.0][i]), measured, &FREE);
+    assert_eq!(fitted(&own).at_bounds, []);
+    own.free[0].within = Some((0.8 * stiffness, 0.95 * stiffness));
+    let found = fitted(&own);
+    assert_eq!(found.at_bounds, [(FREE[0].to_owned(), 0.95 * stiffness)]);
+    assert_ne!(found.verdict, Verdict::Fits);
+}
