@@ -6,12 +6,11 @@
 //! large residuals count little (P. Huber, Robust Statistics, 1981): a segment that has an impact too
 //! many says nothing of the numbers.
 
-use super::beside::Followed;
 use super::evaluated::{Evaluated, Point, Reach, Segment, Solved};
 use super::horizons::LEAST_ROWS;
 use super::loss::Loss;
 use super::model::Model;
-use super::segments::{CONTINUOUS, DEFECTS};
+use super::segments::{CONTINUOUS, DEFECTS, misses};
 use super::solver::{Bounds, Convergence, solve};
 use crate::error::Result;
 
@@ -143,14 +142,4 @@ fn joined(
     }
     let is_continuous = misses(model, (&point, &reach), sizes)?.iter().all(|miss| *miss < CONTINUOUS);
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
-}
-
-/// How far segments miss each next start, in parts of the states' sizes.
-pub(super) fn misses(model: &Model, (point, reach): (&Point, &Reach), sizes: &[f64]) -> Result<Vec<f64>> {
-    let beside = model.beside(point, reach)?;
-    let one = |(before, state): (&Followed, &Vec<f64>)| {
-        let missed = before.end.iter().zip(state).zip(sizes);
-        missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
-    };
-    Ok(beside.0.iter().zip(&point.states).map(one).collect())
 }

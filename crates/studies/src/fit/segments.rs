@@ -5,10 +5,10 @@
 //! A segment begins in mid-flight in the state that the fitted motion has there. How much its start
 //! may differ from the end of the segment before falls step by step, to rounding in the end.
 
+use super::beside::Followed;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
-use super::recorded::misses;
 use super::solver::{Bounds, Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::Result;
@@ -202,4 +202,14 @@ impl Model<'_> {
     pub(super) fn for_segments(&self) -> Self {
         self.by_noise(NOISE)
     }
+}
+
+/// How far segments miss each next start, in parts of the states' sizes.
+pub(super) fn misses(model: &Model, (point, reach): (&Point, &Reach), sizes: &[f64]) -> Result<Vec<f64>> {
+    let beside = model.beside(point, reach)?;
+    let one = |(before, state): (&Followed, &Vec<f64>)| {
+        let missed = before.end.iter().zip(state).zip(sizes);
+        missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
+    };
+    Ok(beside.0.iter().zip(&point.states).map(one).collect())
 }
