@@ -2,9 +2,9 @@
 //! impacts from numbers that are far off. Short segments are nearly linear in the numbers, whatever
 //! the whole motion does.
 //!
-//! The starts are free and bound to the ends before them ever more closely. While they are apart,
-//! large residuals count little (P. Huber, Robust Statistics, 1981): a segment that has an impact too
-//! many says nothing of the numbers.
+//! The start of each segment is free, and each pass binds it more closely to the end of the segment
+//! before it. During these passes a Huber loss limits large residuals (P. Huber, Robust
+//! Statistics, 1981), because a segment with an impact too many does not determine the numbers.
 
 use super::evaluated::{Evaluated, Point, Reach, Segment, Solved};
 use super::horizons::LEAST_ROWS;

@@ -1,5 +1,6 @@
-//! The order in which ways to a fit are tried, the cheapest first. A way is kept only if it is better
-//! over the whole record, and the first that leaves noise alone ends the search.
+//! The order in which the search tries its ways to a fit, the cheapest first. The search keeps the
+//! result of a way only if it has a lower cost over the whole record. The search ends at the first
+//! way whose residuals are noise.
 
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::over_horizons;
@@ -15,8 +16,8 @@ use rayon::prelude::*;
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: plain descent, each of [`WAYS`], segments by the record,
-/// segments by the motion, and starts beside it.
+/// Largest number of attempts from a start: plain descent, each of [`WAYS`], segments by the
+/// record, segments by the motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
 /// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
 const LOOKED_AT: u32 = 128;
