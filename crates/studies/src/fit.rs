@@ -7,6 +7,7 @@
 
 mod beside;
 mod checks;
+mod directions;
 mod elimination;
 mod errors;
 mod evaluated;

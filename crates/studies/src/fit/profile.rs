@@ -2,8 +2,8 @@
 //! risen by a standard error's square. Impacts that come and go make kinks, at which the curvature
 //! at the minimum says too small an error.
 
+use super::directions::Directions;
 use super::elimination::Triangle;
-use super::errors::scale;
 use super::evaluated::{Point, Solved};
 use super::model::Model;
 use super::solver::{Bounds, Convergence, solve};
@@ -51,21 +51,15 @@ impl Errors {
         let at = model.evaluate(&best.point, &best.reach)?;
         let values = &best.point.values;
         let p = values.len();
-        let triangle = Triangle::of(&at, model.loss, &Point::default(), 0.0, &vec![false; p]);
-        let Some(jacobian) = triangle.reduced(&at, p) else { return Ok(None) };
-        let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
-        let scaled = DMatrix::from_fn(jacobian.nrows(), p, |i, j| jacobian[(i, j)] * scales[j]);
-        let triangular = scaled.qr().r();
-        if triangular.nrows() < p || triangular.iter().any(|x| !x.is_finite()) {
+        let Some(Directions { triangle, scales, singular, right, .. }) = Directions::of(model, values, &at)
+        else {
+            return Ok(None);
+        };
+        let least = SINGULAR * singular.max();
+        if singular.len() < p || singular.iter().any(|own| *own <= least) {
             return Ok(None);
         }
-        let svd = triangular.svd(false, true);
-        let Some(right) = svd.v_t else { return Ok(None) };
-        let least = SINGULAR * svd.singular_values.max();
-        if svd.singular_values.iter().any(|own| *own <= least) {
-            return Ok(None);
-        }
-        let root = DMatrix::from_fn(p, p, |k, j| right[(k, j)] / svd.singular_values[k]);
+        let root = DMatrix::from_fn(p, p, |k, j| right[(k, j)] / singular[k]);
         let covariance = root.tr_mul(&root);
         let deviation = model.variance(best.cost, p).sqrt();
         let change = |j: usize| {

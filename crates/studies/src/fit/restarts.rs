@@ -1,8 +1,8 @@
 //! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make
 //! many minima, and friction ridges on which a number at rest moves nothing.
 
-use super::elimination::Triangle;
-use super::errors::{Uncertainty, scale};
+use super::directions::Directions;
+use super::errors::Uncertainty;
 use super::evaluated::{Evaluated, Point, Solved};
 use super::model::Model;
 use super::solver::{Bounds, Convergence, solve};
@@ -131,25 +131,14 @@ pub(super) fn restarted(
 fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, Vec<Point>)> {
     let values = &best.point.values;
     let p = values.len();
-    let triangle = Triangle::of(at, model.loss, &Point::default(), 0.0, &vec![false; p]);
-    let jacobian = triangle.reduced(at, p)?;
-    let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
-    let mut scaled = jacobian.clone();
-    scaled.column_iter_mut().zip(&scales).for_each(|(mut column, scale)| column *= *scale);
-    let triangular = scaled.qr().r();
-    if triangular.iter().any(|x| !x.is_finite()) {
-        return None;
-    }
-    let svd = triangular.svd(false, true);
-    let right = svd.v_t.as_ref()?;
-    let largest = svd.singular_values.max();
-    let mut known: Vec<usize> =
-        (0..right.nrows()).filter(|&k| svd.singular_values[k] > SINGULAR * largest).collect();
-    known.sort_by(|&a, &b| svd.singular_values[a].total_cmp(&svd.singular_values[b]));
+    let Directions { triangle, jacobian, scales, singular, right } = Directions::of(model, values, at)?;
+    let largest = singular.max();
+    let mut known: Vec<usize> = (0..right.nrows()).filter(|&k| singular[k] > SINGULAR * largest).collect();
+    known.sort_by(|&a, &b| singular[a].total_cmp(&singular[b]));
     let variance = model.variance(best.cost, p);
     let of = |&k: &usize| {
         let direction = right.row(k).transpose();
-        let length = (AWAY * variance.sqrt() / svd.singular_values[k]).min(MOST / direction.amax());
+        let length = (AWAY * variance.sqrt() / singular[k]).min(MOST / direction.amax());
         let change = DVector::from_fn(p, |j, _| length * scales[j] * direction[j]);
         let states = triangle.states_of(&change, 0.0)?;
         Some(Point { values: change.iter().copied().collect(), states })

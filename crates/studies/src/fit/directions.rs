@@ -1,0 +1,37 @@
+//! Combinations of free numbers by how much they move the residuals at a point.
+
+use super::elimination::Triangle;
+use super::errors::scale;
+use super::evaluated::{Evaluated, Point};
+use super::model::Model;
+use nalgebra::{DMatrix, DVector};
+
+/// The singular value decomposition of the derivatives of all residuals, by free numbers in units
+/// of their scales.
+pub(super) struct Directions {
+    pub triangle: Triangle,
+    /// Derivatives by the free numbers. The states of segments follow the numbers.
+    pub jacobian: DMatrix<f64>,
+    pub scales: Vec<f64>,
+    pub singular: DVector<f64>,
+    /// Combinations of scaled numbers, one in each row.
+    pub right: DMatrix<f64>,
+}
+
+impl Directions {
+    /// The directions at values; `None` if a derivative is not finite.
+    pub fn of(model: &Model, values: &[f64], at: &Evaluated) -> Option<Self> {
+        let p = values.len();
+        let triangle = Triangle::of(at, model.loss, &Point::default(), 0.0, &vec![false; p]);
+        let jacobian = triangle.reduced(at, p)?;
+        let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
+        let mut scaled = jacobian.clone();
+        scaled.column_iter_mut().zip(&scales).for_each(|(mut column, scale)| column *= *scale);
+        let triangular = scaled.qr().r();
+        if triangular.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let svd = triangular.svd(false, true);
+        Some(Self { triangle, jacobian, scales, singular: svd.singular_values, right: svd.v_t? })
+    }
+}
