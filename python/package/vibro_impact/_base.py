@@ -25,7 +25,7 @@ Value = Union[float, str]
 class AnyMachine:
     """A machine, whichever it is: the base of :class:`PaperMachine`, the paper's one of three bodies, and :class:`Machine`, one of your own.
 
-    Both are immutable values and are asked in the words below. Parameters go by name, as keywords or in a dictionary, ``{"stop.upper.gap":
+    Both are immutable values and are asked in the words below. Parameters go by name, as keywords or in a dictionary, ``{"stop.steel.gap":
     4e-3}``; numbers are in SI, texts have units. Columns are ``box.s`` and ``box.v``. A period is that of the drive; of a described machine the
     common one of all that drives it. The few things that one kind alone has are listed in docs/python.md.
     """
@@ -221,7 +221,7 @@ class AnyMachine:
 def merged(first: Optional[Mapping[str, Any]], more: Mapping[str, Any], what: str) -> dict[str, Any]:
     """Values by name from a dictionary and from keywords, each name once."""
     if first is not None and not isinstance(first, Mapping):
-        raise TypeError(f"{what} is of type {type(first).__name__}: allowed is a dictionary such as {{'stop.upper.gap': ...}}, or keywords")
+        raise TypeError(f"{what} is of type {type(first).__name__}: allowed is a dictionary such as {{'stop.steel.gap': ...}}, or keywords")
     twice = [name for name in first or {} if name in more]
     if twice:
         raise TypeError(f"{twice[0]} is given twice: allowed is each name once")

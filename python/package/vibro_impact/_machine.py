@@ -196,7 +196,7 @@ class Machine(MachineDescription):
     ) -> Table:
         """Measures of all combinations of parameters, on all cores.
 
-        ``damper.sweep(["amplitude.box.s"], {"stop.upper.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` is a table of shape (2, 2).
+        ``damper.sweep(["amplitude.box.s"], {"stop.steel.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` is a table of shape (2, 2).
 
         Parameters
         ----------
@@ -307,7 +307,7 @@ class Machine(MachineDescription):
     ) -> Diagram:
         """Local maxima of a quantity over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
 
-        ``damper.bifurcation("box.s", {"stop.upper.gap": np.linspace(1e-3, 8e-3, 200)})``
+        ``damper.bifurcation("box.s", {"stop.steel.gap": np.linspace(1e-3, 8e-3, 200)})``
 
         Parameters
         ----------

@@ -33,7 +33,12 @@ class MachineDescription(AnyMachine, metaclass=_Names):
     __slots__ = ("_described",)
     _described: _native.Described
 
-    def __init__(self, machine: Union[None, str, os.PathLike[str], Mapping[str, Any]] = None, **parameters: NoReturn) -> None:
+    def __init__(
+        self, machine: Union[None, str, os.PathLike[str], Mapping[str, Any]] = None, *more: NoReturn, **parameters: NoReturn
+    ) -> None:
+        if more:
+            given = ", ".join(map(repr, (machine, *more)))
+            raise TypeError(f"vi.Machine({given}): expected one value; numbers of the file are changed by replace({{name: value}})")
         if machine is None or parameters:
             raise TypeError(_papers(parameters))
         if isinstance(machine, Mapping):
@@ -79,7 +84,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
         return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
 
     def replace(self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Value) -> Self:
-        """The machine with other values: ``replace({"stop.upper.gap": 4e-3, "body.box.mass": "12 kg"})``, or as keywords.
+        """The machine with other values: ``replace({"stop.steel.gap": 4e-3, "body.box.mass": "12 kg"})``, or as keywords.
 
         A number is in SI, independent of the file's units: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
         refused where the parameter has a unit.

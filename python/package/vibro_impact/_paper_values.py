@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Optional, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, TypeVar
 
 import numpy as np
 
@@ -80,7 +80,9 @@ class ParameterValues(AnyMachine):
     _si: dict[str, float]
     _groups: dict[str, float]
 
-    def __init__(self, **parameters: Unpack[Parameters]) -> None:
+    def __init__(self, *given: NoReturn, **parameters: Unpack[Parameters]) -> None:
+        if given:
+            raise TypeError(_unnamed("vi.PaperMachine", given, "parameters as keywords, such as stop_gap=4e-3"))
         si, groups = named(parameters)
         self._fill(in_order(si), groups)
         missing = self._system.not_given()
@@ -94,7 +96,7 @@ class ParameterValues(AnyMachine):
             )
 
     @classmethod
-    def from_groups(cls, **groups: Unpack[Groups]) -> Self:
+    def from_groups(cls, *given: NoReturn, **groups: Unpack[Groups]) -> Self:
         """The machine with these dimensionless groups, in the scales of the default set (m1 = 1 kg, k1 = 1 N/m, L = 1 m).
 
         Raises
@@ -102,6 +104,8 @@ class ParameterValues(AnyMachine):
         TypeError, ValueError
             As the class; a physical parameter is no group.
         """
+        if given:
+            raise TypeError(_unnamed("vi.PaperMachine.from_groups", given, "groups as keywords, such as f10=1.5"))
         si, found = named(groups)
         if si:
             raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
@@ -227,6 +231,12 @@ class ParameterValues(AnyMachine):
                 f"drive_frequency = {self.drive_frequency}: {what} goes by drive periods and needs drive_frequency > 0, whose period "
                 "a double can hold"
             )
+
+
+def _unnamed(call: str, given: tuple[Any, ...], expected: str) -> str:
+    """The refusal of values without a name, with the class that takes a machine's file."""
+    values = ", ".join(map(repr, given))
+    return f"{call}({values}): expected {expected}; for a machine of your own write vi.Machine({given[0]!r})"
 
 
 Values = TypeVar("Values", bound=ParameterValues)
