@@ -83,9 +83,11 @@ impl Example {
         })
     }
 
-    /// What it is: the file's first line.
-    pub fn about(&self) -> &'static str {
-        self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
+    /// The description: the first sentence of the file.
+    pub fn about(&self) -> String {
+        let comment = self.text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);
+        let text = comment.collect::<Vec<_>>().join(" ");
+        text.find(". ").map_or(text.as_str(), |end| &text[..=end]).to_owned()
     }
 
     /// Writes its file, and what it names beside it. Nothing is overwritten.

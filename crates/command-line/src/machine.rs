@@ -32,8 +32,8 @@ use vibro_studies::{
 };
 
 /// Error text for a parameter file in place of a machine's file.
-const PARAMETER_FILE: &str =
-    "is a parameter file of the paper's machine: allowed is a machine's file, or this one after --config";
+const PARAMETER_FILE: &str = "is a parameter file of the paper's machine: expected a machine's file; commands for the paper's \
+                              machine take this one, as `vibro paper run --config FILE`";
 
 /// Largest number of samples of a motion; this many make a table of a few gigabytes.
 const MOST: usize = 10_000_000;
@@ -52,8 +52,8 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     })?;
     let mut changes = Vec::new();
     for text in set {
-        let Some((name, value)) = text.split_once('=') else {
-            return Err(Error::form(text, "NAME=VALUE, e.g. stop.upper.gap=5mm"));
+        let Some((name, value)) = text.split_once('=').filter(|(name, _)| !name.trim().is_empty()) else {
+            return Err(Error::form(text, "NAME=VALUE, e.g. stop.steel.gap=5mm"));
         };
         let name = name.trim();
         let read = machine.quantity(name, value)?;

@@ -163,7 +163,7 @@ struct Table<'a> {
 
 impl<'a> Table<'a> {
     fn read(path: &'a Path) -> Result<Self> {
-        let allowed = "a table of special points, as `vibro orbits` writes it";
+        let allowed = "a table of special points, as `vibro orbits` or `vibro paper orbits` writes it";
         let (header, records) = table::read(path, allowed)?;
         Ok(Self { path, header, records })
     }

@@ -270,7 +270,7 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
         let set = ["--set", set];
         let rest = ["--discard", "2", "--periods", "4", "--output", "amplitude.box.s", "--replace"];
         let (_, noted) = both(&out, &[&["sweep", &damper, "--vary", vary][..], &set, &rest].concat());
-        let rows = table(&out, "assembly-sweep.csv");
+        let rows = table(&out, "sweep.csv");
         (rows.iter().map(|row| row["stop.steel.gap"].clone()).collect::<Vec<_>>(), noted)
     };
     let (values, noted) = sweep("stop.steel.gap=3:5:3", "body.box.mass=12kg");

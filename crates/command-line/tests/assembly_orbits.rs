@@ -120,7 +120,7 @@ fn what_has_no_orbit_is_refused_by_name() {
     for (line, words) in [
         ("orbit examples/assembly/relay_bounce.toml", "load.magnet has a step at 0.001 s"),
         ("orbit examples/assembly/two_blocks.toml", "it is chaotic at periods of 0.1 s"),
-        ("orbits examples/assembly/impact_pair.toml", "allowed is one parameter"),
+        ("orbits examples/assembly/impact_pair.toml", "expected one parameter"),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.amplitude=1:2",
             "the nearest is `body.base.motion.amplitude`",
@@ -137,7 +137,7 @@ fn what_has_no_orbit_is_refused_by_name() {
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",
             "an option of the paper's machine",
         ),
-        ("orbit --section right", "an option of a machine's file"),
+        ("orbit --section right", "FILE is missing: expected `vibro orbit FILE --section …`"),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2",
             "allowed are two parameters",

@@ -35,7 +35,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     let said = drawn(&out, &SWEEP);
     assert!(said.contains("4 designs over stop.steel.gap, stop.buffer.gap"), "{said}");
     assert!(said.contains("amplitude.box.s: least"), "{said}");
-    let rows = table(&out, "assembly-sweep.csv");
+    let rows = table(&out, "sweep.csv");
     assert_eq!(rows.len(), 4);
     let measures: Vec<_> = SWEEP[7].split(',').map(|name| name.parse().unwrap()).collect();
     let machine = Machine::new(vibro_machine::file::read(DAMPER.as_ref()).unwrap());
@@ -67,7 +67,7 @@ fn screen_and_picture_tell_the_values_that_are_not_those_of_the_file() {
     let said = drawn(&out, &[&line[..], &rest].concat());
     let words = "DamperWithBuffer with body.block.mass = 400 g";
     assert!(said.contains(words), "{said}");
-    let picture = std::fs::read_to_string(out.join("assembly-bifurcation.svg")).unwrap();
+    let picture = std::fs::read_to_string(out.join("bifurcation.svg")).unwrap();
     assert!(picture.contains(words));
 }
 
@@ -85,7 +85,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let undecided = drawn(&folder("assembly-undecided"), &few);
     assert!(undecided.contains("best by amplitude.box.s: undecided between "), "{undecided}");
     assert!(said.contains("looked at after each common period of its harmonics, which varies"), "{said}");
-    let rows = table(&out, "assembly-sweep.csv");
+    let rows = table(&out, "sweep.csv");
     let number =
         |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
     let least = rows.iter().map(|row| number(row, "amplitude.box.s.max")).fold(f64::INFINITY, f64::min);
@@ -100,7 +100,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     };
     let (metres, millimetres) = (decimals(power), decimals(power + 3.0));
     assert!(said.contains(&format!("{least:.metres$} ± {spread:.metres$} m")), "{said}");
-    let svg = String::from_utf8(read(&out, "assembly-sweep.svg")).unwrap();
+    let svg = String::from_utf8(read(&out, "sweep.svg")).unwrap();
     let (shown, bar) = (1e3 * least, 1e3 * spread);
     assert!(svg.contains(&format!("least, {shown:.millimetres$} ± {bar:.millimetres$} mm")), "{shown} {bar}");
 }
@@ -146,10 +146,10 @@ fn invariant_a_diagram_in_shards_is_the_diagram() {
     let merged = parts.join("merged");
     drawn(&merged, &["merge", &one.display().to_string(), &two.display().to_string()]);
     for name in ["", "-points", "-windows"] {
-        let file = format!("assembly-bifurcation{name}.csv");
+        let file = format!("bifurcation{name}.csv");
         assert_eq!(read(&merged, &file), read(&out, &file), "{file}");
     }
-    assert_eq!(read(&merged, "assembly-bifurcation.svg"), read(&out, "assembly-bifurcation.svg"));
+    assert_eq!(read(&merged, "bifurcation.svg"), read(&out, "bifurcation.svg"));
     // Another machine's results are refused, with the difference.
     let other = [&arguments[..], &["--set", "body.box.mass=13kg"]].concat();
     let found = command(&out, &other).output().unwrap();
@@ -165,7 +165,7 @@ fn closed_form_exponent_of_an_oscillator() {
     std::fs::write(&path, text).unwrap();
     let out = folder("assembly-exponent");
     drawn(&out, &["lyapunov", &path.display().to_string(), "--periods", "160"]);
-    let row = &table(&out, "assembly-lyapunov.csv")[0];
+    let row = &table(&out, "lyapunov.csv")[0];
     // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
     // 25 s.
     let exponent: f64 = row["exponent"].parse().unwrap();
@@ -182,9 +182,15 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
     };
     for ((code, error), words) in [
         (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "the nearest is `stop.steel.gap`"),
-        (diagram(&["--vary", "stop.steel.gap=2mm:1mm"]), "from < to"),
+        (
+            diagram(&["--vary", "stop.steel.gap=2mm:1mm"]),
+            "`stop.steel.gap=2mm:1mm`: expected NAME=FROM:TO with FROM < TO",
+        ),
         (diagram(&["--vary", "stop.steel.gap=1:2mm"]), "a unit at every number"),
-        (diagram(&["--vary", "stop.steel.gap=1mm:2mm:1"]), "allowed are 2 to 20000"),
+        (
+            diagram(&["--vary", "stop.steel.gap=1mm:2mm:1"]),
+            "`stop.steel.gap=1mm:2mm:1`: expected a count of 2 or more",
+        ),
         (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "the nearest is `block.s`"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]),
@@ -233,7 +239,7 @@ const PLANE: [&str; 12] = [
     "--discard",
     "100",
 ];
-const PLANE_NAME: &str = "assembly-bifurcation-stop.steel.gap-stop.buffer.gap";
+const PLANE_NAME: &str = "bifurcation-stop.steel.gap-stop.buffer.gap";
 
 #[test]
 fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them() {
@@ -296,7 +302,7 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
             "load.f.amplitude,spring.k.damping",
         ],
     );
-    let rows = table(&out, "assembly-lyapunov-load.f.amplitude-spring.k.damping.csv");
+    let rows = table(&out, "lyapunov-load.f.amplitude-spring.k.damping.csv");
     assert_eq!(rows.len(), 6);
     for row in rows {
         // A variation shrinks with e^(-c t / 2m), whatever the load.

@@ -167,7 +167,7 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
         (&["--start", "box.s=0:1"][..], "1 ranges of --start: allowed are two"),
         (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different initial values"),
         (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
-        (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "from < to"),
+        (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "FROM < TO"),
         (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "allowed are 1 to 5000 cells"),
         (
             &["--start", "box.s=0:1", "--start", "box.v=0:1", "--x", "x1=0:1"],
@@ -228,7 +228,7 @@ fn second_method_a_spectrum_has_the_multipliers_of_the_orbit() {
     assert!(said.contains("by the multipliers of the periodic orbit (period in returns: 1)"), "{said}");
     drawn(&out.join("orbit"), &["orbit", &file]);
     let multipliers = table(&out.join("orbit"), "orbit-multipliers.csv");
-    let exponents = table(&out.join("all"), "assembly-lyapunov.csv");
+    let exponents = table(&out.join("all"), "lyapunov.csv");
     for (multiplier, exponent) in multipliers.iter().zip(&exponents) {
         let expected = number(multiplier, "modulus").ln() / 0.04;
         assert!((number(exponent, "exponent") / expected - 1.0).abs() < BESIDE, "{exponent:?} {expected}");
@@ -329,15 +329,15 @@ fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_clos
         (&["--word", "hit wall"], "`hit` is no kind of event"),
         (&["--word", "wall"], "`wall` is no event"),
         (&["--period", "0.1s"], "a multiple of the drive's period"),
-        (&["--period", "33T"], "allowed are 1T to 32T"),
-        (&["--period", "2m"], "allowed is a finite time above 0"),
+        (&["--period", "33T"], "--period 33T: expected 1T to 32T"),
+        (&["--period", "2m"], "--period 2m: expected 1T to 32T, or a finite time above 0"),
         (&["--load", "box=1N"], "an option of the paper's machine"),
     ] {
         let (_, error) = refused(&[&["orbit", &file][..], words].concat());
         assert!(error.contains(named), "{words:?}: {error}");
     }
     let (_, error) = refused(&["orbit", "--period", "40"]);
-    assert!(error.contains("--period: 40 is not in 1..=32"), "{error}");
+    assert!(error.contains("--period 40: 40 is not in 1..=32"), "{error}");
 }
 
 #[test]
@@ -347,7 +347,7 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
     let line = ["bifurcation", &file, "--vary", vary, "--orbits", "--keep", "20"];
     let said = drawn(&out.join("d"), &line);
     assert!(said.contains("28 of 28 periodic rows of both directions lie on a stable branch"), "{said}");
-    let rows = table(&out.join("d"), "assembly-bifurcation-orbits-rows.csv");
+    let rows = table(&out.join("d"), "bifurcation-orbits-rows.csv");
     assert!(rows.len() == 28 && rows.iter().all(|row| row["not_covered"].is_empty()));
     // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not; in between
     // a motion may do either, and rising it hits.
@@ -361,7 +361,7 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
         );
     }
     assert!(rows.iter().filter(|row| row["word"].is_empty()).count() > 10);
-    let curves = table(&out.join("d"), "assembly-bifurcation-orbits.csv");
+    let curves = table(&out.join("d"), "bifurcation-orbits.csv");
     let free: Vec<_> = curves.iter().filter(|row| number(row, "load.shaker.frequency") > 5.1).collect();
     assert!(free.len() > 5);
     for row in free {
@@ -374,7 +374,7 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
         assert!(error.contains("'--orbits' cannot be used with"), "{error}");
     }
     // Killed while branches are followed: the diagram and the branches go on to the same bytes.
-    let (broken, study) = (out.join("k"), "assembly-bifurcation");
+    let (broken, study) = (out.join("k"), "bifurcation");
     // The diagram's parts: one in each direction.
     let count = 2;
     killed(begun(&broken, &[&line[..], &["--threads", "1"]].concat(), study, count + 2));

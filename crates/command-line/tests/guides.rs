@@ -50,7 +50,7 @@ fn golden_what_coding_assistants_are_told() {
     assert!(said[0].contains("Rattle"), "{}", said[0]);
     let impacts = guide::texts("agents", "run/events.csv").iter().filter(|row| row[1] == "impact").count();
     assert!(impacts > 40, "{impacts}");
-    assert_eq!(guide::rows("agents", "sweep/assembly-sweep.csv").len(), 5);
+    assert_eq!(guide::rows("agents", "sweep/sweep.csv").len(), 5);
     assert!(guide::texts("agents", "orbit/orbit-events.csv").len() > 1);
 }
 

@@ -4,9 +4,10 @@
 #[path = "common/mod.rs"]
 mod command;
 
-use command::{OF_BOTH, OF_PAPER, drawn, folder, refused};
+use command::{DAMPER, OF_BOTH, OF_PAPER, drawn, folder, refused};
 use std::path::Path;
 use std::process::Command;
+use vibro_studies::{Machine, Measure, QuantityName};
 
 fn machine(name: &str) -> String {
     format!("{}/../../examples/assembly/{name}", env!("CARGO_MANIFEST_DIR"))
@@ -61,6 +62,15 @@ fn help_of_a_command_is_of_its_own_machine_alone() {
         for word in ["with FILE", "With FILE", "ithout FILE", "[FILE]", "] <FILE>"] {
             assert!(!of_paper.contains(word), "{command} {word}: {of_paper}");
         }
+        assert!(!of_file.contains("[FILE]") && of_file.contains("Arguments:\n  <FILE>\n"), "{of_file}");
+        for name in OF_BOTH.into_iter().chain(OF_PAPER) {
+            assert!(!of_paper.contains(&format!("`vibro {name}")), "{command} {name}: {of_paper}");
+        }
+        assert!(!of_file.contains("--range <") && !of_paper.contains("--range <"), "{command}");
+    }
+    for command in OF_PAPER {
+        let old = told(Path::new("."), &[command, "--help"]).1;
+        assert!(old.contains(&format!("Usage: vibro paper {command}")) && old.contains("until 0.5"), "{old}");
     }
     for command in ["check", "draw"] {
         let text = help(&[command]);
@@ -118,8 +128,9 @@ fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
         };
         let old = told(&out, &[&[command], needed, wrong].concat());
         let new = told(&out, &[&["paper", command], needed, wrong].concat());
+        let without = if OF_BOTH.contains(&command) { " without a machine's FILE" } else { "" };
         let note = format!(
-            "note: `vibro {command}` is now `vibro paper {command}`; the old spelling works until 0.5\n"
+            "note: `vibro {command}`{without} is now `vibro paper {command}`; the old spelling works until 0.5\n"
         );
         assert_eq!(old, (new.0, new.1, note + &new.2), "{command}");
         assert!(old.0 == (command == "template"), "{command}");
@@ -156,7 +167,7 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
             "run --knots",
-            "of such options allowed here: --periods, --duration, --discard, --load, --interpolation, --config",
+            "of such options allowed here: --periods, --duration, --discard, --load, --interpolation, --threads",
         ),
         ("lyapunov --section upper", "`vibro lyapunov FILE --section …`"),
         ("bifurcation FILE", "no --vary: allowed is one parameter"),
@@ -167,7 +178,17 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("paper run FILE --until 2s", "`vibro paper` takes no machine's file: use `vibro run "),
         ("basin FILE", "0 ranges of --start: allowed are two"),
         ("isoperiodic FILE", "unexpected argument"),
-        ("assembly run FILE", "unrecognized subcommand"),
+        ("assembly run FILE", "`vibro assembly` is no group of commands: expected `vibro run "),
+        ("paper check FILE", "`vibro paper` has no command `check`: expected `vibro check "),
+        ("paper merge one two", "expected `vibro merge one two"),
+        ("check FILE --set =5", "`=5`: expected NAME=VALUE"),
+        ("steady --set =5", "`=5`: expected NAME=VALUE"),
+        ("sweep FILE --vary =1:2", "`=1:2`: expected NAME=FROM:TO"),
+        ("sweep FILE --vary gravity=1:1:3", "`gravity=1:1:3`: expected NAME=FROM:TO with FROM < TO"),
+        ("sweep FILE --vary gravity=1:2:0", "`gravity=1:2:0`: expected a count of 2 or more values"),
+        ("basin FILE --start ball1.s=1:1 --start ball1.v=0:1", "`ball1.s=1:1`: expected NAME=FROM:TO"),
+        ("orbit FILE --period 2X", "--period 2X: expected 1T to 32T, or a finite time above 0"),
+        ("orbit --word U --period 2X", "--period 2X: allowed are whole numbers in 1..=32"),
     ] {
         let line = line.replace("FILE", &cradle);
         let (code, error) = refused(&line.split(' ').collect::<Vec<_>>());
@@ -181,7 +202,128 @@ fn a_file_of_the_other_machine_is_refused_with_the_way_to_name_it() {
     std::fs::write(&parameters, "[si]\nbox.m = 2.0\n").unwrap();
     let (code, error) = refused(&["check", &parameters.display().to_string()]);
     assert!(code == 2 && error.contains("is a parameter file of the paper's machine"), "{error}");
-    assert!(error.contains("after --config"), "{error}");
+    assert!(error.contains("`vibro paper run --config FILE`"), "{error}");
     let (code, error) = refused(&["steady", "--config", &machine("cradle.toml")]);
     assert!(code == 2 && error.contains("`vibro run FILE`"), "{error}");
+}
+
+/// Words of a text that may name a number, an element, a quantity or an output of a machine.
+fn dotted(text: &str) -> impl Iterator<Item = &str> {
+    let words = text.split(|c: char| !(c.is_alphanumeric() || "._".contains(c)));
+    words.map(|word| word.trim_matches('.')).filter(|word| word.contains('.'))
+}
+
+#[test]
+fn second_method_help_names_what_the_machine_of_its_first_example_has() {
+    let (out, machine) =
+        (folder("machine-file-names"), Machine::read(Path::new(DAMPER)).unwrap().description);
+    let parameters: Vec<String> = machine.parameters().into_iter().map(|p| p.name).collect();
+    let is_of_quantity = |word: &str| word.parse::<QuantityName>().is_ok_and(|q| q.find(&machine).is_ok());
+    let mut count = 0;
+    let commands = ["", "check", "draw", "fmu", "fit", "section", "design"].into_iter().chain(OF_BOTH);
+    for command in commands {
+        let words = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
+        let help = drawn(&out, &words);
+        // The rest of the help of all commands is about the paper's machine.
+        let help = help.split("and of the paper's machine").next().unwrap().replace("box.k=", "");
+        for word in dotted(&help) {
+            let is_known = match word.split('.').collect::<Vec<_>>()[..] {
+                ["body", _, "start", ..] => continue,
+                ["body" | "spring" | "stop" | "friction" | "load", ..] => {
+                    parameters.iter().any(|own| own == word || own.starts_with(&format!("{word}.")))
+                }
+                ["amplitude" | "maximum" | "impact" | "power", _, ..] => {
+                    word.parse::<Measure>().is_ok_and(|measure| measure.check(&machine).is_ok())
+                }
+                [_, "s" | "v" | "a" | "e" | "f" | "rate"] => is_of_quantity(word),
+                _ => continue,
+            };
+            assert!(is_known, "`vibro {command} --help` names {word}, which is not in {DAMPER}");
+            count += 1;
+        }
+    }
+    assert!(count > 60, "{count}");
+}
+
+/// The examples of help texts with the machine of the first one, line by line. The folder of results
+/// holds damaged manifests, so that a study is refused once all of its arguments are read, before
+/// it begins.
+#[test]
+fn examples_of_help_are_read_to_the_end() {
+    let home = folder("machine-file-examples");
+    let broken = home.join("broken");
+    std::fs::create_dir_all(&broken).unwrap();
+    std::fs::copy(DAMPER, home.join("machine.toml")).unwrap();
+    let text = [&[][..], &["sweep"], &["design"]].map(|words| told(&home, &[words, &["--help"]].concat()).1);
+    let text = text.concat().replace("\\\n", " ");
+    let lines = text.lines().filter_map(|line| line.trim().strip_prefix("vibro "));
+    let mut count = 0;
+    for line in lines.filter(|line| line.contains(" machine.toml ")) {
+        let line =
+            line.split("    (").next().unwrap().replace("--out my-machine", "").replace("--out one", "");
+        let words: Vec<&str> = line.split_whitespace().map(|word| word.trim_matches('\'')).collect();
+        // These need a record, a table of special points, or no folder of results; a limit with a
+        // space between quotes is two words here.
+        if ["new", "fit", "locus"].contains(&words[0]) || line.contains("--list") || line.contains('\'') {
+            continue;
+        }
+        std::fs::write(broken.join(format!("{}.manifest.toml", words[0])), "half a manif").unwrap();
+        let (done, _, error) = told(&home, &[&words[..], &["--out", "broken"]].concat());
+        assert!(!done && error.contains("or a damaged one"), "vibro {line}: {error}");
+        count += 1;
+    }
+    assert!(count >= 12, "{count}");
+    // The search of an orbit shows only by its end whether there is one.
+    let orbit = text.lines().find(|line| line.starts_with("  vibro orbit ")).expect("an example");
+    let words: Vec<&str> = orbit.split_whitespace().skip(1).collect();
+    let (done, _, error) = told(&home, &words);
+    assert!(done, "{orbit}: {error}");
+}
+
+#[test]
+fn a_command_without_its_file_says_that_file_is_missing_and_where_it_stands() {
+    let here = folder("machine-file-missing");
+    std::fs::create_dir_all(&here).unwrap();
+    for (line, given) in [
+        ("run --until 2s", "--until"),
+        ("run --set body.box.mass=2", "--set body.box.mass=2"),
+        ("run --start end.toml", "--start end.toml"),
+        ("bifurcation --vary stop.steel.gap=1mm:8mm", "--vary stop.steel.gap=1mm:8mm"),
+        ("bifurcation --of box.s", "--of box.s"),
+        ("lyapunov --vary stop.steel.gap=1mm:8mm --config x.toml", "--vary stop.steel.gap=1mm:8mm"),
+        ("response --vary load.shaker.frequency=8Hz:9Hz", "--vary load.shaker.frequency=8Hz:9Hz"),
+        ("basin --start block.s=-4mm:4mm --start block.v=-1:1", "--start block.s=-4mm:4mm"),
+        ("orbit --period 2T", "--period 2T"),
+        ("orbits --vary stop.steel.gap=1mm:8mm", "--vary stop.steel.gap=1mm:8mm"),
+        ("sweep --output amplitude.box.s", "--output amplitude.box.s"),
+        ("sweep --vary body.block.mass=1:2", "--vary body.block.mass=1:2"),
+        ("paper sweep --vary body.block.mass=1:2", "--vary body.block.mass=1:2"),
+    ] {
+        let words: Vec<&str> = line.split(' ').collect();
+        let command = if words[0] == "paper" { words[1] } else { words[0] };
+        let (done, said, error) = told(&here, &words);
+        let expected = format!(
+            "error: {given}: belongs to a machine's file, and FILE is missing: expected `vibro {command} FILE {given} …`\n"
+        );
+        assert!(!done && said.is_empty() && error == expected, "{line}: {error}");
+    }
+}
+
+#[test]
+fn results_of_a_machines_file_have_the_names_of_their_commands() {
+    let here = folder("machine-file-results");
+    std::fs::create_dir_all(here.join("old")).unwrap();
+    let run = ["run", DAMPER, "--until", "20ms", "--samples", "2"];
+    for set in ["stop.steel.gap=4mm", "stop.steel.gap=5mm"] {
+        let (done, _, error) = told(&here, &[&run[..], &["--set", set]].concat());
+        assert!(done, "{error}");
+    }
+    let names = std::fs::read_dir(here.join("vibro-out")).unwrap();
+    let names: Vec<String> = names.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    assert!(names.iter().any(|name| name == "run.manifest.toml"), "{names:?}");
+    assert!(names.iter().filter(|name| name.starts_with("run-")).count() == 1, "{names:?}");
+    // The manifest of a motion had another name in version 0.3: such a motion is not overwritten.
+    std::fs::write(here.join("old/states.csv"), "time\n").unwrap();
+    let (done, _, error) = told(&here, &[&run[..], &["--out", "old"]].concat());
+    assert!(!done && error.contains("holds states.csv without run.manifest.toml"), "{error}");
 }

@@ -14,10 +14,13 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
     let out = folder("new");
     fs::create_dir_all(&out).unwrap();
     let list = drawn(&out, &["new"]);
+    let help = drawn(&out, &["new", "--help"]);
+    assert!(["damper_with_buffer", "gear_backlash"].iter().all(|name| help.contains(name)), "{help}");
     let page = include_str!("../../../docs/gallery/README.md");
     assert_eq!(EXAMPLES.len(), page.matches("alt=\"sketch\"").count(), "the gallery's machines");
     for example in EXAMPLES {
-        assert!(list.contains(example.name) && list.contains(example.about()), "{list}");
+        assert!(list.contains(example.name) && list.contains(&example.about()), "{list}");
+        assert!(example.about().ends_with('.'), "{}: {}", example.name, example.about());
         let path = out.join(format!("{}.toml", example.name));
         let told = drawn(&out, &["new", example.name, &path.display().to_string()]);
         assert!(told.contains(&path.display().to_string()), "{told}");

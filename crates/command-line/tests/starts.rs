@@ -48,7 +48,7 @@ fn invariant_a_run_goes_on_from_the_end_of_another() {
     let row = &table(&third, "states.csv")[0];
     assert_eq!((number(row, "time"), number(row, "box.v")), (0.75, 0.0));
     assert_eq!(row["box.s"], rows[0]["box.s"]);
-    let manifest = std::fs::read_to_string(third.join("assembly-run.manifest.toml")).unwrap();
+    let manifest = std::fs::read_to_string(third.join("run.manifest.toml")).unwrap();
     assert!(manifest.contains("start = \"time=0.75,"), "{manifest}");
 }
 

@@ -17,7 +17,7 @@ pub struct Chosen {
 
 impl Chosen {
     /// The columns of a machine that names stand for: a column (`box.s`, `tube.q[3].v`,
-    /// `pid.x[0]`), or a body or an element (`box`, `stop.upper`) for all of its columns.
+    /// `pid.x[0]`), or a body or an element (`box`, `stop.steel`) for all of its columns.
     ///
     /// # Errors
     /// [`Error::Refused`] for an unknown name, with the nearest one, and for a column named twice.

@@ -17,6 +17,7 @@
 use crate::common_arguments::{Common, FILE, WITH_FILE, WITHOUT_FILE, has_file};
 use crate::design_arguments::DesignArguments;
 use crate::fit_arguments::FitArguments;
+use crate::missing_file;
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::paper;
 use crate::plane_arguments::{Basin, SectionOfFile};
@@ -51,7 +52,7 @@ EXAMPLES
   vibro response machine.toml --vary load.shaker.frequency=8Hz:12Hz --of amplitude.box.s
   vibro basin machine.toml --start block.s=-4mm:4mm --start block.v=-1:1
   vibro section machine.toml --section steel
-  vibro orbit machine.toml --period 2T
+  vibro orbit machine.toml --period 1T
   vibro orbits machine.toml --tree --vary stop.steel.gap=1mm:8mm
   vibro locus machine.toml --from vibro-out/special-points.csv:PD --vary stop.steel.gap=1mm:8mm --vary body.block.mass=0.2kg:0.5kg
   vibro fmu machine.toml
@@ -100,19 +101,11 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "set" if ["check", "draw", "section", "fmu"].contains(&name.as_str()) => {
-            Some(arg.clone().help(SET_OF_FILE))
-        }
-        "set" if !of_file => Some(arg.clone().help(SET_OF_PAPER)),
         "set" => Some(arg.clone()),
         _ => None,
     });
     own.fold(command, clap::Command::arg)
 }
-
-/// Help of `--set` for a machine's file, and for the paper's machine.
-const SET_OF_FILE: &str = "Set one parameter, e.g. stop.upper.gap=5mm. May be repeated";
-const SET_OF_PAPER: &str = "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated";
 
 /// The machine's file, if one was named.
 pub fn file(matches: &ArgMatches) -> Option<&Path> {
@@ -128,6 +121,9 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let (all, file) = (ungrouped(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
     let Some(command) = all.find_subcommand(name) else { return Ok(()) };
+    if file.is_none() && has_file(command) {
+        missing_file::check(command, matches, grouped)?;
+    }
     paper::check_spelling(command, file, grouped)?;
     let words = paper::spelled(command, file);
     let is_given = |arg: &&Arg| matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine);
@@ -317,7 +313,7 @@ impl Command {
             }
             Self::Basin(a) => a.of_paper.start = one_start(&a.start)?,
             Self::Response(a) => {
-                a.of_paper.range = texts("--range", &a.range)?;
+                a.of_paper.range = texts("--vary", &a.range)?;
                 let of = a.of.as_ref().map(|of| of.parse().map_err(in_option("--of")));
                 a.of_paper.of = of.transpose()?;
             }

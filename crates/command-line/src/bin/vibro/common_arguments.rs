@@ -76,11 +76,8 @@ pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
 /// Arguments of every command.
 #[derive(Args, Debug)]
 pub struct Common {
-    /// Parameter file (TOML) with a table "si", a table "groups" or both
-    #[arg(long, global = true, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    /// Set one parameter, e.g. kappa=0.6, box.k=48kN/m, or of a machine's FILE stop.upper.gap=5mm.
-    /// May be repeated
+    /// Set one parameter of a machine's FILE, e.g. stop.steel.gap=5mm, or of the paper's machine, e.g.
+    /// kappa=0.6, box.k=48kN/m. May be repeated
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
@@ -99,6 +96,9 @@ pub struct Common {
     /// Number of threads [default: all cores]. Results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = whole(1..=u16::MAX))]
     pub threads: Option<u16>,
+    /// Parameter file of the paper's machine (TOML) with a table "si", a table "groups" or both
+    #[arg(long, global = true, value_name = "FILE")]
+    pub config: Option<PathBuf>,
     /// The invocation, for manifests.
     #[arg(skip)]
     pub invocation: Invocation,

@@ -187,7 +187,10 @@ fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
         let lines = there.differences_in_lines(here);
         format!("holds the result `{name}` of another run; they differ in\n{lines}\n  {allowed}")
     } else {
-        let mut files = ENDINGS.iter().map(|ending| format!("{name}.{ending}"));
+        let own = ENDINGS.iter().map(|ending| format!("{name}.{ending}"));
+        // Version 0.3 kept the manifest of a motion of a machine's file under another name.
+        let of_motion = (name == "run" && here.groups.is_empty()).then(|| "states.csv".into());
+        let mut files = own.chain(of_motion);
         match files.find(|file| out.join(file).exists()) {
             None => return Ok(None),
             Some(file) => {

@@ -25,12 +25,11 @@ pub fn invocation(matches: &ArgMatches) -> Invocation {
     let given: Vec<String> = std::env::args().skip(1).collect();
     let mut found = Invocation { command_line: command_line(&given), ..Invocation::default() };
     let Some((name, matches)) = matches.subcommand() else { return found };
+    found.command = name.into();
     if matches.try_contains_id("file").is_ok_and(|is_file| is_file) {
         // The studies of a machine's file add their options themselves.
-        found.command = format!("assembly-{name}");
         return found;
     }
-    found.command = name.into();
     let all = Arguments::command();
     let Some(command) = all.find_subcommand(name) else { return found };
     let ids = command.get_arguments().map(|a| a.get_id().as_str()).filter(|id| !APART.contains(id));
@@ -90,7 +89,7 @@ pub fn as_typed() -> String {
 }
 
 /// An argument, quoted for a shell where needed.
-fn quoted(argument: &str) -> String {
+pub fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_=.,:/+@%\\".contains(c);
     if !argument.is_empty() && argument.chars().all(plain) {
         argument.into()

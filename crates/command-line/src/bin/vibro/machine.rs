@@ -22,7 +22,7 @@ use vibro_sketch::Sketch;
 use vibro_studies::Machine;
 
 /// Stem of the manifest of a motion.
-const RESULT: &str = "assembly-run";
+const RESULT: &str = "run";
 
 /// Carries out a command for the machine of a file. Returns `false` if it was interrupted;
 /// everything computed until then is written.

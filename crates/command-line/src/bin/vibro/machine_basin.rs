@@ -13,7 +13,8 @@ use vibro_studies::basin::{BasinRequest, StartAxis};
 
 /// Largest number of cells on an axis.
 const MOST: usize = 5_000;
-const FORM: &str = "NAME=FROM:TO or NAME=FROM:TO:COUNT of a number of the start, e.g. block.s=-4mm:4mm:80";
+const FORM: &str =
+    "NAME=FROM:TO or NAME=FROM:TO:COUNT of a number of the start, with FROM < TO, e.g. block.s=-4mm:4mm:80";
 
 /// Whether a `--start` is an axis: a value with a colon.
 fn is_axis(text: &&String) -> bool {
@@ -22,7 +23,8 @@ fn is_axis(text: &&String) -> bool {
 
 /// An axis of a plane of starts.
 fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
-    let (name, values) = text.split_once('=').ok_or_else(|| Error::form(text, FORM))?;
+    let named = text.split_once('=').filter(|(name, _)| !name.trim().is_empty());
+    let (name, values) = named.ok_or_else(|| Error::form(text, FORM))?;
     let name = name.trim().strip_prefix("body.").unwrap_or(name.trim());
     let (from, to, count) = match values.split(':').map(str::trim).collect::<Vec<_>>()[..] {
         [from, to] => (from, to, usize::from(resolution)),
@@ -41,7 +43,12 @@ fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
         let found = start.numbers().into_iter().find(|(own, _)| own == name);
         found.map(|(_, value)| value).ok_or_else(|| Error::form(text, FORM))
     };
-    Ok(StartAxis { name: name.into(), from: end(from)?, to: end(to)?, count })
+    let (from, to) = (end(from)?, end(to)?);
+    if from < to {
+        Ok(StartAxis { name: name.into(), from, to, count })
+    } else {
+        Err(Error::form(text, FORM))
+    }
 }
 
 /// The axis in SI, for manifests.

@@ -9,7 +9,6 @@ use crate::machine_studies::{default_quantity, invocation, machine, read_axis, s
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
-use crate::ranges::in_option;
 use crate::study_arguments::Response;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -46,14 +45,15 @@ fn written(studies: &[Study], machine: &Machine, destination: &Destination, comm
 /// The period of `--period`: `2T`, or a time.
 fn period(text: &String) -> Result<WantedPeriod> {
     let turns = text.trim().strip_suffix('T').map(|n| n.trim().parse::<u32>());
-    match turns {
-        Some(Ok(n @ 1..=MOST_PERIODS)) => Ok(WantedPeriod::Drive(n)),
-        None => time(text).map(WantedPeriod::Time).map_err(in_option("--period")),
-        Some(_) => {
-            let problem = format!("allowed are 1T to {MOST_PERIODS}T, or a time, e.g. 0.1s");
-            Err(Error::Refused { what: format!("--period {text}"), problem })
-        }
-    }
+    let found = match turns {
+        Some(Ok(n @ 1..=MOST_PERIODS)) => Some(WantedPeriod::Drive(n)),
+        Some(_) => None,
+        None => time(text).ok().map(WantedPeriod::Time),
+    };
+    found.ok_or_else(|| {
+        let problem = format!("expected 1T to {MOST_PERIODS}T, or a finite time above 0, e.g. 0.1s");
+        Error::Refused { what: format!("--period {text}"), problem }
+    })
 }
 
 /// What is asked of an orbit; `None` for that of the settled motion.
@@ -107,7 +107,7 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
 /// The family of the one parameter of `--vary`.
 fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
     let [vary] = vary else {
-        let problem = "allowed is one parameter, as --vary NAME=FROM:TO, e.g. stop.upper.gap=1mm:8mm".into();
+        let problem = "expected one parameter, as --vary NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm".into();
         return Err(Error::Refused { what: format!("{} --vary", vary.len()), problem });
     };
     family_over(machine, vary)

@@ -58,9 +58,10 @@ pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
 /// without units are in the unit in which the parameter was written.
 pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
-        Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.upper.gap=1mm:8mm:200")
+        Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.steel.gap=1mm:8mm:200")
     };
-    let (name, numbers) = text.split_once('=').ok_or_else(form)?;
+    let named = text.split_once('=').filter(|(name, _)| !name.trim().is_empty());
+    let (name, numbers) = named.ok_or_else(form)?;
     let (name, is_range) = (name.trim(), numbers.contains(':'));
     let mut numbers: Vec<&str> = numbers.split(if is_range { ':' } else { ',' }).map(str::trim).collect();
     let count = if is_range && numbers.len() == 3 { numbers.pop() } else { None };
@@ -80,9 +81,12 @@ pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<Strin
     if !is_range {
         return Ok(AxisArgument::List(ParameterValues { name, values, unit: None }));
     }
-    let count = count.map(|count| count.parse().map_err(|_| Error::form(text, "a whole number of values")));
+    let whole = |count: &str| count.parse::<usize>().ok().filter(|count| *count >= 2);
+    let count =
+        count.map(|count| whole(count).ok_or_else(|| Error::form(text, "a count of 2 or more values")));
     let range = ParameterRange { name, ends: (values[0], values[1]), count: count.transpose()?, unit: None };
-    ParameterAxis::of(range.name.clone(), range.ends, 2)?;
+    ParameterAxis::of(range.name.clone(), range.ends, 2)
+        .map_err(|_| Error::form(text, "NAME=FROM:TO with FROM < TO"))?;
     Ok(AxisArgument::Range(range))
 }
 
@@ -184,7 +188,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
     for pair in &a.of_file.pair {
         let of_pair = names(std::slice::from_ref(pair));
         let [x, y] = &of_pair[..] else {
-            let form = "two names with a comma between, e.g. stop.upper.gap,body.block.mass";
+            let form = "two names with a comma between, e.g. stop.steel.gap,body.block.mass";
             return Err(Error::form(pair, form));
         };
         let (x, y) = (named(x)?, named(y)?);

@@ -16,12 +16,14 @@ mod machine_design;
 mod machine_fit;
 mod machine_orbits;
 mod machine_studies;
+mod missing_file;
 mod orbits;
 mod orbits_arguments;
 mod output;
 mod packing;
 mod paper;
 mod paper_words;
+mod parsed;
 mod plane_arguments;
 mod progress;
 mod ranges;
@@ -45,7 +47,7 @@ use vibro_studies::paper::{Name, ParameterSet, number, typed_unit};
 const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let (matches, grouped) = paper::without_group(arguments::command().get_matches());
+    let (matches, grouped) = paper::without_group(parsed::matches());
     let mut arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     arguments.common.invocation = invocation::invocation(&matches);
     let file = arguments::file(&matches);
@@ -161,6 +163,9 @@ fn study(arguments: &mut Arguments) -> Result<()> {
 fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     if let Some(path) = &common.config {
         parameter_file::read(&mut set, path)?;
+    }
+    if let Some(text) = common.set.iter().find(|text| text.trim_start().starts_with('=')) {
+        return Err(Error::form(text, "NAME=VALUE, e.g. kappa=0.6"));
     }
     set.apply(&common.set)?;
     Ok(set)

@@ -3,7 +3,7 @@
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
 };
-use crate::ranges::{ParameterRange, in_option, real, whole};
+use crate::ranges::{ParameterRange, real, whole};
 use clap::Args;
 use clap::builder::ArgPredicate::IsPresent;
 use std::path::PathBuf;
@@ -91,7 +91,12 @@ impl OneOrbit {
     /// # Errors
     /// [`Error::Refused`](vibro::Error::Refused) for another period than 1 to 32.
     pub fn which(&self) -> vibro::Result<Which> {
-        let read = |text: &String| whole::<u32>(1..=32)(text).map_err(in_option("--period"));
+        let read = |text: &String| {
+            whole::<u32>(1..=32)(text).map_err(|problem| vibro::Error::Refused {
+                what: format!("--period {text}"),
+                problem: problem.to_string(),
+            })
+        };
         let period = self.period.as_ref().map(read).transpose()?.unwrap_or(1);
         Ok(Which { word: self.word.clone(), period, loads: self.loads.clone() })
     }

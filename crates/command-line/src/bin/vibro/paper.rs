@@ -31,7 +31,7 @@ PARAMETERS
   Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
   A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
   Where none was written, it is in SI; an angular frequency is then in rad/s. The rule holds in --set and on every axis (--vary,
-  --range, --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
+  --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
   more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
   A parameter that is not set has its default, which is a reconstruction and not the paper's own data.
   A parameter file is TOML with a table [si], a table [groups], or both; [groups] is applied after [si], and --set after the file.
@@ -40,7 +40,7 @@ PARAMETERS
 EXAMPLES
   vibro paper steady --set kappa=0.6 --set f10=2
   vibro paper run --config parameters.toml --start x1=0.2,v2=1 --load box=record.csv
-  vibro paper response --values f10=1,1.5,2 --range sigma1=-1:1
+  vibro paper response --values f10=1,1.5,2 --vary sigma1=-1:1
   vibro paper plane --pair sigma1,f10 --resolution 1000 --method exact-orbit
   vibro paper compare --figure 17 --values epsilon=0.1,0.05,0.02,0.01
   vibro paper lyapunov --vary f10=1.9:4 --resolution 1051
@@ -69,16 +69,31 @@ fn takes_paper(command: &Command) -> bool {
 /// The commands as they are shown: those with a FILE described by themselves, and those for the
 /// paper's machine in a group. The old spellings of the latter are hidden.
 pub fn grouped(all: Command) -> Command {
-    let of_paper: Vec<Command> =
+    let papers: Vec<Command> =
         all.get_subcommands().filter(|command| takes_paper(command)).cloned().map(of_paper).collect();
     let group = Command::new(PAPER).about(ABOUT.lines().next()).long_about(ABOUT).after_help(PARAMETERS);
-    let group = group.arg_required_else_help(true).subcommand_required(true).subcommands(of_paper);
+    let group = group.arg_required_else_help(true).subcommand_required(true).subcommands(papers);
     let shown = all.mut_subcommands(|command| match command.get_name() {
         _ if has_file(&command) => of_file(command),
-        _ if takes_paper(&command) => command.hide(true),
+        _ if takes_paper(&command) => old_spelling(of_paper(command)),
         _ => command,
     });
     shown.subcommand(with_notes(group, &[LIMITS]))
+}
+
+/// A command for the paper's machine that is called without the group. Its help names the new
+/// spelling.
+fn old_spelling(command: Command) -> Command {
+    let spelled = format!("vibro {PAPER} {}", command.get_name());
+    let usage = command.clone().bin_name(&spelled).render_usage().to_string();
+    let usage = usage.trim_start_matches("Usage: ").to_owned();
+    let note = format!("{}.", note_of_old_spelling(command.get_name(), ""));
+    command.hide(true).override_usage(usage).before_help(note)
+}
+
+/// The words on a command that is called without `paper`.
+fn note_of_old_spelling(name: &str, without: &str) -> String {
+    format!("`vibro {name}`{without} is now `vibro {PAPER} {name}`; the old spelling works until 0.5")
 }
 
 /// A command whose help describes a machine's file alone.
@@ -142,10 +157,10 @@ pub fn check_spelling(command: &Command, file: Option<&Path>, grouped: bool) -> 
             let problem = format!("`vibro {PAPER}` takes no machine's file: use `vibro {name} {file}`");
             return Err(Error::Refused { what: format!("{PAPER} {name} {file}"), problem });
         }
-        None if !grouped && takes_paper(command) => crate::note(&format!(
-            "`vibro {name}` is now `vibro {}`; the old spelling works until 0.5",
-            spelled(command, file)
-        )),
+        None if !grouped && takes_paper(command) => {
+            let without = if has_file(command) { " without a machine's FILE" } else { "" };
+            crate::note(&note_of_old_spelling(name, without));
+        }
         _ => {}
     }
     Ok(())

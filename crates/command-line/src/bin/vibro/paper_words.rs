@@ -13,12 +13,10 @@ pub enum Of {
 
 /// Parts of help texts that describe both machines, and their replacements for a machine's file
 /// and for the paper's machine. A default is written `[default: A; with FILE B]`.
-const WORDS: [[&str; 3]; 27] = [
+const WORDS: [[&str; 3]; 25] = [
     [". Without it the paper's machine", "", ""],
-    [", or of a machine's FILE stop.upper.gap=5mm", "", ""],
-    [" kappa=0.6, box.k=48kN/m.", " stop.upper.gap=5mm.", " kappa=0.6, box.k=48kN/m."],
     [" [default without FILE: f10=0.5:5]", "", " [default: f10=0.5:5]"],
-    ["f10=0.5:5 or, with FILE, stop.upper.gap=1mm:8mm:200", "stop.upper.gap=1mm:8mm:200", "f10=0.5:5"],
+    ["f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200", "stop.steel.gap=1mm:8mm:200", "f10=0.5:5"],
     [
         "in each drive period, at most 10000; with FILE in all, after that of time 0",
         "in all, after that of time 0",
@@ -32,9 +30,9 @@ const WORDS: [[&str; 3]; 27] = [
         "",
     ],
     [
-        "Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s, box.v, box.a, upper.e, \
-         upper.rate, upper.f",
-        "Quantity whose local maxima are drawn: box.s, box.v, box.a, upper.e, upper.rate, upper.f",
+        "Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s, box.v, box.a, steel.e, \
+         steel.rate, steel.f",
+        "Quantity whose local maxima are drawn: box.s, box.v, box.a, steel.e, steel.rate, steel.f",
         "Coordinate whose local maxima are drawn: x1, x2, x3 or w",
     ],
     [
@@ -119,6 +117,12 @@ const WORDS: [[&str; 3]; 27] = [
     ["(--over), and from several starts", "(--over)", "(--over), and from several starts"],
 ];
 
+/// Help of `--set` for a machine's file, and for the paper's machine.
+const SET: [&str; 2] = [
+    "Set one parameter, e.g. stop.steel.gap=5mm. May be repeated",
+    "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated",
+];
+
 /// Help of `basin --start` for the paper's machine, which has nothing of that for a file.
 const BASIN_START: [&str; 2] = [
     "With FILE two ranges of numbers of the starts",
@@ -129,6 +133,9 @@ const BASIN_START: [&str; 2] = [
 pub fn words(text: Option<&StyledStr>, of: Of) -> Resettable<StyledStr> {
     let Some(text) = text else { return Resettable::Reset };
     let mut text = text.to_string();
+    if text.starts_with("Set one parameter") {
+        return Resettable::Value(SET[usize::from(of == Of::Paper)].into());
+    }
     if of == Of::Paper && text.starts_with(BASIN_START[0]) {
         return Resettable::Value(BASIN_START[1].into());
     }
@@ -144,6 +151,12 @@ pub fn words(text: Option<&StyledStr>, of: Of) -> Resettable<StyledStr> {
                 let end = text[own..].find(']').map_or(text.len(), |end| own + end);
                 text.replace_range(own..end, "");
             }
+        }
+    }
+    if of == Of::Paper {
+        text = text.replace("`vibro ", "`vibro paper ");
+        for shared in ["paper", "merge"] {
+            text = text.replace(&format!("`vibro paper {shared}"), &format!("`vibro {shared}"));
         }
     }
     Resettable::Value(text.trim_end().to_owned().into())

@@ -52,8 +52,8 @@ pub struct RunOfFile {
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
     /// Columns of states.csv, in this order: box.s, a body or element for all of its own (box,
-    /// stop.upper), a coordinate of a body with many
-    /// (tube.q[3].s), or a state of a block (pid.x[0], pid.u.held), which no other table has
+    /// stop.steel), a coordinate of a body with many (tube.q[3].s), or a state of a block
+    /// (pid.x[0], pid.u.held), which no other table has
     /// [default: all but such coordinates]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub columns: Vec<String>,
@@ -61,7 +61,7 @@ pub struct RunOfFile {
     #[arg(long)]
     pub knots: bool,
     /// Write the exact derivatives of all columns (derivatives.csv) and of the events' times
-    /// (event-derivatives.csv) by these parameters, e.g. stop.upper.gap,friction.guide.force, or by
+    /// (event-derivatives.csv) by these parameters, e.g. stop.steel.gap,friction.guide.force, or by
     /// numbers of the start: start.box.s, start.box.v, start.time
     #[arg(long, value_name = "NAME,…")]
     pub derivatives: Vec<String>,

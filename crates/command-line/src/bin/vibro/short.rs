@@ -220,7 +220,7 @@ pub fn axes(
     };
     let drawn: Vec<_> = pairs.iter().flat_map(|pair| [pair.x.name(), pair.y.name()]).collect();
     let expected = "a range of a parameter that is on an axis";
-    check_useful("--range", a.range.iter().map(|r| r.name), &drawn, expected)?;
+    check_useful("--vary", a.range.iter().map(|r| r.name), &drawn, expected)?;
     let axis =
         |name: Name| range_of(set, &a.range, name, name.shown(set)).axis(resolution.into(), allowed.clone());
     pairs.iter().map(|pair| Ok((axis(pair.x)?, axis(pair.y)?))).collect()
@@ -238,7 +238,7 @@ pub fn compare(
     strong: &dyn Fn() -> Result<ParameterSet>,
     a: &Compare,
 ) -> Result<Vec<Study>> {
-    check_useful("--range", a.range.iter().map(|r| r.name), &["f10"], "a range of f10")?;
+    check_useful("--vary", a.range.iter().map(|r| r.name), &["f10"], "a range of f10")?;
     check_useful("--values", a.values.iter().map(|v| v.name), &["epsilon"], "values of epsilon")?;
     let mut found = Vec::new();
     if wants(&a.figure, "8") {

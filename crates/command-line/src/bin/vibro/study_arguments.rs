@@ -20,7 +20,7 @@ pub struct Bifurcation {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.upper.gap=1mm:8mm:200. Repeated
+    /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200. Repeated
     /// for planes [default without FILE: f10=0.5:5]
     #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
     #[arg(allow_hyphen_values = true)]
@@ -40,7 +40,7 @@ pub struct Bifurcation {
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
     /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
-    /// box.v, box.a, upper.e, upper.rate, upper.f
+    /// box.v, box.a, steel.e, steel.rate, steel.f
     /// [default: x2; with FILE the first free body's coordinate]
     #[arg(long, value_name = "NAME", default_value = "x2")]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
@@ -75,7 +75,7 @@ pub struct DiagramOfFile {
     #[arg(long)]
     pub at_section: bool,
     /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the
-    /// ranges: stop.upper.gap,body.block.mass. Each motion has the same start. May be repeated
+    /// ranges: stop.steel.gap,body.block.mass. Each motion has the same start. May be repeated
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pub pair: Vec<String>,
     /// Start each value as the file or --start says, and not from the last state of the value
@@ -177,7 +177,7 @@ pub struct Template {
 /// Arguments of `new`.
 #[derive(Args, Debug)]
 pub struct New {
-    /// The machine: damper, gears, brake and others; without it all are listed
+    /// The machine, such as damper_with_buffer or gear_backlash; without it all are listed
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
     /// The file to write, which must not be there [default: NAME.toml]
@@ -188,7 +188,7 @@ pub struct New {
 /// Arguments of `fmu`.
 #[derive(Args, Debug)]
 pub struct Fmu {
-    /// The machine's file (TOML); docs/assemblies.md says what may stand in it
+    /// The machine's file (TOML); docs/machine-file.md says what may stand in it
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Version of FMI: 2 writes NAME.fmu, 3 writes NAME-FMI3.fmu
@@ -217,7 +217,8 @@ pub struct Response {
     /// Range of the parameter along which the response is drawn: with FILE any of its numbers, such
     /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
     /// response) or another parameter
-    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO")]
+    #[arg(allow_hyphen_values = true)]
     pub range: Vec<String>,
     /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
     /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude
@@ -294,7 +295,8 @@ pub struct Planes {
     #[arg(long, value_name = "X,Y")]
     pub pair: Vec<ParameterPair>,
     /// Range of a parameter on its axis
-    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
+    #[arg(allow_hyphen_values = true)]
     pub range: Vec<ParameterRange>,
 }
 
@@ -342,7 +344,8 @@ pub struct Compare {
     #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
     pub figure: Vec<String>,
     /// Range of the force f10 for the simulated maxima (figure 16) [default: f10=0.5:3]
-    #[arg(long, visible_alias = "vary", value_name = "NAME=FROM:TO[:COUNT]", allow_hyphen_values = true)]
+    #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
+    #[arg(allow_hyphen_values = true)]
     pub range: Option<ParameterRange>,
     /// Number of values of f10 for the simulated maxima (figure 16)
     #[arg(long, value_name = "N", default_value_t = 251, value_parser = whole::<u16>(2..=10_000))]

@@ -23,7 +23,7 @@ const DEFAULT: &str =
 pub const EXAMPLES: &str = "\
 EXAMPLES
   vibro sweep machine.toml --list
-  vibro sweep machine.toml --vary stop.upper.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25";
+  vibro sweep machine.toml --vary stop.steel.gap=1mm:8mm:40 --vary body.block.mass=0.2kg:0.5kg:25";
 
 /// Examples of the paper's machine.
 pub const EXAMPLES_OF_PAPER: &str = "\

@@ -42,7 +42,9 @@ pub fn read_in(command: &mut Command, set: &ParameterSet) -> Result<Vec<Words>> 
     };
     for (name, axes) in axes {
         for axis in axes {
-            let remark = axis.read_in_written_unit(set)?.map(|words| format!("--{name} {words}"));
+            let remark = axis
+                .read_in_written_unit(set)?
+                .map(|words| format!("--{} {words}", if name == "range" { "vary" } else { name }));
             match found.last_mut().filter(|last: &&mut Words| last.name == name) {
                 Some(last) => {
                     last.words = format!("{} {axis}", last.words);

@@ -45,8 +45,7 @@ fn every_option_that_takes_numbers_says_what_it_allows() {
         let number = ["N", "X"].contains(&form.as_str());
         let takes = |commands: &[&str]| path.iter().any(|word| commands.contains(&word.as_str()));
         let of_both = AXES.contains(&option)
-            && takes(&["sweep", "design", "bifurcation", "lyapunov", "orbits", "locus"])
-            || option == "range" && takes(&["response"])
+            && takes(&["sweep", "design", "bifurcation", "lyapunov", "response", "orbits", "locus"])
             || option == "start"
                 && takes(&[
                     "run",

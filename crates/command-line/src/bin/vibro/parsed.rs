@@ -1,0 +1,48 @@
+//! Parsing of the command line: help texts that show FILE as required, and errors for commands that
+//! stand in the wrong group.
+
+use crate::arguments::command;
+use crate::common_arguments::{FILE, has_file};
+use crate::invocation::quoted;
+use clap::ArgMatches;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// Words that ask for help.
+const HELP: [&str; 3] = ["--help", "-h", "help"];
+/// Group of commands with a machine's file in version 0.2.
+const OLD_GROUP: &str = "assembly";
+
+/// The matches of this process's arguments; ends the process with an error or a help text.
+pub fn matches() -> ArgMatches {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let asks = words.iter().any(|word| HELP.contains(&word.as_str()));
+    // Without FILE the old spellings for the paper's machine are parsed, which no help describes.
+    let command = if asks { with_required_file(command()) } else { command() };
+    command.try_get_matches().unwrap_or_else(|error| explained(error, &words).exit())
+}
+
+/// The commands with FILE as a required argument.
+fn with_required_file(command: clap::Command) -> clap::Command {
+    command.mut_subcommands(|command| match has_file(&command) {
+        true => command.mut_arg(FILE, |file| file.required(true)),
+        false => command,
+    })
+}
+
+/// An error for an unknown command. It names the spelling of a command that stands in the wrong
+/// group.
+fn explained(error: clap::Error, words: &[String]) -> clap::Error {
+    let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
+    let after = words.iter().skip_while(|word| *word != name).skip(1);
+    let rest: Vec<String> = after.map(|word| quoted(word)).collect();
+    let problem = if name == OLD_GROUP {
+        let right = if rest.is_empty() { "COMMAND FILE".into() } else { rest.join(" ") };
+        format!("`vibro {name}` is no group of commands: expected `vibro {right}`")
+    } else if command().find_subcommand(name).is_some() {
+        let right = std::iter::once(name.clone()).chain(rest).collect::<Vec<_>>().join(" ");
+        format!("`vibro paper` has no command `{name}`: expected `vibro {right}`")
+    } else {
+        return error;
+    };
+    clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{problem}\n"))
+}
