@@ -187,6 +187,11 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("sweep FILE --vary gravity=1:1:3", "`gravity=1:1:3`: expected NAME=FROM:TO with FROM < TO"),
         ("sweep FILE --vary gravity=1:2:0", "`gravity=1:2:0`: expected a count of 2 or more values"),
         ("basin FILE --start ball1.s=1:1 --start ball1.v=0:1", "`ball1.s=1:1`: expected NAME=FROM:TO"),
+        ("sweep FILE --vary gravity=1:2.0:3 --sobol 4", "`gravity=1:2.0:3`: expected name=from:to"),
+        (
+            "design FILE --minimize amplitude.ball1.s --vary gravity=1:2.0:3",
+            "`gravity=1:2.0:3`: expected NAME=LOW:HIGH without a count",
+        ),
         ("orbit FILE --period 2X", "--period 2X: expected 1T to 32T, or a finite time above 0"),
         ("orbit --word U --period 2X", "--period 2X: allowed are whole numbers in 1..=32"),
     ] {

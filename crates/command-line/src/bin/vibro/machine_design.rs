@@ -13,7 +13,7 @@ use crate::sweep_arguments::AxisArgument;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use vibro::studies;
-use vibro::{Error, Result};
+use vibro::Result;
 use vibro_design::{Control, DesignRequest, Goal, Limit, design};
 use vibro_studies::Machine;
 
@@ -32,11 +32,10 @@ fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(
     let mut axes = |all: &[String]| -> Result<Vec<AxisArgument<String>>> {
         all.iter().map(|text| read_axis(&mut machine, text)).collect()
     };
-    let (vary, over) = (axes(&names(&a.vary))?, axes(&a.over)?);
-    let intervals = vary.iter().map(|axis| {
-        let form =
-            |_| Error::form(axis.to_string(), "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm");
-        axis.interval().map_err(form)
+    let typed = names(&a.vary);
+    let (vary, over) = (axes(&typed)?, axes(&a.over)?);
+    let intervals = vary.iter().zip(&typed).map(|(axis, typed)| {
+        axis.interval(typed, "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm")
     });
     let intervals = intervals.collect::<Result<_>>()?;
     let limit = |text: &String| Limit::read(text, &machine).map_err(in_option("--subject-to"));

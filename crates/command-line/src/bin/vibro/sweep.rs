@@ -21,7 +21,9 @@ fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N
     match a.sobol {
         None => Ok(Designs::Grid(vary.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?)),
         Some(count) if (1..=DIMENSIONS).contains(&vary.len()) => {
-            let intervals = vary.iter().map(AxisArgument::interval).collect::<Result<_>>()?;
+            const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
+            let intervals = vary.iter().zip(&a.vary).map(|(axis, typed)| axis.interval(typed, EXPECTED));
+            let intervals = intervals.collect::<Result<_>>()?;
             Ok(Designs::Sobol { intervals, count })
         }
         Some(_) => {

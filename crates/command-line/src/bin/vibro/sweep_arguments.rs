@@ -209,17 +209,16 @@ impl<N: AxisName> AxisArgument<N> {
         })
     }
 
-    /// Its ends, for a Sobol sequence.
+    /// The ends of the axis that was given as `typed`.
     ///
     /// # Errors
-    /// An error if the axis is a list, or a range with a count.
-    pub fn interval(&self) -> Result<ParameterInterval<N>> {
-        const EXPECTED: &str = "name=from:to without a count: --sobol decides on the number of points";
+    /// An error with the `expected` form if the axis is a list, or a range with a count.
+    pub fn interval(&self, typed: &str, expected: &'static str) -> Result<ParameterInterval<N>> {
         match self {
             Self::Range(ParameterRange { name, ends, count: None, .. }) => {
                 Ok(ParameterInterval { name: name.clone(), from: ends.0, to: ends.1 })
             }
-            other => Err(Error::form(other.to_string(), EXPECTED)),
+            _ => Err(Error::form(typed, expected)),
         }
     }
 }
