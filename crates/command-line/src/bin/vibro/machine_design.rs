@@ -12,8 +12,8 @@ use crate::sweep::in_words;
 use crate::sweep_arguments::AxisArgument;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use vibro::studies;
 use vibro::Result;
+use vibro::studies;
 use vibro_design::{Control, DesignRequest, Goal, Limit, design};
 use vibro_studies::Machine;
 
