@@ -4,7 +4,7 @@
 
 mod sparse;
 
-pub use sparse::Sparse;
+pub use sparse::{Sparse, sort_by_place};
 
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -162,7 +162,7 @@ impl Slices {
                 own.extend(matrix.row(i).iter().map(|&(j, x)| (i, j, x)));
             }
             // Column - row is constant on a diagonal; sorting is stable, so that rows ascend.
-            own.sort_by_key(|&(i, j, _)| size + j - i);
+            vibro_numerics::sorting::sort_by_key(&mut own, |&(i, j, _)| size + j - i);
             for diagonal in own.chunk_by(|a, b| a.1 + b.0 == b.1 + a.0) {
                 let (row, column, _) = diagonal[0];
                 match column.checked_sub(row - first) {
@@ -337,7 +337,7 @@ impl SparseMatrix {
         for &(i, r) in terms {
             all.extend(self.row(i).iter().map(|&(j, x)| (j, r * x)));
         }
-        all.sort_by_key(|term| term.0);
+        sort_by_place(&mut all);
         all.dedup_by(|next, sum| {
             let same = next.0 == sum.0;
             if same {
@@ -354,7 +354,7 @@ impl SparseMatrix {
         for [column, row] in products {
             changes.extend(column.iter().map(|&(i, x)| (i, row, x)));
         }
-        changes.sort_by_key(|change| change.0);
+        vibro_numerics::sorting::sort_by_key(&mut changes, |change| change.0);
         let mut sum = Self { rows: Vec::with_capacity(self.rows.len()), ..Self::default() };
         sum.rows.clear();
         sum.entries.reserve(self.entries.len() + 4 * changes.len());
@@ -376,7 +376,7 @@ impl SparseMatrix {
                 }
                 next += 1;
             }
-            row.sort_by_key(|entry| entry.0);
+            sort_by_place(&mut row);
             sum.entries.extend(row.iter().filter(|entry| entry.1 != 0.0));
         }
         sum.rows.push(sum.entries.len());

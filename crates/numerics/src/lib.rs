@@ -26,5 +26,6 @@ pub mod quantities;
 mod range;
 pub mod roots;
 pub mod simd;
+pub mod sorting;
 
 pub use range::{OutOfRange, Range};

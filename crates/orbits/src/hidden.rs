@@ -3,6 +3,7 @@
 use super::bifurcation::{Bracket, Test};
 use super::position::{Examined, Position};
 use super::step::Follower;
+use vibro_numerics::sorting::sort_by;
 
 /// Part of the test's least value at the ends below which its predicted extremum may hide a pair of
 /// zeros: half of the value leaves room for an error of the parabola.
@@ -46,7 +47,7 @@ impl Follower<'_> {
                 return vec![first, Bracket { begin: at, ends: [middle, next.clone()], arc: rest }];
             }
             // The two that are nearest to it, and the new one.
-            known.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+            sort_by(&mut known, |a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
             known[2] = (at, value);
         }
         Vec::new()

@@ -14,6 +14,7 @@ use crate::obstacle::Obstacle;
 use crate::test_functions::is_on_circle;
 use nalgebra::DVector;
 use std::cmp::Ordering;
+use vibro_numerics::sorting::sort_by;
 
 /// Size of the difference of an orbit's halves that is rounding.
 const BIRTH: f64 = 1e-9;
@@ -204,7 +205,7 @@ impl Follower<'_> {
                 found.extend(self.zero_in(test, bracket)?.map(|(at, point)| (bracket.begin + at, point)));
             }
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
         // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
         let Ends { next, arc, is_touch, .. } = *at_end;
         found.retain(|(at, _)| !is_touch || arc - at > MERGED * arc);

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use vibro_machine::Start;
 use vibro_machine::mode::Watch;
 use vibro_machine::motion::keep;
+use vibro_numerics::sorting::sort_by;
 use vibro_studies::Error;
 
 /// Largest number of Newton steps.
@@ -156,13 +157,13 @@ pub(super) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 
 /// Sorts multipliers by modulus, largest first, and each conjugate pair in one order.
 pub(super) fn sort(multipliers: &mut [Complex<f64>]) {
-    multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
+    sort_by(multipliers, |a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
 }
 
 /// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
 pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
     let mut all = eigenvalues(matrix)?;
-    all.sort_by(|a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
+    sort_by(&mut all, |a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
     let mut rest = all.split_off(trivial.min(all.len()));
     sort(&mut rest);
     rest.extend(all);

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use vibro_machine::start::BodyStart;
 use vibro_machine::{Motion, Start};
+use vibro_numerics::sorting::sort_by_key;
 use vibro_studies::{Error, Result, significant};
 use vibro_studies::{Machine, Section};
 
@@ -241,7 +242,7 @@ impl<'a> Seeker<'a> {
         };
         let others = self.others.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut found: Vec<String> = others.into_iter().collect();
-        found.sort_by_key(String::len);
+        sort_by_key(&mut found, String::len);
         found.truncate(NAMED);
         let found = match found.is_empty() {
             true => "none at all".into(),

@@ -19,6 +19,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use std::sync::Arc;
 use vibro_machine::Start;
+use vibro_numerics::sorting::sort_by_key;
 use vibro_studies::now;
 use vibro_studies::{Error, Result};
 
@@ -267,7 +268,7 @@ impl Grower<'_> {
 
     /// Follows the branches of the next starts side by side, and adds those that are new.
     fn grow(&mut self) {
-        self.queue.sort_by_key(|start| start.depth);
+        sort_by_key(&mut self.queue, |start| start.depth);
         let starts: Vec<BranchStart> = self.queue.drain(..BATCH.min(self.queue.len())).collect();
         let (path, kept) = (&self.options.path, self.kept);
         let traced: Vec<_> = starts

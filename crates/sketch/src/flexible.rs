@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use vibro_machine::Description;
 use vibro_machine::description::{Arms, Body, BodyKind, Dimension, Free};
+use vibro_numerics::sorting::sort_by_key;
 
 /// The machine with a body in place of the coordinates and nodes of each body with many. An element
 /// between two nodes of one body is left out.
@@ -29,7 +30,7 @@ pub(crate) fn drawn(machine: &Description) -> Description {
     let moved = |arms: &mut Arms| {
         arms.terms.iter_mut().for_each(|term| term.0 = place_of[term.0]);
         let several = arms.terms.len() > 1;
-        arms.terms.sort_by_key(|term| term.0);
+        sort_by_key(&mut arms.terms, |term| term.0);
         arms.terms.dedup_by_key(|term| term.0);
         !several || arms.terms.len() > 1
     };

@@ -10,6 +10,7 @@ use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN, NAME};
 use vibro_figures::canvas::text_width;
 use vibro_machine::Description;
 use vibro_machine::description::{BodyKind, Dimension};
+use vibro_numerics::sorting::sort_by_key;
 
 /// Least length of a symbol.
 const SYMBOL: f64 = 230.0;
@@ -227,7 +228,7 @@ impl Layout {
                 let mut own: Vec<_> = sorted.over.iter().enumerate().filter(ends).collect();
                 // Leftward elements the short ones first, rightward ones last: legs do not cross
                 // the lanes of other elements of their box.
-                own.sort_by_key(|(_, long)| {
+                sort_by_key(&mut own, |(_, long)| {
                     let leftwards = long.columns[0] != place;
                     if leftwards { (0, span(long)) } else { (1, usize::MAX - span(long)) }
                 });
@@ -274,7 +275,7 @@ impl Layout {
         x += widths[count] + if walled(&sorted.gaps[count]) { WALL } else { 0.0 };
         self.width = x + MARGIN;
         let mut over: Vec<&Long> = sorted.over.iter().collect();
-        over.sort_by_key(|long| span(long));
+        sort_by_key(&mut over, |long| span(long));
         let heights: f64 = over.iter().map(|long| lane(&long.item)).sum();
         self.top = MARGIN + if over.is_empty() { 0.0 } else { heights + OFF };
         self.bottom = self.top + tallest;
@@ -344,7 +345,7 @@ impl Layout {
     fn fill_over(&mut self, long: &[Long], legs: &[Vec<usize>]) {
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
         let mut by_length: Vec<usize> = (0..long.len()).collect();
-        by_length.sort_by_key(|&i| span(&long[i]));
+        sort_by_key(&mut by_length, |&i| span(&long[i]));
         let mut floor = self.top - OFF;
         let ports_of = |layout: &Self, i: usize| -> Vec<(usize, f64)> {
             long[i].columns.iter().map(|&place| (place, layout.port(place, i, legs))).collect()

@@ -8,6 +8,7 @@ use vibro_machine::mode::StopState;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::system::{Part, System};
 use vibro_machine::{Assembly, Motion};
+use vibro_numerics::sorting::sort_by;
 
 /// Contact of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +71,7 @@ impl ContactRecorder {
     /// The contacts so far, ordered by their begin.
     pub fn all(&self) -> Vec<StopContact> {
         let mut all = self.all.clone();
-        all.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+        sort_by(&mut all, |a, b| a.begin.total_cmp(&b.begin));
         all
     }
 

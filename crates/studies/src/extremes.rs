@@ -4,6 +4,7 @@ use super::flight::{Flow, Series, turning_points};
 use super::rows::Sparse;
 use vibro_machine::Quantity;
 use vibro_machine::system::System;
+use vibro_numerics::sorting::sort_by;
 
 /// Number of columns of a curve, each with the least and the largest value; a picture has fewer
 /// columns of pixels.
@@ -99,7 +100,7 @@ impl Extreme {
     /// value.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<_> = self.curve.iter().flatten().flatten().copied().collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut points, |a, b| a.0.total_cmp(&b.0));
         points
     }
 }

@@ -17,6 +17,7 @@ use vibro_machine::description::Dimension;
 use vibro_machine::functional::StateRow;
 use vibro_machine::neutral::Neutral;
 use vibro_machine::system::{Elongation, System};
+use vibro_numerics::sorting::sort_by;
 
 /// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;
@@ -237,7 +238,7 @@ impl Multipliers {
         }
         let (time, least) = (motion.time() - from, least_multiplier(&m));
         let Some(mut moduli) = moduli(m) else { return Ok(None) };
-        moduli.sort_by(|a, b| b.total_cmp(a));
+        sort_by(&mut moduli, |a, b| b.total_cmp(a));
         Ok(Some(Self { returns, time, moduli, least }))
     }
 

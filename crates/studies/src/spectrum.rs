@@ -20,6 +20,7 @@ use std::f64::consts::TAU;
 use vibro_machine::Start;
 use vibro_machine::mode::Mode;
 use vibro_machine::system::System;
+use vibro_numerics::sorting::sort_by;
 
 /// Stretches of a flight between two orthogonalizations: variations then differ in length by e⁸ at
 /// most, and the smallest keeps its digits.
@@ -168,7 +169,7 @@ pub fn spectrum(
         }
     }
     let mut exponents: Vec<LargestExponent> = growths.iter().map(Growth::exponent).collect();
-    exponents.sort_by(|a, b| b.value.total_cmp(&a.value));
+    sort_by(&mut exponents, |a, b| b.value.total_cmp(&a.value));
     let multipliers = multipliers(&mut motion, &section)?;
     let period = multipliers.as_ref().map(|periods| periods[0].returns);
     if let Some([before, last]) = multipliers {

@@ -2,6 +2,7 @@
 
 use super::columns::width_of;
 use std::sync::LazyLock;
+use vibro_numerics::sorting::sort_by_key;
 
 /// Bound of the terms that a power series leaves out, relative to its largest.
 const REMAINDER: f64 = 1e-18;
@@ -72,7 +73,7 @@ impl Sources {
     pub fn of(size: usize, count: usize, mut all: Vec<(usize, usize, usize, f64)>) -> Self {
         let width = width_of(count);
         let mut own = Varied::default();
-        all.sort_by_key(|&(i, j, ..)| (i, j));
+        sort_by_key(&mut all, |&(i, j, ..)| (i, j));
         let mut terms = all.into_iter().peekable();
         for row in 0..size {
             while let Some(&(_, j, ..)) = terms.peek().filter(|term| term.0 == row) {

@@ -3,6 +3,7 @@
 use super::{Arms, Body, BodyKind, Description, Dimension, Free, Inner};
 use crate::refusal::Problem;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use vibro_numerics::sorting::sort_by;
 
 /// Relative difference up to which two entries across the diagonal are equal, and size up to which
 /// a negative eigenvalue is rounding: files have six to sixteen digits.
@@ -205,7 +206,7 @@ fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
 fn eigen(a: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let found = SymmetricEigen::new(a);
     let mut order: Vec<usize> = (0..found.eigenvalues.len()).collect();
-    order.sort_by(|&i, &j| found.eigenvalues[i].total_cmp(&found.eigenvalues[j]));
+    sort_by(&mut order, |&i, &j| found.eigenvalues[i].total_cmp(&found.eigenvalues[j]));
     let columns: Vec<_> = order.iter().map(|&i| found.eigenvectors.column(i)).collect();
     (order.iter().map(|&i| found.eigenvalues[i]).collect(), DMatrix::from_columns(&columns))
 }

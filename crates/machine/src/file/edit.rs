@@ -11,6 +11,7 @@ use crate::slots::{Slot, slots};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use vibro_numerics::quantities::{in_si, split};
+use vibro_numerics::sorting::sort_by_key;
 
 /// Largest difference of a number that is read back from the number that was written, in units of
 /// rounding: a unit's factor rounds twice.
@@ -55,7 +56,7 @@ pub fn with_numbers(text: &str, records: Records, other: &Description) -> Option
         }
     }
     // Places later in the text do not move when earlier ones change.
-    edits.sort_by_key(|(span, _)| span.start);
+    sort_by_key(&mut edits, |(span, _)| span.start);
     let mut edited = text.to_owned();
     edits.into_iter().rev().for_each(|(span, new)| edited.replace_range(span, &new));
     is_machine(&edited, records, other).then_some(edited)

@@ -15,6 +15,7 @@ use crate::description::{
 use crate::kinds;
 use crate::parameters::has_unit;
 use vibro_numerics::quantities::symbols;
+use vibro_numerics::sorting::sort_by_key;
 
 /// Message for a name that is no body's.
 const NO_BODY: &str = "no body has this name";
@@ -203,7 +204,7 @@ pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Desc
         machine.feeds.extend(feed);
     }
     // Those of loads that are refused are missing.
-    machine.feeds.sort_by_key(|feed| feed.load);
+    sort_by_key(&mut machine.feeds, |feed| feed.load);
 }
 
 /// The body named by an entry.

@@ -5,6 +5,7 @@ use super::matrices;
 use super::reading::{Entry, FileTable, Reading, finite};
 use crate::check::MOST_COORDINATES;
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
+use crate::kernel::sort_by_place;
 use crate::kinds::{self, NumberKind};
 
 /// The allowed rows of a node, in words.
@@ -196,7 +197,7 @@ fn row(reading: &mut Reading, entry: &Entry, count: Option<usize>) -> Option<Row
     };
     let found = found.map(|mut row| {
         row.retain(|term| term.1 != 0.0);
-        row.sort_unstable_by_key(|term| term.0);
+        sort_by_place(&mut row);
         row
     });
     let found = found.filter(|row| !row.is_empty());

@@ -173,7 +173,7 @@ impl<'a> Reading<'a> {
 
     /// Returns the problems in the order of their lines.
     pub fn finish(mut self) -> Vec<Problem> {
-        self.problems.sort_by_key(|problem| problem.line);
+        vibro_numerics::sorting::sort_by_key(&mut self.problems, |problem| problem.line);
         self.problems
     }
 

@@ -2,6 +2,12 @@
 
 use super::SLICE;
 
+/// Sorts entries by their places; entries of one place keep their order.
+#[inline(never)]
+pub fn sort_by_place(terms: &mut [(usize, f64)]) {
+    terms.sort_by_key(|term| term.0);
+}
+
 /// A row by its nonzero entries, with their places.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparse(Vec<(usize, f64)>);
@@ -22,7 +28,7 @@ impl Sparse {
     /// The row with these entries in any order. Entries of one place are added up in the order
     /// given.
     pub fn summed(mut terms: Vec<(usize, f64)>) -> Self {
-        terms.sort_by_key(|term| term.0);
+        sort_by_place(&mut terms);
         terms.dedup_by(|next, sum| {
             let is_same = next.0 == sum.0;
             if is_same {

@@ -3,6 +3,7 @@
 use super::RowMatrix;
 use crate::components::components;
 use crate::functional::Functional;
+use crate::kernel::sort_by_place;
 use nalgebra::{Cholesky, DMatrix, DVector, Dim, Dyn, Matrix, OMatrix, StorageMut};
 use std::sync::OnceLock;
 
@@ -77,7 +78,7 @@ impl Inertia {
             mobility.extend(places.iter().copied().zip(own.iter().copied()));
         }
         [column, mobility].map(|mut terms| {
-            terms.sort_unstable_by_key(|term| term.0);
+            sort_by_place(&mut terms);
             Functional::from_terms(w.len(), terms.into_iter())
         })
     }

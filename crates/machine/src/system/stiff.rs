@@ -8,6 +8,7 @@
 
 use super::{Elongation, System};
 use crate::description::StopLaw;
+use vibro_numerics::sorting::{sort_by, sort_by_key};
 
 /// A tie is stiff where the mode's rate is more than this many times the rate without it.
 pub(crate) const STIFF: f64 = 30.0;
@@ -69,7 +70,7 @@ impl System {
         branches.for_each(|tie| tie.add(1.0, &mut outside));
         let between = (0..ties.len()).filter(|&i| ties[i].arms().count() > 1);
         let mut between: Vec<(f64, usize)> = between.map(|i| (ties[i].rate(), i)).collect();
-        between.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by(&mut between, |a, b| b.0.total_cmp(&a.0));
         let mut group_of: Vec<usize> = (0..self.coordinates).collect();
         let mut members: Vec<Vec<usize>> = (0..self.coordinates).map(|k| vec![k]).collect();
         let mut inside: Vec<Vec<usize>> = vec![Vec::new(); self.coordinates];
@@ -77,7 +78,7 @@ impl System {
         for (rate, i) in between {
             ties[i].add(-1.0, &mut outside);
             let mut groups: Vec<usize> = ties[i].arms().map(|(k, _)| group_of[k]).collect();
-            groups.sort_by_key(|&group| std::cmp::Reverse(members[group].len()));
+            sort_by_key(&mut groups, |&group| std::cmp::Reverse(members[group].len()));
             let to = groups[0];
             for from in groups.into_iter().filter(|&group| group != to) {
                 for k in std::mem::take(&mut members[from]) {

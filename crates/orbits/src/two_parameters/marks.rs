@@ -4,6 +4,7 @@ use super::LocusEnd;
 use super::TwoParameters;
 use crate::curve::{CurvePoint, correct};
 use nalgebra::DVector;
+use vibro_numerics::sorting::sort_by;
 
 /// Largest number of steps of a bracketing search.
 const STEPS: usize = 40;
@@ -76,7 +77,7 @@ impl Marked {
                 Some((h, u, kind))
             })
             .collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
         found.into_iter().map(|(_, u, kind)| (u, kind)).collect()
     }
 

@@ -7,6 +7,7 @@
 
 use super::row::{BARS, is_exact, upper};
 use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
+use vibro_numerics::sorting::sort_by;
 
 /// Most further values of one design along one interval.
 pub(super) const MOST: usize = 32;
@@ -106,7 +107,7 @@ impl BandMotions {
         let on_line = |place: &[f64]| (0..through.len()).all(|j| j == axis || place[j] == through[j]);
         let met = self.places.iter().zip(&values).filter(|(place, _)| on_line(place));
         let mut line: Vec<ValueSpread> = met.map(|(place, y)| (place[axis], y.0, y.1)).collect();
-        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by(&mut line, |a, b| a.0.total_cmp(&b.0));
         line.dedup_by(|a, b| a.0 == b.0);
         Some((line, through))
     }

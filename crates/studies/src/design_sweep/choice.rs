@@ -19,6 +19,7 @@ use crate::parts::{Shard, Task};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use vibro_numerics::sorting::sort_by;
 
 /// Factor by which each measurement is longer than the one before.
 const LONGER: u32 = 4;
@@ -123,7 +124,7 @@ impl<M: DesignMachine> Race<'_, M> {
         let known = |i: usize| Some((i, self.estimates[i]?));
         let all = (0..self.estimates.len()).filter_map(known);
         let mut found: Vec<(usize, Estimate)> = all.filter(|(_, own)| own.may_be_less(&surest)).collect();
-        found.sort_by(|a, b| a.1.value.total_cmp(&b.1.value).then(a.0.cmp(&b.0)));
+        sort_by(&mut found, |a, b| a.1.value.total_cmp(&b.1.value).then(a.0.cmp(&b.0)));
         found.into_iter().map(|(i, _)| i).collect()
     }
 

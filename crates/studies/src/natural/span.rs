@@ -10,6 +10,7 @@ use nalgebra::Complex;
 use vibro_machine::linear::Linear;
 use vibro_machine::sparse_factor::{Number, Pattern, SymmetricSparse};
 use vibro_machine::system::System;
+use vibro_numerics::sorting::sort_by_key;
 
 /// Number of the lowest, and of the highest, oscillations.
 pub const SHOWN: usize = 10;
@@ -148,7 +149,7 @@ impl Matrices {
             if row.iter().any(|entry| entry.column == usize::MAX) {
                 return None;
             }
-            row.sort_by_key(|entry| entry.column);
+            sort_by_key(&mut row, |entry| entry.column);
             row.dedup_by(|next, sum| {
                 let is_same = next.column == sum.column;
                 if is_same {
