@@ -122,7 +122,10 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     let doors = folder.join(if arguments.scalar { "core-scalar" } else { "core" });
     bindings(&core(&folder, arguments)?, &doors)?;
     if arguments.page == Page::Workbench {
-        compress(&doors.join("core_bg.wasm"), &doors.join("core.lzma"))?;
+        let apart = doors.join("core.apart");
+        let script = workspace().join("web/workbench/page/apart.mjs");
+        run(Command::new("node").arg(script).arg(doors.join("core_bg.wasm")).arg(&apart))?;
+        compress(&apart, &doors.join("core.lzma"))?;
     }
     let npm = packages(&target.join("explorer"))?;
     let mut bundle = Command::new("node");
@@ -209,16 +212,16 @@ fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     bindgen.web(true).map_err(|e| problem(&e))?.generate(folder).map_err(|e| problem(&e))
 }
 
-/// Compresses the core for `lzma.js`: as `.lzma`, with its size.
+/// Compresses the core, with its bytes apart by kind, for `lzma.js`: as `.lzma`, with its size.
 fn compress(core: &Path, packed: &Path) -> Result<(), Error> {
     let file = |path: &Path| {
         let path = path.to_owned();
         move |source| Error::File { path, source }
     };
     let bytes = std::fs::read(core).map_err(file(core))?;
-    // Code: many literals, which do not lie at multiples of anything.
+    // Many literals, which do not lie at multiples of anything.
     let options =
-        LzmaOptions { lc: 4, pb: 0, nice_len: 273, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
+        LzmaOptions { lc: 3, pb: 0, nice_len: 273, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
     let out = std::fs::File::create(packed).map_err(file(packed))?;
     let mut writer =
         LzmaWriter::new_use_header(out, &options, Some(bytes.len() as u64)).map_err(file(packed))?;

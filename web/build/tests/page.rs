@@ -105,8 +105,8 @@ fn the_modules_keep_to_their_types() {
     assert!(done, "{printed}");
 }
 
-/// The budget of the whole page, bytes.
-const LARGEST: u64 = 900_000;
+/// Largest page, bytes: a hundredth above the page's 658,140 when this limit was set.
+const LARGEST: u64 = 665_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]

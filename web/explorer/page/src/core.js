@@ -1,5 +1,6 @@
 // The library: unpacked from the page itself and compiled once; workers get the compiled module.
 import * as glue from "vibro-core";
+import { unzipped } from "./packed.js";
 
 export const { Set: ParameterSet, Machine, Columns, catalogue, response, branches, manifold } = glue;
 
@@ -12,7 +13,8 @@ export function use(module) {
   glue.initSync({ module });
 }
 
-export { unpack } from "./packed.js";
+/** The module in the page, compressed by gzip. */
+export const unpack = async () => WebAssembly.compile(await unzipped("core").arrayBuffer());
 
 /** @typedef {{name: string, symbol: string, unit: string, allowed: string, low: number, high: number, meaning: string, group: boolean}} Parameter */
 

@@ -32,8 +32,8 @@ function broken(text) {
 }
 
 async function start() {
-  if (typeof WebAssembly !== "object" || typeof DecompressionStream !== "function") {
-    return broken("This browser has no WebAssembly (or no DecompressionStream), which this page computes with. Browsers since 2023 have both: Chrome 80, Firefox 113, Safari 16.4. The command line vibro draws the same without a browser.");
+  if (typeof WebAssembly !== "object") {
+    return broken("This browser has no WebAssembly, which this page computes with. All browsers since 2017 have it. The command line vibro draws the same without a browser.");
   }
   let module;
   try {

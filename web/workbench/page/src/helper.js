@@ -2,6 +2,7 @@
 // place.
 
 import { bytesIn } from "../../../explorer/page/src/packed.js";
+import { pieces } from "./kinds.js";
 import { decoder } from "./lzma.js";
 
 /* global WORKER: the script of the workers, put in by the bundler */
@@ -10,22 +11,16 @@ import { decoder } from "./lzma.js";
 let module = null;
 let script = "";
 
-/** Bytes that are unpacked at a time, while those before are compiled. */
-const PIECE = 1 << 19;
-
-/** The module in the page, compressed by LZMA. */
+/** The module in the page, compressed by LZMA. Its pieces are compiled while the next are unpacked. */
 function unpack() {
-  const { out, until } = decoder(bytesIn("core"));
-  let at = 0;
-  const pieces = new ReadableStream({
+  const all = pieces(decoder(bytesIn("core")));
+  const stream = new ReadableStream({
     pull(to) {
-      const end = until(Math.min(out.length, at + PIECE));
-      to.enqueue(out.subarray(at, end));
-      at = end;
-      if (at >= out.length) to.close();
+      const { value, done } = all.next();
+      if (done) to.close(); else to.enqueue(value);
     },
   });
-  return WebAssembly.compileStreaming(new Response(pieces, { headers: { "Content-Type": "application/wasm" } }));
+  return WebAssembly.compileStreaming(new Response(stream, { headers: { "Content-Type": "application/wasm" } }));
 }
 
 /** Compiles the module that lies in the page. */
