@@ -1,10 +1,12 @@
 //! A motion with its derivatives by parameters.
 
 mod flights;
+mod knots;
 mod under_way;
 
 pub(super) use flights::throughout;
 
+use self::knots::Knot;
 use super::by::By;
 use super::columns::Columns;
 use super::crossing::{Later, Met};
@@ -349,8 +351,17 @@ impl Differentiated {
 
     /// Applies the law of the pending event, and carries the derivatives over it.
     fn pass(&mut self, extremes: &mut [Extremes], observer: &mut VariedObserver) -> Result<(), Error> {
+        let knot = if extremes.is_empty() && self.is_lone_knot() { Some(self.pass_knot()?) } else { None };
+        if let Some(Knot::Kept(events)) = knot {
+            let times: Vec<_> = self.lost.iter().map(|lost| lost.is_none().then_some(0.0)).collect();
+            events.iter().for_each(|event| observer(event, &times));
+            return Ok(());
+        }
         let Self { machine, motion, modes, mode, deltas, scales, lost, met, .. } = self;
-        let passed = Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, true))?;
+        let passed = match knot {
+            Some(Knot::Applied(passed)) => passed,
+            _ => Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, true))?,
+        };
         *mode = passed.modes[1].clone();
         let crossing = passed.crossing(machine, met);
         let closes = passed.events.iter().any(|event| matches!(event.kind, EventKind::Close { .. }));

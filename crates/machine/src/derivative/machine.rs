@@ -58,6 +58,11 @@ pub(super) struct Machine {
     pub tangents: Vec<Tangent>,
 }
 
+/// Whether a row's value counts as zero in a state with some sizes.
+fn is_zero(row: &Functional, z: &DVector<f64>, sizes: &DVector<f64>) -> bool {
+    row.at(z.as_slice()).abs() <= BESIDE * ZERO * row.size(sizes.as_slice())
+}
+
 /// What is known at one instant of a mode: state, its derivative by time, and sizes.
 pub(super) struct Instant<'m, 'a> {
     pub mode: &'m VariedMode,
@@ -155,6 +160,17 @@ impl Machine {
         self.tangents[p].signals.fill(one, time, z.as_slice(), delta.as_mut_slice());
     }
 
+    /// Whether knots of signals leave all columns as they are while no contact is held and no
+    /// functional is zero.
+    pub fn is_fixed_at_knots(&self) -> bool {
+        !self.varies_signals() && !self.system.has_motions && self.system.branches.is_empty()
+    }
+
+    /// Whether the value of each watched functional differs from zero by more than rounding.
+    pub fn is_clear(&self, mode: &VariedMode, z: &DVector<f64>, sizes: &DVector<f64>) -> bool {
+        !mode.watched.iter().any(|(_, row)| is_zero(row, z, sizes))
+    }
+
     /// Whether a column varies the coordinates of signals.
     pub fn varies_signals(&self) -> bool {
         self.tangents.iter().any(|tangent| tangent.signals.varies())
@@ -216,7 +232,7 @@ impl Machine {
 
     /// Whether a row's value counts as zero at an instant.
     pub fn is_zero(&self, row: &Functional, at: &Instant) -> bool {
-        row.at(at.z.as_slice()).abs() <= BESIDE * ZERO * row.size(at.sizes.as_slice())
+        is_zero(row, at.z, at.sizes)
     }
 
     /// The watched functionals that come to zero at this instant.

@@ -71,7 +71,7 @@ impl Passed {
         mode: &Arc<VariedMode>,
         enter: impl FnOnce(&Motion) -> Arc<VariedMode>,
     ) -> Result<Self, Error> {
-        let (z, time) = (machine.widened(motion.state()).into_owned(), motion.time());
+        let z = machine.widened(motion.state()).into_owned();
         // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
         let due = motion.due().and_then(|watch| {
             let rows = mode.watched.iter().enumerate().filter(|(_, own)| own.0 == watch);
@@ -80,12 +80,24 @@ impl Passed {
         });
         let mut events = Vec::new();
         motion.apply_event(&mut |event| events.push(event.clone()))?;
+        Ok(Self::applied(machine, motion, mode, (z, due, events), enter))
+    }
+
+    /// The event of a motion whose law has been applied, from the state, the functional and the
+    /// reports that it had.
+    pub fn applied(
+        machine: &Machine,
+        motion: &Motion,
+        mode: &Arc<VariedMode>,
+        (z, due, events): (DVector<f64>, Option<usize>, Vec<Event>),
+        enter: impl FnOnce(&Motion) -> Arc<VariedMode>,
+    ) -> Self {
         let next = if *motion.mode() == mode.mode { mode.clone() } else { enter(motion) };
         let after = machine.widened(motion.state()).into_owned();
         let begun = due.is_none().then(|| jumped(&machine.system, &z, &after));
         let impulses = Impulse::all(&machine.system, &events, begun.as_ref().unwrap_or(&z));
-        Ok(Self {
-            time,
+        Self {
+            time: motion.time(),
             rates: [mode.rates(&z), next.rates(&after)],
             sizes: machine.widened(&motion.sizes().0).into_owned(),
             modes: [mode.clone(), next],
@@ -93,7 +105,7 @@ impl Passed {
             due,
             impulses,
             events,
-        })
+        }
     }
 
     /// The instant before (`k` 0) or after the law.

@@ -149,6 +149,12 @@ impl Motion {
         stood: Option<BeforeJump>,
         observer: &mut Observer,
     ) -> Result<(), Error> {
+        if stood.is_none() && !self.assembly.system.has_levels() {
+            self.include_flight();
+            if self.lone_knot() {
+                return Ok(());
+            }
+        }
         let (mut parted, mut switched) = (Parted::default(), 0.0);
         let moved = stood.as_ref().map(|stood| self.jump(stood));
         if self.assembly.system.has_levels() {

@@ -1,4 +1,5 @@
-//! Shortcut for events at which one element alone comes to a limit, by far the commonest.
+//! Shortcut for events at which one element alone comes to a limit, by far the commonest, and for
+//! knots of signals, at which most often none does.
 //!
 //! The mode that follows is guessed and then verified: it is certain where every watched functional
 //! is inside its limit by more than rounding, since the mode that follows is unique
@@ -28,6 +29,25 @@ impl Motion {
                 .flatten()
                 .any(|next| self.lone_change(watch, next, observer)),
         }
+    }
+
+    /// Keeps the mode in force at a knot of a signal where that is certain; returns whether it is.
+    /// Nothing but signals may have jumped. Closed rigid stops are left to the general law, which
+    /// puts bodies back on their gaps.
+    pub(super) fn lone_knot(&mut self) -> bool {
+        let mode = &self.hybrid.mode;
+        if self.is_general || !mode.is_independent() || mode.stops.contains(&StopState::Closed) {
+            return false;
+        }
+        self.scratch.start.copy_from(&self.hybrid.z);
+        self.keep_contacts();
+        self.include_contacts();
+        if self.departs_alone(None, None) {
+            self.note_standing();
+            return true;
+        }
+        self.hybrid.z.copy_from(&self.scratch.start);
+        false
     }
 
     /// Candidate states of the element after the passage of `watch`, the likelier first.
@@ -130,7 +150,7 @@ impl Motion {
         self.include_contacts();
         // A stop just entered is at its edge: it is exempt from the test of those that press.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
-        if self.departs_alone(next, entered) {
+        if self.departs_alone(Some(next), entered) {
             self.note_standing();
             self.report_change(was, 0.0, observer);
             return true;
@@ -162,7 +182,7 @@ impl Motion {
     /// if so, stores the orders of departure. Functionals of `own` must be negative or leave zero
     /// downwards, all others must be negative by more than rounding, and pressing stops except
     /// `entered` must be beyond their gap by more than rounding.
-    fn departs_alone(&mut self, own: ElementState, entered: Option<usize>) -> bool {
+    fn departs_alone(&mut self, own: Option<ElementState>, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
             (&mut self.hybrid, &mut self.scratch, &self.tables.at(self.place).table);
         let (z, sizes) = (hybrid.z.as_slice(), hybrid.sizes.0.as_slice());
@@ -176,7 +196,9 @@ impl Motion {
         for w in &table.watched {
             match table.departure(w, z, sizes, 1.0, &mut scratch.rows) {
                 Some((0, value)) if value < 0.0 => hybrid.departing.push(0),
-                Some((order, value)) if value < 0.0 && w.watch.is_of(own) => hybrid.departing.push(order),
+                Some((order, value)) if value < 0.0 && own.is_some_and(|own| w.watch.is_of(own)) => {
+                    hybrid.departing.push(order);
+                }
                 _ => return false,
             }
         }
@@ -217,7 +239,7 @@ impl Motion {
         }
         hybrid.sizes.include(z);
         let prescribed = speed - e.w.at(&before[n..]);
-        if self.is_low_bounce(i, least) || !self.departs_alone(ElementState::Stop(i, StopState::Open), None) {
+        if self.is_low_bounce(i, least) || !self.departs_alone(Some(ElementState::Stop(i, StopState::Open)), None) {
             self.hybrid.z.copy_from(&self.scratch.start);
             return false;
         }

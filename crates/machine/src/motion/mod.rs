@@ -402,6 +402,11 @@ impl Motion {
         }
     }
 
+    /// Whether the pending event is a knot of a signal.
+    pub(crate) fn is_knot_due(&self) -> bool {
+        matches!(self.hybrid.due, Some(Due::Knot))
+    }
+
     /// Whether only coordinates of signals are to be set anew.
     pub(crate) fn is_renewal_due(&self) -> bool {
         self.hybrid.due == Some(Due::Renewal)

@@ -32,8 +32,7 @@ impl Knots {
     /// The last knot up to a time; `None` before the first.
     pub fn last(&self, time: f64) -> Option<Place> {
         let Some(period) = self.repeat else {
-            let after = self.times.partition_point(|&t| t <= time);
-            return after.checked_sub(1).map(|place| (0.0, place));
+            return self.last_of_once(time).map(|place| (0.0, place));
         };
         let turns = (time / period).floor();
         // A rounded quotient may be one off, and a rounded knot may belong to the next turn.
@@ -41,6 +40,20 @@ impl Knots {
             let after = self.times.partition_point(|&t| exactly(period, turn, t).value() <= time);
             after.checked_sub(1).map(|place| (turn, place))
         })
+    }
+
+    /// The place of the last knot up to a time of knots that do not repeat. Records have knots at
+    /// equal intervals: the place that these say is looked at first.
+    fn last_of_once(&self, time: f64) -> Option<usize> {
+        let (first, last) = (*self.times.first()?, *self.times.last()?);
+        let guess = ((time - first) / (last - first) * (self.times.len() - 1) as f64) as usize;
+        let is_last = |&place: &usize| {
+            self.times.get(place).is_some_and(|own| *own <= time)
+                && self.times.get(place + 1).is_none_or(|next| *next > time)
+        };
+        // A rounded quotient may be one off.
+        let near = [guess, guess.saturating_sub(1), guess.saturating_add(1)].into_iter().find(is_last);
+        near.or_else(|| self.times.partition_point(|&t| t <= time).checked_sub(1))
     }
 
     /// The first knot after a time.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use vibro_machine::description::Description;
 use vibro_machine::motion::{Event, EventKind};
-use vibro_machine::{Assembly, Differentiated, Quantity, What};
+use vibro_machine::{Differentiated, Quantity, What};
 
 /// Part of a number by which it is moved for a difference; of 0 so many SI units.
 const MOVED: f64 = 1e-6;
@@ -171,8 +171,9 @@ impl<'a> Compared<'a> {
     /// Follows all segments, with derivatives on request.
     pub fn beside(&self, unknowns: &Unknowns, point: &Point, reach: &Reach, varied: bool) -> Result<Beside> {
         self.simulations.fetch_add(1, Ordering::Relaxed);
+        let made = unknowns.with(&point.values)?;
         let one = |k: usize| {
-            let found = self.follow(unknowns, point, reach, k, varied)?;
+            let found = self.follow((unknowns, &made), point, reach, k, varied)?;
             if varied { self.filled(unknowns, point, reach, k, found) } else { Ok(found) }
         };
         (0..=reach.nodes.len()).into_par_iter().map(one).collect::<Result<_>>().map(Beside)
@@ -187,7 +188,7 @@ impl<'a> Compared<'a> {
         columns: &Columns,
         note: &mut dyn FnMut(&Event, &[Option<f64>]),
     ) -> Result<Differentiated> {
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
+        let assembly = made.assembly.clone();
         if k == 0 {
             return Ok(made.start.differentiated_by(assembly, &columns.by, note)?);
         }
@@ -198,13 +199,12 @@ impl<'a> Compared<'a> {
     /// Follows a segment.
     fn follow(
         &self,
-        unknowns: &Unknowns,
+        (unknowns, made): (&Unknowns, &Made),
         point: &Point,
         reach: &Reach,
         k: usize,
         varied: bool,
     ) -> Result<Followed> {
-        let made = unknowns.with(&point.values)?;
         let node = |k: usize| k.checked_sub(1).map_or(f64::NEG_INFINITY, |k| reach.nodes[k]);
         let (from, next) = (node(k), reach.nodes.get(k).copied());
         let until = next.unwrap_or(reach.end);
@@ -228,7 +228,7 @@ impl<'a> Compared<'a> {
                 contacts[list].1.push((event.time - made.shift, by));
             }
         };
-        let mut motion = self.begin(&made, point, (k, from), &columns, &mut note)?;
+        let mut motion = self.begin(made, point, (k, from), &columns, &mut note)?;
         let begin = motion.motion().time();
         let mut samples = Vec::new();
         let data = &self.measured.columns;
@@ -281,7 +281,8 @@ impl<'a> Compared<'a> {
                 let by = sign * if *own == 0.0 { MOVED } else { MOVED * own.abs() };
                 *own += by;
                 self.simulations.fetch_add(1, Ordering::Relaxed);
-                Some((by, self.follow(unknowns, &other, reach, k, false).ok()?))
+                let made = unknowns.with(&other.values).ok()?;
+                Some((by, self.follow((unknowns, &made), &other, reach, k, false).ok()?))
             };
             // At a limit both sides count; where there is but one, that one.
             let same = || Some((0.0, found.clone()));

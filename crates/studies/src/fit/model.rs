@@ -11,7 +11,6 @@ use super::{FitRequest, Measured, Way};
 use crate::QuantityName;
 use crate::error::{Error, Result};
 use std::sync::Arc;
-use vibro_machine::Assembly;
 
 /// Samples of which more than half may be outliers by chance.
 const FEW: usize = 8;
@@ -290,8 +289,7 @@ impl<'a> Model<'a> {
         let made = self.unknowns.with(values).ok()?;
         let named: QuantityName = format!("body.{body}.{what}").parse().ok()?;
         let quantity = named.find(&made.machine.description).ok()?.quantity;
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone()).ok()?);
-        let mut motion = made.start.motion(assembly).ok()?;
+        let mut motion = made.start.motion(made.assembly.clone()).ok()?;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for time in &self.times {
             motion.advance_to((time + made.shift).max(motion.time())).ok()?;

@@ -19,6 +19,9 @@ const BESIDE: (u32, f64) = (8, 0.3);
 /// Largest number of attempts from a start: plain descent, each of [`WAYS`], segments by the
 /// record, segments by the motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
+/// Contacts of the motion at the start above which segments come before horizons: of records with
+/// 20 to 100 horizons were the cheaper way, of one with 500 they end in wrong minima.
+const MANY: usize = 200;
 /// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
 const LOOKED_AT: u32 = 128;
 /// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
@@ -63,8 +66,11 @@ impl Search<'_> {
         // Contacts alone are matched in their order, which only growing horizons keep.
         let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
         let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
-        // Costs ten times as much as horizons on records with few impacts.
-        let recorded = is_recorded.then(|| Attempt::Recorded(start.to_vec()));
+        // Segments cost ten times as much as horizons on records with few impacts. Horizons over
+        // many impacts end in wrong minima, which each impact adds.
+        let has_many = is_recorded && self.has_many_contacts();
+        let recorded = || Attempt::Recorded(start.to_vec());
+        let (first, later) = (has_many.then(recorded), (is_recorded && !has_many).then(recorded));
         let divided = is_divided.then_some(Attempt::Divided);
         let beside = move |begin| match is_recorded {
             true => Attempt::Recorded(begin),
@@ -72,12 +78,18 @@ impl Search<'_> {
         };
         let is_small = start.len() <= sobol::DIMENSIONS;
         let besides = std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
-        plain.into_iter().chain(horizons).chain(recorded).chain(divided).chain(besides)
+        plain.into_iter().chain(first).chain(horizons).chain(later).chain(divided).chain(besides)
     }
 
     /// Whether the motion has one valley: without stops, and near the record from the start on.
     fn is_regular(&self) -> bool {
         !self.model.has_stops() && self.model.is_near(self.start, WAYS[0])
+    }
+
+    /// Whether the motion has many contacts over the record.
+    fn has_many_contacts(&self) -> bool {
+        let (point, reach) = (Point::from(self.start.to_vec()), Reach::whole(self.model.end()));
+        self.model.beside(&point, &reach).is_ok_and(|beside| beside.contacts_of_motion() > MANY)
     }
 
     /// The length of segments, s, where it is given.

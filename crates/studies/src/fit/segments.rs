@@ -12,9 +12,8 @@ use super::model::Model;
 use super::solver::{Bounds, Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::Result;
-use std::sync::Arc;
 use vibro_machine::derivative::By;
-use vibro_machine::{Assembly, Differentiated, Motion};
+use vibro_machine::{Differentiated, Motion};
 
 /// Growth of a small change, relative to the sizes of states, after which a segment ends.
 const GROWTH: f64 = 20.0;
@@ -166,7 +165,7 @@ impl Model<'_> {
     /// request, and the shift of the record's times.
     fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {
         let made = self.unknowns.with(&point.values)?;
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
+        let assembly = made.assembly.clone();
         let columns: Vec<By> =
             if varied { (0..assembly.system().states()).map(By::Start).collect() } else { Vec::new() };
         let motion = match (nodes.last(), point.states.last()) {

@@ -61,7 +61,7 @@ impl Model<'_> {
         let mut point = Point::from(values.to_vec());
         let mut nodes = Vec::new();
         let made = self.unknowns.with(values)?;
-        let assembly = Arc::new(Assembly::new(made.machine.description.clone())?.varying_rounded());
+        let assembly = made.assembly.clone();
         let mut motion = made.start.motion(assembly.clone())?;
         let (times, mut from) = (&self.measured.times, self.first());
         while from + length < self.end() {

@@ -40,6 +40,8 @@ pub(super) struct Unknowns<'a> {
 /// What values of the free numbers make.
 pub(super) struct Made {
     pub machine: Machine,
+    /// The machine's equations, which follow rounded signals as if they were not.
+    pub assembly: Arc<Assembly>,
     pub start: Start,
     /// Time of the motion at the record's time 0, s.
     pub shift: f64,
@@ -133,7 +135,8 @@ impl<'a> Unknowns<'a> {
         }
         let mut machine = self.machine.with(of_machine)?;
         filter::begin(&self.sensors, &mut machine, &start)?;
-        Ok(Made { machine, start, shift, offsets })
+        let assembly = Arc::new(Assembly::new(machine.description.clone())?.varying_rounded());
+        Ok(Made { machine, assembly, start, shift, offsets })
     }
 }
 
@@ -144,8 +147,7 @@ impl Made {
     /// # Errors
     /// [`Error::Refusal`] for a name that neither machine nor start has.
     pub fn columns(&self, unknowns: &Unknowns, states: Option<usize>) -> Result<Columns> {
-        let assembly = Assembly::new(self.machine.description.clone())?;
-        let named = self.start.columns(&assembly, &unknowns.names)?;
+        let named = self.start.columns(&self.assembly, &unknowns.names)?;
         let is_first = states.is_none();
         let (mut by, mut of) = (Vec::new(), Vec::new());
         let mut add = |own: By| {
