@@ -2,10 +2,11 @@
 //!
 //! A motion with impacts follows its parameters only over a time: a plain fit over a long record
 //! often ends in a wrong minimum. `schedule` has the ways that are tried, the cheapest first: plain
-//! descent, growing horizons, segments that begin as the record shows, segments of the fitted
-//! motion, and starts beside.
+//! descent, growing horizons, estimation block by block, segments of the fitted motion, and starts
+//! beside.
 
 mod beside;
+mod blocks;
 mod checks;
 mod directions;
 mod elimination;
@@ -19,14 +20,13 @@ mod model;
 mod profile;
 mod progress;
 mod record;
-mod recorded;
 mod restarts;
 mod rounded;
 mod schedule;
 mod segments;
-mod shown;
 mod solver;
 mod statistics;
+mod ties;
 mod unknowns;
 mod verdict;
 
@@ -63,7 +63,7 @@ const REWEIGHTED_ROBUST: u32 = 6;
 /// A motion that is close to the record throughout.
 const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
 /// Times that a better point beside a fitted one is taken.
-const BETTER: u32 = 6;
+const BETTER: u32 = 20;
 /// Most free numbers.
 const MOST_FREE: usize = 50;
 

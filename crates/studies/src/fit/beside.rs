@@ -361,7 +361,7 @@ impl Followed {
 }
 
 /// The state of a motion with its derivatives.
-fn end_of(motion: &Differentiated, columns: &Columns, carried: &Carried) -> Vec<Varied> {
+pub(super) fn end_of(motion: &Differentiated, columns: &Columns, carried: &Carried) -> Vec<Varied> {
     let own = motion.motion();
     let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();
     let rates = own.state_derivatives();

@@ -10,11 +10,14 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Standard errors by which a start lies beside the point, and the part of a number at most.
-const AWAY: f64 = 6.0;
+/// Standard errors by which a start lies beside the point, of motions without contacts and with
+/// them. The cost jumps where an impact appears, and the valley behind such a jump often begins ten
+/// errors away. The next distance is tried where the one before leads to no better point.
+const AWAY: [&[f64]; 2] = [&[6.0], &[12.0, 6.0]];
+/// Part of a number by which a start lies beside the point at most.
 const MOST: f64 = 0.3;
 /// Combinations along which starts lie, of motions without contacts and with them.
-const DIRECTIONS: [usize; 2] = [1, 4];
+const DIRECTIONS: [usize; 2] = [1, 6];
 /// Part of its motion's size by which a number that moves nothing is moved.
 const NUDGE: f64 = 0.1;
 /// Singular value, relative to the largest, below which nothing leads back.
@@ -81,10 +84,27 @@ pub(super) fn restarted(
     factors: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
+    for away in AWAY[usize::from(model.has_stops())] {
+        match restarted_from(model, bounds, best, (factors, *away), go_on)? {
+            Found::Same => {}
+            found => return Ok(found),
+        }
+    }
+    Ok(Found::Same)
+}
+
+/// What starts at one distance beside a point lead to.
+fn restarted_from(
+    model: &Model,
+    bounds: &Bounds,
+    best: &Solved,
+    (factors, away): (&[f64], f64),
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Found> {
     let at = model.evaluate(&best.point, &best.reach)?;
     let p = best.point.values.len();
     let mut starts = nudged(model, bounds, &best.point, &at);
-    let Some((jacobian, along)) = along(model, best, &at) else { return Ok(Found::Same) };
+    let Some((jacobian, along)) = along(model, best, &at, away) else { return Ok(Found::Same) };
     for change in &along {
         starts.extend([1.0, -1.0].map(|sign| {
             let mut next = best.point.clone();
@@ -128,7 +148,7 @@ pub(super) fn restarted(
 
 /// The derivatives of all residuals by the free numbers, and changes of some standard errors along
 /// the combinations that are least determined, each with what states of segments then do.
-fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, Vec<Point>)> {
+fn along(model: &Model, best: &Solved, at: &Evaluated, away: f64) -> Option<(DMatrix<f64>, Vec<Point>)> {
     let values = &best.point.values;
     let p = values.len();
     let Directions { triangle, jacobian, scales, singular, right } = Directions::of(model, values, at)?;
@@ -138,7 +158,7 @@ fn along(model: &Model, best: &Solved, at: &Evaluated) -> Option<(DMatrix<f64>, 
     let variance = model.variance(best.cost, p);
     let of = |&k: &usize| {
         let direction = right.row(k).transpose();
-        let length = (AWAY * variance.sqrt() / singular[k]).min(MOST / direction.amax());
+        let length = (away * variance.sqrt() / singular[k]).min(MOST / direction.amax());
         let change = DVector::from_fn(p, |j, _| length * scales[j] * direction[j]);
         let states = triangle.states_of(&change, 0.0)?;
         Some(Point { values: change.iter().copied().collect(), states })

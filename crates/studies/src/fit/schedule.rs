@@ -2,12 +2,13 @@
 //! result of a way only if it has a lower cost over the whole record. The search ends at the first
 //! way whose residuals are noise.
 
+use super::blocks::over_blocks;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::over_horizons;
 use super::model::Model;
-use super::recorded::over_recorded;
 use super::segments::over_segments;
 use super::solver::{Bounds, Convergence, solve};
+use super::ties::tied;
 use super::{CLOSE, Segments, WAYS, Way};
 use crate::error::Result;
 use crate::sobol;
@@ -16,11 +17,11 @@ use rayon::prelude::*;
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: plain descent, each of [`WAYS`], segments by the
-/// record, segments by the motion, and [`BESIDE`] other starts.
+/// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments by the
+/// motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
-/// Contacts of the motion at the start above which segments come before horizons: of records with
-/// 20 to 100 horizons were the cheaper way, of one with 500 they end in wrong minima.
+/// Contacts of the motion at the start above which blocks come before horizons: horizons over 500
+/// contacts ended in wrong minima, over 100 contacts they were the cheaper way.
 const MANY: usize = 200;
 /// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
 const LOOKED_AT: u32 = 128;
@@ -37,8 +38,8 @@ enum Attempt {
     Plain,
     /// Growing horizons.
     Horizons(Vec<f64>, Way),
-    /// Segments that begin as the record shows, then descent over the whole record.
-    Recorded(Vec<f64>),
+    /// Estimation block by block, then segments that become one motion.
+    Blocks(Vec<f64>),
     /// Segments that begin as the fitted motion does.
     Divided,
 }
@@ -61,19 +62,18 @@ impl Search<'_> {
         // Times of contacts say too little of the states in which segments begin.
         let is_divided =
             self.segments != Segments::None && (!model.is_of_contacts() || self.length().is_some());
-        let is_recorded = is_divided && !model.is_of_contacts() && !is_regular;
+        let is_in_blocks = is_divided && !model.is_of_contacts() && !is_regular;
         let ways = WAYS.iter().take(if is_regular { 1 } else { WAYS.len() });
         // Contacts alone are matched in their order, which only growing horizons keep.
         let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
         let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
-        // Segments cost ten times as much as horizons on records with few impacts. Horizons over
-        // many impacts end in wrong minima, which each impact adds.
-        let has_many = is_recorded && self.has_many_contacts();
-        let recorded = || Attempt::Recorded(start.to_vec());
-        let (first, later) = (has_many.then(recorded), (is_recorded && !has_many).then(recorded));
+        // Horizons over many impacts end in wrong minima, which each impact adds.
+        let has_many = is_in_blocks && self.has_many_contacts();
+        let blocks = || Attempt::Blocks(start.to_vec());
+        let (first, later) = (has_many.then(blocks), (is_in_blocks && !has_many).then(blocks));
         let divided = is_divided.then_some(Attempt::Divided);
-        let beside = move |begin| match is_recorded {
-            true => Attempt::Recorded(begin),
+        let beside = move |begin| match is_in_blocks {
+            true => Attempt::Blocks(begin),
             false => Attempt::Horizons(begin, WAYS[1]),
         };
         let is_small = start.len() <= sobol::DIMENSIONS;
@@ -122,7 +122,7 @@ impl Search<'_> {
         solve(model, bounds, &found.point, (&reach, Convergence::Whole), self.go_on)
     }
 
-    /// The best point from segments that begin as the record shows.
+    /// The best point from segments that were tied to one motion.
     fn continued(&self, found: Solved) -> Result<Solved> {
         let Self { model, go_on, .. } = *self;
         let values = found.point.values.clone();
@@ -152,9 +152,10 @@ impl Search<'_> {
         let Self { model, bounds, go_on, .. } = *self;
         match attempt {
             Attempt::Plain => self.plain(self.start.to_vec()),
-            Attempt::Recorded(start) => {
-                let found = over_recorded(&model.for_segments(), bounds, &start, go_on)?;
-                self.continued(found)
+            Attempt::Blocks(start) => {
+                let model = model.for_segments();
+                let found = over_blocks(&model, bounds, &start, go_on)?;
+                self.continued(tied(&model, bounds, found, go_on)?)
             }
             Attempt::Horizons(start, way) => over_horizons(model, bounds, &start, way, go_on),
             Attempt::Divided => self.divided(self.start),

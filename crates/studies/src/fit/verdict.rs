@@ -11,8 +11,11 @@ use std::fmt;
 
 /// Residuals, in units of a noise that the record's differences say, up to which a motion fits, and
 /// in units of any noise, above which it does not. Of a given noise chance alone is allowed.
-const FITS: f64 = 1.3;
+const FITS: f64 = 1.15;
 const MISSES: f64 = 2.5;
+/// Residuals, in units of such a noise, at which the search of a way ends: starts beside the point
+/// lead on from there.
+const NEARLY: f64 = 1.3;
 /// Standard deviations of a root mean square, by which residuals may be larger: one exact record in
 /// 700 is beyond.
 const CHANCE: f64 = 3.0;
@@ -62,13 +65,20 @@ impl Verdict {
 }
 
 impl Model<'_> {
-    /// Whether the motion of a point is the record's.
+    /// Whether the motion of a point is the record's, or so near to it that starts beside the point
+    /// lead to it.
     pub(super) fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
-        Ok(self.verdict(&self.beside(point, reach)?) == Verdict::Fits)
+        Ok(self.judged(&self.beside(point, reach)?, NEARLY) == Verdict::Fits)
     }
 
     /// What residuals say of a motion beside the record.
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
+        self.judged(beside, FITS)
+    }
+
+    /// What residuals say of a motion beside the record, with a limit in units of a noise that the
+    /// record's differences say.
+    fn judged(&self, beside: &Beside, limit: f64) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
             let (spread, least) = (self.spread(beside.residuals(k)), LEAST * size(values));
@@ -76,7 +86,7 @@ impl Model<'_> {
             // What differences say of few samples is vaguer than a root mean square.
             let share = if self.has_sigma { self.chance() } else { VAGUE };
             let chance = 1.0 + share / (values.len() as f64).sqrt();
-            let allowed = if self.has_sigma { chance } else { FITS.max(chance) };
+            let allowed = if self.has_sigma { chance } else { limit.max(chance) };
             let many = format!("the residuals of {name} are {} times its noise", significant(times));
             if times > MISSES.max(chance) {
                 return Verdict::Misses(many);

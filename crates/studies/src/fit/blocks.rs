@@ -1,0 +1,243 @@
+//! Estimation block by block, as an iterated extended Kalman filter (A. Gelb, Applied Optimal
+//! Estimation, 1974, section 6.1): the way to motions with many impacts from numbers that are far
+//! off. Each block of samples updates the numbers and the state together, so that a wrong number
+//! never moves the motion far from the record.
+//!
+//! The filter's errors are those of its linearization. The search therefore takes the numbers alone
+//! from it, and fits them over the whole record.
+
+use super::beside::end_of;
+use super::evaluated::{Point, Varied};
+use super::loss::Loss;
+use super::model::Model;
+use super::solver::Bounds;
+use super::unknowns::{Columns, Made};
+use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+use vibro_machine::{Differentiated, Motion};
+use vibro_machine::motion::Event;
+
+/// Standard deviations of the numbers before each pass over the record, in parts of their values.
+const PASSES: [f64; 2] = [0.3, 0.05];
+/// Standard deviation of the state at the record's start, in parts of the states' sizes.
+const START: f64 = 1e-3;
+/// Standard deviation that each block adds to the state, in parts of the states' sizes: what the
+/// linearization and a number that is still wrong leave out.
+const ADDED: f64 = 2e-3;
+/// Residuals of a block for each number and state.
+const RESIDUALS: usize = 2;
+/// Blocks of a segment at least, and the part of a block around a segment's start in which nothing
+/// happens to a contact.
+const SEGMENT: usize = 5;
+const QUIET: f64 = 0.25;
+/// Most steps of a block, its first damping, and the damping at which the block ends.
+const STEPS: u32 = 8;
+const DAMPING: (f64, f64) = (1e-3, 1e6);
+/// Part of the cost below which a step's reduction ends a block.
+const REDUCTION: f64 = 1e-3;
+
+/// The numbers with the state at one instant, and their covariance.
+struct Estimate {
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// A block of samples beside the motion.
+struct Block {
+    residuals: DVector<f64>,
+    /// Derivatives of the residuals by the numbers and the state at the block's begin.
+    by: DMatrix<f64>,
+    end: Vec<Varied>,
+    /// Times of the motion at which stops are hit or touched, or anything else happens to a contact.
+    events: Vec<f64>,
+}
+
+/// The part of the record that a block has, and the time at which it begins.
+struct Place {
+    time: f64,
+    rows: Range<usize>,
+}
+
+/// The point reached from a start by passes over the record, with starts of segments in the states
+/// of the last pass.
+pub(super) fn over_blocks(
+    model: &Model,
+    bounds: &Bounds,
+    start: &[f64],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<(Vec<f64>, Point)> {
+    let bounds = bounds.inside(start);
+    let mut found = (Vec::new(), Point::from(start.to_vec()));
+    for part in PASSES {
+        found = pass(model, &bounds, &found.1.values, part, go_on)?;
+    }
+    Ok(found)
+}
+
+/// The times at which segments begin after one pass over the record, from numbers that are known to
+/// a part of themselves, and the point that the pass reaches.
+fn pass(
+    model: &Model,
+    bounds: &Bounds,
+    values: &[f64],
+    part: f64,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<(Vec<f64>, Point)> {
+    let sizes = model.sizes_of_states(values)?;
+    let made = model.unknowns.with(values)?;
+    let state = made.start.motion(made.assembly.clone())?.states();
+    let count = values.len();
+    let deviation = |i: usize| match i.checked_sub(count) {
+        None => part * if values[i] == 0.0 { 1.0 } else { values[i].abs() },
+        Some(k) => START * sizes[k],
+    };
+    let all = count + state.len();
+    let mut now = Estimate {
+        mean: DVector::from_iterator(all, values.iter().chain(&state).copied()),
+        covariance: DMatrix::from_diagonal(&DVector::from_fn(all, |i, _| deviation(i).powi(2))),
+    };
+    let times = &model.measured.times;
+    let length = (RESIDUALS * all).div_ceil(model.measured.columns.len().max(1)).max(1);
+    let (mut time, mut row) = (made.start.time - made.shift, 0);
+    let (mut nodes, mut states) = (Vec::new(), Vec::new());
+    let (mut since, mut is_quiet) = (0, false);
+    while row < times.len() && go_on() {
+        let rows = row..(row + length).min(times.len());
+        row = rows.end;
+        let place = Place { time, rows };
+        let begin: Vec<f64> = now.mean.iter().skip(count).copied().collect();
+        let (next, events) = updated(model, bounds, &now, &place, &sizes)?;
+        let end = times[row - 1];
+        let margin = QUIET * (end - time);
+        since += 1;
+        if is_quiet && since >= SEGMENT && events.iter().all(|event| *event > time + margin) {
+            nodes.push(time);
+            states.push(begin);
+            since = 0;
+        }
+        is_quiet = events.iter().all(|event| *event < end - margin);
+        (now, time) = (next, end);
+    }
+    let values: Vec<f64> = now.mean.iter().take(count).copied().collect();
+    // A state that was reached with other numbers may be behind a stop.
+    let made = model.unknowns.with(&values)?;
+    let begins = |(node, state): &(f64, Vec<f64>)| {
+        Motion::from_state(made.assembly.clone(), node + made.shift, state).is_ok()
+    };
+    let (nodes, states) = nodes.into_iter().zip(states).filter(begins).unzip();
+    Ok((nodes, Point { values, states }))
+}
+
+/// The estimate at the end of a block.
+fn updated(
+    model: &Model,
+    bounds: &Bounds,
+    prior: &Estimate,
+    place: &Place,
+    sizes: &[f64],
+) -> Result<(Estimate, Vec<f64>)> {
+    let all = prior.mean.len();
+    let count = all - sizes.len();
+    let lost = || Error::Described { problem: "a covariance is not positive".into() };
+    let units = DVector::from_fn(all, |i, _| prior.covariance[(i, i)].sqrt().max(f64::MIN_POSITIVE));
+    let scaled = DMatrix::from_fn(all, all, |i, j| prior.covariance[(i, j)] / (units[i] * units[j]));
+    let information = scaled.cholesky().ok_or_else(lost)?.inverse();
+    let off = |mean: &DVector<f64>| (mean - &prior.mean).component_div(&units);
+    let cost = |own: &Block, off: &DVector<f64>| {
+        Loss::Huber.sum(own.residuals.iter().copied()) + off.dot(&(&information * off))
+    };
+    let mut mean = prior.mean.clone();
+    let mut at = block(model, &mean, count, place)?;
+    let mut least = cost(&at, &off(&mean));
+    let mut damping = DAMPING.0;
+    let normal = |at: &Block| {
+        let weights = at.residuals.map(|r| Loss::Huber.weight(r));
+        let rows = DMatrix::from_fn(at.residuals.len(), all, |i, j| at.by[(i, j)] * weights[i] * units[j]);
+        let right = rows.tr_mul(&at.residuals.component_mul(&weights));
+        (&information + rows.tr_mul(&rows), right)
+    };
+    for _ in 0..STEPS {
+        let (matrix, right) = normal(&at);
+        let gradient = right + &information * off(&mean);
+        let damped = DMatrix::from_fn(all, all, |i, j| {
+            matrix[(i, j)] * if i == j { 1.0 + damping } else { 1.0 }
+        });
+        let change = damped.cholesky().ok_or_else(lost)?.solve(&gradient);
+        let mut next = &mean - change.component_mul(&units);
+        for i in 0..count {
+            next[i] = next[i].clamp(bounds.low[i], bounds.high[i]);
+        }
+        // A motion cannot begin in a state that is behind a stop.
+        let tried = block(model, &next, count, place).ok();
+        let found = tried.map(|own| (cost(&own, &off(&next)), own)).filter(|(found, _)| *found < least);
+        let Some((found, own)) = found else {
+            damping = 10.0 * damping.max(DAMPING.0);
+            if damping > DAMPING.1 {
+                break;
+            }
+            continue;
+        };
+        let is_done = least - found <= REDUCTION * found;
+        (mean, at, least, damping) = (next, own, found, 0.1 * damping);
+        if is_done {
+            break;
+        }
+    }
+    let (matrix, _) = normal(&at);
+    let inverse = matrix.cholesky().ok_or_else(lost)?.inverse();
+    let carried = DMatrix::from_fn(all, all, |i, j| match i.checked_sub(count) {
+        None => f64::from(u8::from(i == j)),
+        Some(k) => at.end[k].1[j].unwrap_or(0.0),
+    });
+    let posterior = DMatrix::from_fn(all, all, |i, j| inverse[(i, j)] * units[i] * units[j]);
+    let mut covariance = &carried * posterior * carried.transpose();
+    for (k, size) in sizes.iter().enumerate() {
+        mean[count + k] = at.end[k].0;
+        covariance[(count + k, count + k)] += (ADDED * size).powi(2);
+    }
+    let half = DMatrix::from_fn(all, all, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
+    Ok((Estimate { mean, covariance: half }, at.events))
+}
+
+/// A block of samples beside the motion that begins with a mean.
+fn block(model: &Model, mean: &DVector<f64>, count: usize, place: &Place) -> Result<Block> {
+    let (values, state) = mean.as_slice().split_at(count);
+    let made: Made = model.unknowns.with(values)?;
+    let columns: Columns = made.columns(&model.unknowns, Some(state.len()))?;
+    let time = place.time + made.shift;
+    let mut motion = Differentiated::from_state(made.assembly.clone(), time, state, &columns.by)?;
+    let data = &model.measured.columns;
+    let all = count + state.len();
+    let rows = place.rows.len() * data.len();
+    // What is held at the begin is as an event there.
+    let is_held = motion.motion().mode().contacts().next().is_some();
+    let mut events: Vec<f64> = is_held.then_some(place.time).into_iter().collect();
+    let (mut residuals, mut by) = (Vec::with_capacity(rows), Vec::with_capacity(rows * all));
+    for row in place.rows.clone() {
+        let mut note = |event: &Event, _: &[Option<f64>]| {
+            if event.contact().is_some() {
+                events.push(event.time - made.shift);
+            }
+        };
+        motion.advance_observed((model.measured.times[row] + made.shift).max(time), &mut note)?;
+        for (k, (_, measured)) in data.iter().enumerate() {
+            let (quantity, rate) = model.compared.quantities_of(k);
+            let unit = model.deviations()[k];
+            residuals.push((motion.motion().value(quantity) + made.offsets[k] - measured[row]) / unit);
+            let rate = rate.map(|rate| motion.motion().value(rate));
+            let own = columns.all(&|p| motion.derivative(quantity, p), rate, Some(k));
+            by.extend(own.into_iter().map(|x| x.unwrap_or(0.0) / unit));
+        }
+    }
+    let end = end_of(&motion, &columns, &Default::default());
+    let own = Block {
+        residuals: DVector::from_vec(residuals),
+        by: DMatrix::from_row_slice(rows, all, &by),
+        end,
+        events,
+    };
+    let is_finite = own.residuals.iter().chain(own.by.iter()).all(|x| x.is_finite());
+    let grows = || Error::Described { problem: "the motion grows beyond all numbers".into() };
+    is_finite.then_some(own).ok_or_else(grows)
+}
