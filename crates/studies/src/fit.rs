@@ -240,6 +240,10 @@ fn fit_carrying(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     }
     let (mut doubt, mut factors) = (None, vec![1.0; count]);
     for turn in 0..=BETTER {
+        // Of segments that stay apart no start leads to one motion.
+        if !best.is_continuous {
+            break;
+        }
         watch.begin(format!("starts beside the best point, {} of at most {}", turn + 1, BETTER + 1));
         if !go_on() {
             break;

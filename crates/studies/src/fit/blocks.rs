@@ -34,6 +34,8 @@ const QUIET: f64 = 0.25;
 /// Most steps of a block, its first damping, and the damping at which the block ends.
 const STEPS: u32 = 8;
 const DAMPING: (f64, f64) = (1e-3, 1e6);
+/// Large residuals are of an impact too many, and count less.
+const LOSS: Loss = Loss::Huber;
 /// Part of the cost below which a step's reduction ends a block.
 const REDUCTION: f64 = 1e-3;
 
@@ -41,6 +43,22 @@ const REDUCTION: f64 = 1e-3;
 struct Estimate {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
+}
+
+impl Estimate {
+    /// The estimate at the start of the motion, of numbers that are known to a part of themselves.
+    fn at_start(made: &Made, values: &[f64], (part, sizes): (f64, &[f64])) -> Result<Self> {
+        let state = made.start.motion(made.assembly.clone())?.states();
+        let (count, all) = (values.len(), values.len() + state.len());
+        let deviation = |i: usize| match i.checked_sub(count) {
+            None => part * if values[i] == 0.0 { 1.0 } else { values[i].abs() },
+            Some(k) => START * sizes[k],
+        };
+        Ok(Self {
+            mean: DVector::from_iterator(all, values.iter().chain(&state).copied()),
+            covariance: DMatrix::from_diagonal(&DVector::from_fn(all, |i, _| deviation(i).powi(2))),
+        })
+    }
 }
 
 /// A block of samples beside the motion.
@@ -84,19 +102,10 @@ fn pass(
     part: f64,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<(Vec<f64>, Point)> {
-    let sizes = model.sizes_of_states(values)?;
+    let (sizes, count) = (model.sizes_of_states(values)?, values.len());
     let made = model.unknowns.with(values)?;
-    let state = made.start.motion(made.assembly.clone())?.states();
-    let count = values.len();
-    let deviation = |i: usize| match i.checked_sub(count) {
-        None => part * if values[i] == 0.0 { 1.0 } else { values[i].abs() },
-        Some(k) => START * sizes[k],
-    };
-    let all = count + state.len();
-    let mut now = Estimate {
-        mean: DVector::from_iterator(all, values.iter().chain(&state).copied()),
-        covariance: DMatrix::from_diagonal(&DVector::from_fn(all, |i, _| deviation(i).powi(2))),
-    };
+    let mut now = Estimate::at_start(&made, values, (part, &sizes))?;
+    let all = now.mean.len();
     let times = &model.measured.times;
     let length = (RESIDUALS * all).div_ceil(model.measured.columns.len().max(1)).max(1);
     let (mut time, mut row) = (made.start.time - made.shift, 0);
@@ -107,7 +116,7 @@ fn pass(
         row = rows.end;
         let place = Place { time, rows };
         let begin: Vec<f64> = now.mean.iter().skip(count).copied().collect();
-        let (next, events) = updated(model, bounds, &now, &place, &sizes)?;
+        let (next, events) = updated((model, bounds), &now, &place, &sizes)?;
         let end = times[row - 1];
         let margin = QUIET * (end - time);
         since += 1;
@@ -129,75 +138,124 @@ fn pass(
     Ok((nodes, Point { values, states }))
 }
 
-/// The estimate at the end of a block.
+/// The least squares of one block, in units of the prior standard deviations.
+struct Problem<'a> {
+    model: &'a Model<'a>,
+    bounds: &'a Bounds,
+    prior: &'a Estimate,
+    place: &'a Place,
+    /// Number of free numbers; the state's follow them.
+    count: usize,
+    units: DVector<f64>,
+    /// The inverse of the prior covariance.
+    information: DMatrix<f64>,
+}
+
+fn not_positive() -> Error {
+    Error::Described { problem: "the covariance of a block is not positive".into() }
+}
+
+impl<'a> Problem<'a> {
+    fn new(
+        (model, bounds): (&'a Model, &'a Bounds),
+        prior: &'a Estimate,
+        place: &'a Place,
+        count: usize,
+    ) -> Result<Self> {
+        let all = prior.mean.len();
+        let units = DVector::from_fn(all, |i, _| prior.covariance[(i, i)].sqrt().max(f64::MIN_POSITIVE));
+        let scaled = DMatrix::from_fn(all, all, |i, j| prior.covariance[(i, j)] / (units[i] * units[j]));
+        let information = scaled.cholesky().ok_or_else(not_positive)?.inverse();
+        Ok(Self { model, bounds, prior, place, count, units, information })
+    }
+
+    fn block(&self, mean: &DVector<f64>) -> Result<Block> {
+        block(self.model, mean, self.count, self.place)
+    }
+
+    /// A mean less the prior one.
+    fn off(&self, mean: &DVector<f64>) -> DVector<f64> {
+        (mean - &self.prior.mean).component_div(&self.units)
+    }
+
+    fn cost(&self, own: &Block, mean: &DVector<f64>) -> f64 {
+        let off = self.off(mean);
+        LOSS.sum(own.residuals.iter().copied()) + off.dot(&(&self.information * &off))
+    }
+
+    /// The matrix of the normal equations, and the residuals' part of their right side.
+    fn normal(&self, at: &Block) -> (DMatrix<f64>, DVector<f64>) {
+        let weights = at.residuals.map(|r| LOSS.weight(r));
+        let row = |i, j| at.by[(i, j)] * weights[i] * self.units[j];
+        let rows = DMatrix::from_fn(at.residuals.len(), self.units.len(), row);
+        let right = rows.tr_mul(&at.residuals.component_mul(&weights));
+        (&self.information + rows.tr_mul(&rows), right)
+    }
+
+    /// A mean after one damped step, within the bounds.
+    fn stepped(&self, mean: &DVector<f64>, at: &Block, damping: f64) -> Result<DVector<f64>> {
+        let (mut matrix, right) = self.normal(at);
+        let gradient = right + &self.information * self.off(mean);
+        (0..matrix.nrows()).for_each(|i| matrix[(i, i)] *= 1.0 + damping);
+        let change = matrix.cholesky().ok_or_else(not_positive)?.solve(&gradient);
+        let mut next = mean - change.component_mul(&self.units);
+        for i in 0..self.count {
+            next[i] = next[i].clamp(self.bounds.low[i], self.bounds.high[i]);
+        }
+        Ok(next)
+    }
+
+    /// The mean with the least cost, and its block.
+    fn solved(&self) -> Result<(DVector<f64>, Block)> {
+        let mut mean = self.prior.mean.clone();
+        let mut at = self.block(&mean)?;
+        let (mut least, mut damping) = (self.cost(&at, &mean), DAMPING.0);
+        for _ in 0..STEPS {
+            let next = self.stepped(&mean, &at, damping)?;
+            // A motion cannot begin in a state that is behind a stop.
+            let tried = self.block(&next).ok().map(|own| (self.cost(&own, &next), own));
+            let Some((cost, own)) = tried.filter(|(cost, _)| *cost < least) else {
+                damping *= 10.0;
+                if damping > DAMPING.1 {
+                    break;
+                }
+                continue;
+            };
+            let is_done = least - cost <= REDUCTION * cost;
+            (mean, at, least, damping) = (next, own, cost, f64::max(0.1 * damping, 0.01 * DAMPING.0));
+            if is_done {
+                break;
+            }
+        }
+        Ok((mean, at))
+    }
+}
+
+/// The estimate at the end of a block, and the times of its contacts' events.
 fn updated(
-    model: &Model,
-    bounds: &Bounds,
+    (model, bounds): (&Model, &Bounds),
     prior: &Estimate,
     place: &Place,
     sizes: &[f64],
 ) -> Result<(Estimate, Vec<f64>)> {
     let all = prior.mean.len();
     let count = all - sizes.len();
-    let lost = || Error::Described { problem: "a covariance is not positive".into() };
-    let units = DVector::from_fn(all, |i, _| prior.covariance[(i, i)].sqrt().max(f64::MIN_POSITIVE));
-    let scaled = DMatrix::from_fn(all, all, |i, j| prior.covariance[(i, j)] / (units[i] * units[j]));
-    let information = scaled.cholesky().ok_or_else(lost)?.inverse();
-    let off = |mean: &DVector<f64>| (mean - &prior.mean).component_div(&units);
-    let cost = |own: &Block, off: &DVector<f64>| {
-        Loss::Huber.sum(own.residuals.iter().copied()) + off.dot(&(&information * off))
-    };
-    let mut mean = prior.mean.clone();
-    let mut at = block(model, &mean, count, place)?;
-    let mut least = cost(&at, &off(&mean));
-    let mut damping = DAMPING.0;
-    let normal = |at: &Block| {
-        let weights = at.residuals.map(|r| Loss::Huber.weight(r));
-        let rows = DMatrix::from_fn(at.residuals.len(), all, |i, j| at.by[(i, j)] * weights[i] * units[j]);
-        let right = rows.tr_mul(&at.residuals.component_mul(&weights));
-        (&information + rows.tr_mul(&rows), right)
-    };
-    for _ in 0..STEPS {
-        let (matrix, right) = normal(&at);
-        let gradient = right + &information * off(&mean);
-        let damped = DMatrix::from_fn(all, all, |i, j| {
-            matrix[(i, j)] * if i == j { 1.0 + damping } else { 1.0 }
-        });
-        let change = damped.cholesky().ok_or_else(lost)?.solve(&gradient);
-        let mut next = &mean - change.component_mul(&units);
-        for i in 0..count {
-            next[i] = next[i].clamp(bounds.low[i], bounds.high[i]);
-        }
-        // A motion cannot begin in a state that is behind a stop.
-        let tried = block(model, &next, count, place).ok();
-        let found = tried.map(|own| (cost(&own, &off(&next)), own)).filter(|(found, _)| *found < least);
-        let Some((found, own)) = found else {
-            damping = 10.0 * damping.max(DAMPING.0);
-            if damping > DAMPING.1 {
-                break;
-            }
-            continue;
-        };
-        let is_done = least - found <= REDUCTION * found;
-        (mean, at, least, damping) = (next, own, found, 0.1 * damping);
-        if is_done {
-            break;
-        }
-    }
-    let (matrix, _) = normal(&at);
-    let inverse = matrix.cholesky().ok_or_else(lost)?.inverse();
+    let problem = Problem::new((model, bounds), prior, place, count)?;
+    let (mut mean, at) = problem.solved()?;
+    let inverse = problem.normal(&at).0.cholesky().ok_or_else(not_positive)?.inverse();
+    let posterior = DMatrix::from_fn(all, all, |i, j| inverse[(i, j)] * problem.units[i] * problem.units[j]);
     let carried = DMatrix::from_fn(all, all, |i, j| match i.checked_sub(count) {
         None => f64::from(u8::from(i == j)),
         Some(k) => at.end[k].1[j].unwrap_or(0.0),
     });
-    let posterior = DMatrix::from_fn(all, all, |i, j| inverse[(i, j)] * units[i] * units[j]);
-    let mut covariance = &carried * posterior * carried.transpose();
+    let own = &carried * posterior * carried.transpose();
+    // Products leave it symmetric but for rounding.
+    let mut covariance = 0.5 * (&own + own.transpose());
     for (k, size) in sizes.iter().enumerate() {
         mean[count + k] = at.end[k].0;
         covariance[(count + k, count + k)] += (ADDED * size).powi(2);
     }
-    let half = DMatrix::from_fn(all, all, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
-    Ok((Estimate { mean, covariance: half }, at.events))
+    Ok((Estimate { mean, covariance }, at.events))
 }
 
 /// A block of samples beside the motion that begins with a mean.

@@ -14,6 +14,8 @@ use rayon::prelude::*;
 /// them. The cost jumps where an impact appears, and the valley behind such a jump often begins ten
 /// errors away. The next distance is tried where the one before leads to no better point.
 const AWAY: [&[f64]; 2] = [&[6.0], &[12.0, 6.0]];
+/// Standard errors along pairs of combinations, where residuals are more than noise.
+const MORE: [f64; 2] = [12.0, 20.0];
 /// Part of a number by which a start lies beside the point at most.
 const MOST: f64 = 0.3;
 /// Combinations along which starts lie, of motions without contacts and with them.
@@ -84,8 +86,13 @@ pub(super) fn restarted(
     factors: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
-    for away in AWAY[usize::from(model.has_stops())] {
-        match restarted_from(model, bounds, best, (factors, *away), go_on)? {
+    let is_whole = best.reach.nodes.is_empty();
+    let ways = AWAY[usize::from(model.has_stops() && is_whole)].iter().map(|away| (*away, false));
+    // Residuals that are more than noise say that there is a better point.
+    let is_better = model.has_stops() && is_whole && model.misses(&best.point, &best.reach)?;
+    let more = MORE.iter().filter(|_| is_better).map(|away| (*away, true));
+    for (away, is_paired) in ways.chain(more) {
+        match restarted_from(model, bounds, best, (factors, away, is_paired), go_on)? {
             Found::Same => {}
             found => return Ok(found),
         }
@@ -98,13 +105,13 @@ fn restarted_from(
     model: &Model,
     bounds: &Bounds,
     best: &Solved,
-    (factors, away): (&[f64], f64),
+    (factors, away, is_paired): (&[f64], f64, bool),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
     let at = model.evaluate(&best.point, &best.reach)?;
     let p = best.point.values.len();
     let mut starts = nudged(model, bounds, &best.point, &at);
-    let Some((jacobian, along)) = along(model, best, &at, away) else { return Ok(Found::Same) };
+    let Some((jacobian, along)) = along(model, best, &at, (away, is_paired)) else { return Ok(Found::Same) };
     for change in &along {
         starts.extend([1.0, -1.0].map(|sign| {
             let mut next = best.point.clone();
@@ -148,7 +155,7 @@ fn restarted_from(
 
 /// The derivatives of all residuals by the free numbers, and changes of some standard errors along
 /// the combinations that are least determined, each with what states of segments then do.
-fn along(model: &Model, best: &Solved, at: &Evaluated, away: f64) -> Option<(DMatrix<f64>, Vec<Point>)> {
+fn along(model: &Model, best: &Solved, at: &Evaluated, (away, is_paired): (f64, bool)) -> Option<(DMatrix<f64>, Vec<Point>)> {
     let values = &best.point.values;
     let p = values.len();
     let Directions { triangle, jacobian, scales, singular, right } = Directions::of(model, values, at)?;
@@ -156,13 +163,26 @@ fn along(model: &Model, best: &Solved, at: &Evaluated, away: f64) -> Option<(DMa
     let mut known: Vec<usize> = (0..right.nrows()).filter(|&k| singular[k] > SINGULAR * largest).collect();
     known.sort_by(|&a, &b| singular[a].total_cmp(&singular[b]));
     let variance = model.variance(best.cost, p);
-    let of = |&k: &usize| {
-        let direction = right.row(k).transpose();
-        let length = (away * variance.sqrt() / singular[k]).min(MOST / direction.amax());
-        let change = DVector::from_fn(p, |j, _| length * scales[j] * direction[j]);
+    let of = |ways: &[(usize, f64)]| {
+        let mut change = DVector::zeros(p);
+        for &(k, part) in ways {
+            let direction = right.row(k).transpose();
+            let length = (away * variance.sqrt() / singular[k]).min(MOST / direction.amax());
+            change += DVector::from_fn(p, |j, _| part * length * scales[j] * direction[j]);
+        }
         let states = triangle.states_of(&change, 0.0)?;
         Some(Point { values: change.iter().copied().collect(), states })
     };
     let most = DIRECTIONS[usize::from(model.has_stops())];
-    Some((jacobian, known.iter().take(most).filter_map(of).collect()))
+    known.truncate(most);
+    let mut ways: Vec<Vec<(usize, f64)>> = Vec::new();
+    for (i, &a) in known.iter().enumerate() {
+        match is_paired {
+            false => ways.push(vec![(a, 1.0)]),
+            true => ways.extend(known[..i].iter().flat_map(|&b| {
+                [0.5f64.sqrt(), -0.5f64.sqrt()].map(|part| vec![(a, 0.5f64.sqrt()), (b, part)])
+            })),
+        }
+    }
+    Some((jacobian, ways.iter().filter_map(|own| of(own)).collect()))
 }

@@ -155,7 +155,9 @@ impl Search<'_> {
             Attempt::Blocks(start) => {
                 let model = model.for_segments();
                 let found = over_blocks(&model, bounds, &start, go_on)?;
-                self.continued(tied(&model, bounds, found, go_on)?)
+                let is_chaotic = model.is_chaotic(&found.1.values);
+                let found = tied(&model, bounds, (found, is_chaotic), go_on)?;
+                if is_chaotic { Ok(found) } else { self.continued(found) }
             }
             Attempt::Horizons(start, way) => over_horizons(model, bounds, &start, way, go_on),
             Attempt::Divided => self.divided(self.start),
@@ -185,11 +187,14 @@ pub(super) fn best_from(
         let Ok(mut found) = found else { continue };
         // A fit that was ended may not have seen where its motion breaks off.
         found.cost = model.cost(&found).or_else(|e| if go_on() { Err(e) } else { Ok(f64::INFINITY) })?;
-        let is_done = found.is_continuous && model.fits(&found.point, &found.reach)?
+        // No one motion is near a chaotic record to its end.
+        let is_whole =
+            found.is_continuous || !found.reach.nodes.is_empty() && model.is_chaotic(&found.point.values);
+        let is_done = is_whole && model.fits(&found.point, &found.reach)?
             || is_regular && model.is_near(&found.point.values, CLOSE)
             || !go_on();
         let before = best.as_ref().map_or(f64::INFINITY, |best| best.cost);
-        if !found.is_continuous && best.is_some() {
+        if !is_whole && best.is_some() {
             continue;
         }
         if (found.cost / before - 1.0).abs() < SAME {

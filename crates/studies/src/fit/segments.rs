@@ -11,12 +11,14 @@ use super::horizons::LEAST_ROWS;
 use super::model::Model;
 use super::solver::{Bounds, Convergence, solve};
 use super::{WAYS, Way};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use vibro_machine::derivative::By;
 use vibro_machine::{Differentiated, Motion};
 
 /// Growth of a small change, relative to the sizes of states, after which a segment ends.
 const GROWTH: f64 = 20.0;
+/// Growth above which rounding, 1e-16, is more than a thousandth of the motion.
+const CHAOTIC: f64 = 1e13;
 /// Part of a segment's length, before its end, in which the next one may begin.
 const PLACE: f64 = 0.5;
 /// Contacts that a segment has at least, in the mean.
@@ -143,17 +145,20 @@ fn next_node(
     Ok(Some((own.time() - shift, own.states())))
 }
 
+/// By how much a change of number `p` of a motion's start has grown; `None` where there is no
+/// derivative.
+fn growth(motion: &Differentiated, sizes: &[f64], p: usize) -> Option<f64> {
+    let by = motion.state_derivative(p)?;
+    Some(by.iter().zip(sizes).map(|(x, size)| (x / size * sizes[p]).abs()).fold(0.0, f64::max))
+}
+
 /// The time at which changes of a motion's start have grown, up to a horizon.
 fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Option<f64>> {
     let from = motion.motion().time();
     for i in 1..=LOOKS {
         motion.advance_to(from + (horizon - from) * i as f64 / LOOKS as f64)?;
-        let growth = |p: usize| {
-            let by = motion.state_derivative(p)?;
-            Some(by.iter().zip(sizes).map(|(x, size)| (x / size * sizes[p]).abs()).fold(0.0, f64::max))
-        };
         // Where there is no derivative, a change makes another motion.
-        if (0..sizes.len()).any(|p| growth(p).is_none_or(|growth| growth > GROWTH)) {
+        if (0..sizes.len()).any(|p| growth(motion, sizes, p).is_none_or(|growth| growth > GROWTH)) {
             return Ok(Some(motion.motion().time()));
         }
     }
@@ -161,6 +166,20 @@ fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Opt
 }
 
 impl Model<'_> {
+    /// Whether rounding grows over the record until the motion leaves it: no one motion is the
+    /// record's then, whatever the numbers are.
+    pub(super) fn is_chaotic(&self, values: &[f64]) -> bool {
+        let most = || {
+            let sizes = self.sizes_of_states(values)?;
+            let (mut motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], true)?;
+            motion.advance_to(self.end() + shift)?;
+            // Where derivatives are lost nothing says how changes grow.
+            let all = (0..sizes.len()).filter_map(|p| growth(&motion, &sizes, p));
+            Ok::<_, Error>(all.fold(0.0, f64::max))
+        };
+        most().is_ok_and(|most| most > CHAOTIC)
+    }
+
     /// The motion of the last segment at its begin, with its derivatives by the state there on
     /// request, and the shift of the record's times.
     fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {

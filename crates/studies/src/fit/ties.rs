@@ -15,30 +15,39 @@ const GIVEN_UP: u32 = 3;
 const GIVES_UP: f64 = 3e-4;
 
 /// The point reached from segments whose starts are near the motion. A start that stays apart from
-/// the end before it is given up: it is beside an impact that only one of the two has.
+/// the end before it is given up: it is beside an impact that only one of the two has. The starts of
+/// a chaotic motion stay, and the ties end where a start stays apart.
 pub(super) fn tied(
     model: &Model,
     bounds: &Bounds,
-    (nodes, mut point): (Vec<f64>, Point),
+    ((nodes, mut point), is_chaotic): ((Vec<f64>, Point), bool),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
     let sizes = model.sizes_of_states(&point.values)?;
     let mut reach = Reach { nodes, ..Reach::whole(model.end()) };
+    let mut is_continuous = false;
     for (k, defect) in DEFECTS.into_iter().enumerate() {
+        let before = (point.clone(), reach.clone());
         reach.weights = sizes.iter().map(|size| 1.0 / (defect * size)).collect();
         let is_last = k + 1 == DEFECTS.len();
         let convergence = if is_last { Convergence::Whole } else { Convergence::Rough };
+        let limit = (APART * defect).max(CONTINUOUS);
+        let mut all = Vec::new();
         for _ in 0..GIVEN_UP {
             point = solve(model, bounds, &point, (&reach, convergence), go_on)?.point;
-            let misses = misses(model, (&point, &reach), &sizes)?;
-            let limit = (APART * defect).max(CONTINUOUS);
-            if defect > GIVES_UP || misses.iter().all(|miss| *miss < limit) {
+            all = misses(model, (&point, &reach), &sizes)?;
+            if is_chaotic || defect > GIVES_UP || all.iter().all(|miss| *miss < limit) {
                 break;
             }
-            give_up(&mut point, &mut reach, |k| misses[k] >= limit);
+            give_up(&mut point, &mut reach, |k| all[k] >= limit);
+        }
+        is_continuous = all.iter().all(|miss| *miss < CONTINUOUS);
+        if is_chaotic && k > 0 && all.iter().any(|miss| *miss >= limit) {
+            (point, reach) = before;
+            is_continuous = false;
+            break;
         }
     }
-    let is_continuous = misses(model, (&point, &reach), &sizes)?.iter().all(|miss| *miss < CONTINUOUS);
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 

@@ -11,7 +11,7 @@ use std::fmt;
 
 /// Residuals, in units of a noise that the record's differences say, up to which a motion fits, and
 /// in units of any noise, above which it does not. Of a given noise chance alone is allowed.
-const FITS: f64 = 1.15;
+const FITS: f64 = 1.05;
 const MISSES: f64 = 2.5;
 /// Residuals, in units of such a noise, at which the search of a way ends: starts beside the point
 /// lead on from there.
@@ -21,8 +21,9 @@ const NEARLY: f64 = 1.3;
 const CHANCE: f64 = 3.0;
 /// Variance of a median of sizes over that of a root mean square of as many normal numbers.
 const MEDIAN: f64 = 2.72;
-/// Standard deviations where differences say the noise, which is the least of several orders.
-const VAGUE: f64 = 5.0;
+/// Standard deviations where differences say the noise, which tell it less well than a root mean
+/// square.
+const VAGUE: f64 = 4.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
 /// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise
@@ -68,17 +69,22 @@ impl Model<'_> {
     /// Whether the motion of a point is the record's, or so near to it that starts beside the point
     /// lead to it.
     pub(super) fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
-        Ok(self.judged(&self.beside(point, reach)?, NEARLY) == Verdict::Fits)
+        Ok(self.judged(&self.beside(point, reach)?, (NEARLY, FOLLOWS)) == Verdict::Fits)
+    }
+
+    /// Whether residuals are more than chance leaves of white noise.
+    pub(super) fn misses(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        Ok(self.judged(&self.beside(point, reach)?, (1.0, 0.0)) != Verdict::Fits)
     }
 
     /// What residuals say of a motion beside the record.
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
-        self.judged(beside, FITS)
+        self.judged(beside, (FITS, FOLLOWS))
     }
 
     /// What residuals say of a motion beside the record, with a limit in units of a noise that the
-    /// record's differences say.
-    fn judged(&self, beside: &Beside, limit: f64) -> Verdict {
+    /// record's differences say, and one of the correlation of a residual with the next one.
+    fn judged(&self, beside: &Beside, (limit, follows): (f64, f64)) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
             let (spread, least) = (self.spread(beside.residuals(k)), LEAST * size(values));
@@ -95,7 +101,7 @@ impl Model<'_> {
             let follow = if spread > least { persistence(beside.residuals(k)) } else { 0.0 };
             if times > allowed {
                 doubt.get_or_insert(many);
-            } else if follow > FOLLOWS.max(CHANCE / (values.len() as f64).sqrt()) {
+            } else if follow > f64::max(follows, CHANCE / (values.len() as f64).sqrt()) {
                 doubt.get_or_insert(format!(
                     "residuals of {name} follow each other, with a correlation of {follow:.2}"
                 ));
@@ -114,7 +120,7 @@ impl Model<'_> {
                 None => {}
             }
             let follow = persistence(off.into_iter());
-            if follow > FOLLOWS.max(CHANCE / (times.len() as f64).sqrt()) {
+            if follow > f64::max(follows, CHANCE / (times.len() as f64).sqrt()) {
                 doubt.get_or_insert(format!(
                     "times of contacts of {name} are off alike, with a correlation of {follow:.2}"
                 ));
