@@ -359,7 +359,7 @@ impl Differentiated {
         }
         let Self { machine, motion, modes, mode, deltas, scales, lost, met, .. } = self;
         let passed = match knot {
-            Some(Knot::Applied(passed)) => passed,
+            Some(Knot::Applied(passed)) => *passed,
             _ => Passed::new(machine, motion, mode, |motion| modes.of(machine, motion, true))?,
         };
         *mode = passed.modes[1].clone();

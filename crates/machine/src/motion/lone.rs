@@ -239,7 +239,9 @@ impl Motion {
         }
         hybrid.sizes.include(z);
         let prescribed = speed - e.w.at(&before[n..]);
-        if self.is_low_bounce(i, least) || !self.departs_alone(Some(ElementState::Stop(i, StopState::Open)), None) {
+        if self.is_low_bounce(i, least)
+            || !self.departs_alone(Some(ElementState::Stop(i, StopState::Open)), None)
+        {
             self.hybrid.z.copy_from(&self.scratch.start);
             return false;
         }

@@ -15,8 +15,8 @@ use super::unknowns::{Columns, Made};
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use vibro_machine::{Differentiated, Motion};
 use vibro_machine::motion::Event;
+use vibro_machine::{Differentiated, Motion};
 
 /// Standard deviations of the numbers before each pass over the record, in parts of their values.
 const PASSES: [f64; 2] = [0.3, 0.05];

@@ -155,7 +155,12 @@ fn restarted_from(
 
 /// The derivatives of all residuals by the free numbers, and changes of some standard errors along
 /// the combinations that are least determined, each with what states of segments then do.
-fn along(model: &Model, best: &Solved, at: &Evaluated, (away, is_paired): (f64, bool)) -> Option<(DMatrix<f64>, Vec<Point>)> {
+fn along(
+    model: &Model,
+    best: &Solved,
+    at: &Evaluated,
+    (away, is_paired): (f64, bool),
+) -> Option<(DMatrix<f64>, Vec<Point>)> {
     let values = &best.point.values;
     let p = values.len();
     let Directions { triangle, jacobian, scales, singular, right } = Directions::of(model, values, at)?;

@@ -23,7 +23,7 @@ const CHANCE: f64 = 3.0;
 const MEDIAN: f64 = 2.72;
 /// Standard deviations where differences say the noise, which tell it less well than a root mean
 /// square.
-const VAGUE: f64 = 4.0;
+const VAGUE: f64 = 5.0;
 /// Correlation of a residual with the next one above which residuals are more than noise.
 const FOLLOWS: f64 = 0.3;
 /// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise

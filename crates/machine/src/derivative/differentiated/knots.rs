@@ -11,7 +11,7 @@ pub(super) enum Knot {
     /// The columns stay as they are.
     Kept(Vec<Event>),
     /// The law has been applied, and the columns are still to be carried over the event.
-    Applied(Passed),
+    Applied(Box<Passed>),
 }
 
 impl Differentiated {
@@ -39,6 +39,6 @@ impl Differentiated {
             return Ok(Knot::Kept(events));
         }
         let enter = |motion: &_| modes.of(machine, motion, true);
-        Ok(Knot::Applied(Passed::applied(machine, motion, mode, (z, None, events), enter)))
+        Ok(Knot::Applied(Box::new(Passed::applied(machine, motion, mode, (z, None, events), enter))))
     }
 }
