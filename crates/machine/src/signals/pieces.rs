@@ -217,3 +217,25 @@ impl<const D: usize> Pieces<D> {
         Knots { times, repeat: self.knots.repeat }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Knots;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn second_method_the_last_knot_is_that_of_a_search_in_halves(
+            steps in prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.0..3.0f64], 1..40),
+            at in -2.0..130.0f64,
+            whole in any::<bool>(),
+        ) {
+            let sum = |sum: &mut f64, step: f64| { *sum += step; Some(*sum) };
+            let times: Vec<f64> = steps.into_iter().scan(0.5, sum).collect();
+            let at = if whole { at.round() + 0.5 } else { at };
+            let halves = times.partition_point(|t| *t <= at).checked_sub(1);
+            let knots = Knots { times, repeat: None };
+            prop_assert_eq!(knots.last(at), halves.map(|place| (0.0, place)));
+        }
+    }
+}

@@ -292,3 +292,22 @@ pub(super) fn solve(
     }
     Ok(Solved { point, reach: reach.clone(), cost: loss.sum(at.residuals()), is_continuous: true })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariant_bounds_inside_leave_out_0_below_a_positive_start_alone() {
+        let bounds = Bounds {
+            begin: vec![2.0, 0.0, -1.0, 2.0],
+            low: vec![0.0, 0.0, -5.0, 1.0],
+            high: vec![9.0; 4],
+            names: vec![String::new(); 4],
+            given: vec![false; 4],
+        };
+        let inside = bounds.inside(&bounds.begin);
+        assert_eq!(inside.low, [2.0 * INSIDE, 0.0, -5.0, 1.0]);
+        assert_eq!(inside.high, bounds.high);
+    }
+}

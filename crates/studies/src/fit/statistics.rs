@@ -90,3 +90,56 @@ pub(super) fn interval(times: &[f64]) -> f64 {
         [] => 1.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sobol::coordinate;
+    use std::f64::consts::TAU;
+
+    /// Normal numbers of standard deviation 1, by Box and Muller from points of a Sobol sequence in
+    /// a scattered order.
+    fn normal(count: u32) -> Vec<f64> {
+        let scattered = |k: u32| (k.wrapping_mul(2_654_435_761) >> 8) % 65_536 + 1;
+        let one = |k: u32| {
+            let (a, b) = (coordinate(scattered(k), 0), coordinate(scattered(k), 1));
+            (-2.0 * a.max(1e-9).ln()).sqrt() * (TAU * b).cos()
+        };
+        (0..count).map(one).collect()
+    }
+
+    #[test]
+    fn closed_form_noise_of_a_made_signal_is_the_noise_that_was_added() {
+        let all = normal(4000);
+        let slow = |i: usize| 5.0 * (TAU * i as f64 / 700.0).sin();
+        let signal: Vec<f64> = all.iter().enumerate().map(|(i, x)| slow(i) + 0.3 * x).collect();
+        // Six standard deviations of what 4000 samples say.
+        assert!((noise(&signal) / 0.3 - 1.0).abs() < 0.1, "{}", noise(&signal));
+        assert!((noise(&all) - 1.0).abs() < 0.1, "{}", noise(&all));
+        // No difference is left of two values, and none that is not 0 of a straight line.
+        assert_eq!(noise(&[1.0, 2.0]), 0.0);
+        assert_eq!(noise(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), 0.0);
+    }
+
+    #[test]
+    fn second_method_deviations_are_those_of_each_part_of_the_values() {
+        let all: Vec<f64> = normal(50).iter().map(|x| 3.0 + 0.1 * x).collect();
+        for (i, own) in deviations(&all).into_iter().enumerate() {
+            // Rounding of 50 squares of numbers of size 3.
+            assert!((own - deviation(&all[..=i])).abs() < 1e-13, "{i}");
+        }
+    }
+
+    #[test]
+    fn closed_form_a_few_outliers_move_the_typical_size_little_and_a_sum_of_neighbours_follows() {
+        let mut all = normal(4000);
+        (0..40).for_each(|k| all[100 * k] = 1e3);
+        let found = typical(all.iter().copied());
+        assert!((found - 1.0).abs() < 0.06, "{found}");
+        let own = normal(4000);
+        assert!(persistence(own.iter().copied()).abs() < 0.06);
+        // Sums of two neighbours share one of two numbers.
+        let sums = persistence(own.windows(2).map(|pair| pair[0] + pair[1]));
+        assert!((sums - 0.5).abs() < 0.06, "{sums}");
+    }
+}
