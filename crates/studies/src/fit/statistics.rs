@@ -94,18 +94,17 @@ pub(super) fn interval(times: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sobol::coordinate;
     use std::f64::consts::TAU;
 
-    /// Normal numbers of standard deviation 1, by Box and Muller from points of a Sobol sequence in
-    /// a scattered order.
-    fn normal(count: u32) -> Vec<f64> {
-        let scattered = |k: u32| (k.wrapping_mul(2_654_435_761) >> 8) % 65_536 + 1;
-        let one = |k: u32| {
-            let (a, b) = (coordinate(scattered(k), 0), coordinate(scattered(k), 1));
-            (-2.0 * a.max(1e-9).ln()).sqrt() * (TAU * b).cos()
+    /// Normal numbers of standard deviation 1, by Box and Muller from a linear congruential
+    /// generator.
+    fn normal(count: usize) -> Vec<f64> {
+        let mut state = 7u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
         };
-        (0..count).map(one).collect()
+        (0..count).map(|_| (-2.0 * uniform().ln()).sqrt() * (TAU * uniform()).cos()).collect()
     }
 
     #[test]
