@@ -212,7 +212,7 @@ impl<'a> Compared<'a> {
         let mut columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
         // Later segments begin in states of their own.
         let begins = if varied && k == 0 { &self.sensors[..] } else { &[] };
-        let carried = Carried::of(begins, (&made.machine, &made.start), &mut columns.by)?;
+        let carried = Carried::of(begins, (&made.assembly, &made.start), &mut columns.by)?;
         let inside = |times: &[f64]| {
             let end = |time: &f64| if next.is_some() { *time < until } else { *time <= until };
             times.partition_point(|time| *time < from)..times.partition_point(end)

@@ -230,14 +230,13 @@ impl Carried {
     /// The dependencies at the start of a motion, whose columns get one more for each filter.
     pub fn of(
         sensors: &[Sensor],
-        (machine, start): (&Machine, &Start),
+        (assembly, start): (&Arc<Assembly>, &Start),
         columns: &mut Vec<By>,
     ) -> Result<Self> {
         if sensors.is_empty() {
             return Ok(Self::default());
         }
-        let assembly = Arc::new(Assembly::new(machine.description.clone())?);
-        let motion: Differentiated = start.differentiated_by(assembly, columns, &mut |_, _| ())?;
+        let motion: Differentiated = start.differentiated_by(assembly.clone(), columns, &mut |_, _| ())?;
         // Another time of the start leaves its values as they are.
         let by = |own: &Sensor, p: usize| match columns[p] {
             By::Time => Some(0.0),

@@ -9,8 +9,8 @@ use super::statistics::rms;
 use super::unknowns::Made;
 use super::verdict::Verdict;
 use super::{FitRequest, Fitted, Fresh};
+use crate::QuantityName;
 use crate::error::Result;
-use crate::{Machine, QuantityName};
 use vibro_machine::{Assembly, Start};
 
 impl Model<'_> {
@@ -24,7 +24,7 @@ impl Model<'_> {
         doubt: Option<String>,
     ) -> Result<Fitted> {
         let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
-        let Made { machine, start, .. } = self.unknowns.with(&point.values)?;
+        let Made { machine, assembly, start, .. } = self.unknowns.with(&point.values)?;
         let columns = &self.measured.columns;
         let of_column =
             |(k, (name, _)): (usize, &(QuantityName, _))| (name.to_string(), rms(beside.residuals(k)));
@@ -59,7 +59,7 @@ impl Model<'_> {
         Ok(Fitted {
             verdict,
             events: all.filter_map(named).collect(),
-            segments: self.segments(&beside, &machine, point, reach)?,
+            segments: self.segments(&beside, &assembly, point, reach),
             start,
             uncertainty: Uncertainty::of(&at, &names, &point.values, (self.loss, self.has_sigma)),
             values: names.into_iter().zip(point.values.iter().copied()).collect(),
@@ -80,19 +80,13 @@ impl Model<'_> {
     }
 
     /// Where segments begin anew, and by how much the ones before miss it.
-    fn segments(
-        &self,
-        beside: &Beside,
-        machine: &Machine,
-        point: &Point,
-        reach: &Reach,
-    ) -> Result<Vec<Fresh>> {
-        let names = Start::names(&Assembly::new(machine.description.clone())?);
+    fn segments(&self, beside: &Beside, assembly: &Assembly, point: &Point, reach: &Reach) -> Vec<Fresh> {
+        let names = Start::names(assembly);
         let fresh = |((time, state), before): ((&f64, &Vec<f64>), &Followed)| Fresh {
             time: *time,
             state: names.iter().cloned().zip(state.iter().copied()).collect(),
             defect: before.end.iter().zip(state).map(|((end, _), next)| end - next).collect(),
         };
-        Ok(reach.nodes.iter().zip(&point.states).zip(&beside.0).map(fresh).collect())
+        reach.nodes.iter().zip(&point.states).zip(&beside.0).map(fresh).collect()
     }
 }

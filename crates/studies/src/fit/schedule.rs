@@ -17,8 +17,8 @@ use rayon::prelude::*;
 /// Starts beside the given one, within a part of the values, that are tried where no way leaves
 /// noise alone.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments by the
-/// motion, and [`BESIDE`] other starts.
+/// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments by
+/// the motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
 /// Contacts of the motion at the start above which blocks come before horizons: horizons over 500
 /// contacts ended in wrong minima, over 100 contacts they were the cheaper way.
