@@ -17,7 +17,7 @@ pub struct Assembly {
     pub(crate) system: System,
     /// Coordinate and rate of each body at time 0; 0 for prescribed bodies.
     pub(crate) starts: Vec<(f64, f64)>,
-    /// States of first order at time 0.
+    /// First-order states at time 0.
     pub(crate) inner: Vec<f64>,
 }
 
@@ -25,9 +25,9 @@ impl Assembly {
     /// Checks a description and builds its matrices.
     ///
     /// # Errors
-    /// As [`System::new`]; [`Error::TooFast`] for rates above 1e100 rad/s; [`Error::NoEquilibrium`]
-    /// for a machine that starts at rest and has no equilibrium; [`Error::GivesWay`] for one that
-    /// does not come to it as its loads grow.
+    /// As [`System::new`]; [`Error::TooFast`] for rates above 1e100 rad/s;
+    /// [`Error::NoEquilibrium`] for a machine that starts at rest and has no equilibrium;
+    /// [`Error::GivesWay`] if it does not reach the equilibrium as its loads grow.
     pub fn new(description: Description) -> Result<Self, Error> {
         let system = System::new(&description)?;
         rates::check(&description, &system)?;
@@ -62,8 +62,8 @@ impl Assembly {
         self
     }
 
-    /// The machine with derivatives that leave out the rounding of blocks' inputs to a quantum, for
-    /// searches: exact ones are 0 there and do not see the next multiple.
+    /// The machine with derivatives that ignore the rounding of blocks' inputs to a quantum, for
+    /// searches: exact derivatives are 0 there and do not show the next multiple.
     #[must_use]
     pub fn varying_rounded(mut self) -> Self {
         let samplers = self.system.blocks.iter_mut().filter_map(|block| block.sampler.as_mut());
@@ -76,14 +76,14 @@ impl Assembly {
         self.system.blocks.iter().any(|block| block.sampler.is_some())
     }
 
-    /// Whether the numbers of all blocks in a state are those of the machine's start.
+    /// Whether all blocks have the states of the machine's start.
     pub(crate) fn is_fresh(&self, state: &[f64]) -> bool {
         let first = self.system.branches.len();
         let own = self.inner.get(first..).unwrap_or_default();
         state.get(2 * self.system.coordinates + first..).is_some_and(|state| state == own)
     }
 
-    /// The names of the numbers that blocks keep, in the order of the states of first order.
+    /// Names of the values that blocks keep, in the order of the first-order states.
     pub(crate) fn names_of_blocks(&self) -> Vec<String> {
         self.description.names_of_blocks()
     }
@@ -103,7 +103,7 @@ impl Assembly {
     }
 
     /// The continuous states and their rates as quantities, in the order of the augmented state:
-    /// places of bodies, then their rates, then states of first order.
+    /// coordinates of bodies, then their rates, then first-order states.
     pub fn state_quantities(&self) -> Vec<[Quantity; 2]> {
         let system = &self.system;
         let of_bodies = |whats: [What; 2]| {
@@ -122,7 +122,7 @@ impl Assembly {
         own.chain(blocks).collect()
     }
 
-    /// Name of the state at a place of the augmented state: `body.NAME.s`, `body.NAME.v`,
+    /// Name of the state with index `place` in the augmented state: `body.NAME.s`, `body.NAME.v`,
     /// `spring.NAME.slider`.
     pub(crate) fn name_of_state(&self, place: usize) -> String {
         let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
@@ -143,17 +143,17 @@ impl Assembly {
         }
     }
 
-    /// Dotted name of the element that has a stop, by the stop's place.
+    /// Dotted name of the element that has a stop, by the stop's index.
     pub fn name_of_stop(&self, i: usize) -> String {
         self.name_of_part(Part::Stop(i))
     }
 
-    /// Dotted name of the element that has a friction, by the friction's place.
+    /// Dotted name of the element that has a friction, by the friction's index.
     pub fn name_of_friction(&self, i: usize) -> String {
         self.name_of_part(Part::Friction(i))
     }
 
-    /// Dotted name of the element that has a branch, by the branch's place.
+    /// Dotted name of the element that has a branch, by the branch's index.
     pub fn name_of_branch(&self, i: usize) -> String {
         self.name_of_part(Part::Branch(i))
     }

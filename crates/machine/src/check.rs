@@ -1,4 +1,4 @@
-//! Checks of a whole description. The file's reader and the setting of parameters both end here.
+//! Checks of a whole description, used by the file reader and by the setting of parameters.
 
 mod blocks;
 mod flexible;
@@ -19,17 +19,17 @@ use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::{of_sweep, slots};
 
-/// Most bodies, most elements, and most harmonics and steps of a machine, checked before memory is
-/// taken for them.
+/// Largest number of bodies, of elements, and of harmonics and steps of a machine; checked before
+/// memory is allocated for them.
 pub(crate) const MOST: usize = 10_000;
 
-/// Most turns of a sweep that is integrated.
+/// Largest number of turns of an integrated sweep.
 const MOST_TURNS: f64 = 100_000.0;
 
 /// Least time between knots of a record with slopes, s.
 const LEAST_APART: f64 = 1e-12;
 
-/// Most knots of a record.
+/// Largest number of knots of a record.
 pub(crate) const MOST_KNOTS: usize = 1_000_000;
 
 impl Description {
@@ -51,8 +51,8 @@ impl Description {
     }
 }
 
-/// All problems of a machine. Problems of names, numbers and structure come first; those that would
-/// follow from them are not sought.
+/// All problems of a machine. Problems of names, numbers and structure come first; problems that
+/// would follow from them are not reported.
 pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     let mut problems = check_under_way(machine);
     if problems.is_empty() {
@@ -61,7 +61,7 @@ pub(crate) fn check(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// All problems of a machine whose motion has begun: those of [`check`] without those of the start.
+/// All problems of a machine whose motion has begun: as [`check`], without the start.
 pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     let mut problems = check_structure(machine);
     if !problems.is_empty() {
@@ -96,7 +96,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// Problems of names and structure, which no numbers mend.
+/// Problems of names and structure, which no change of numbers can solve.
 pub(crate) fn check_structure(machine: &Description) -> Vec<Problem> {
     let mut problems = names::check(machine);
     if problems.is_empty() {
@@ -105,7 +105,7 @@ pub(crate) fn check_structure(machine: &Description) -> Vec<Problem> {
     problems
 }
 
-/// The problem of a number, with its value.
+/// A problem of a number, with its value.
 fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Problem {
     Problem::new(name, Some(format!("{value:?}")), text)
 }
@@ -181,14 +181,14 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     }
 }
 
-/// The knot whose slope to the next is not to be told from a step.
+/// Index of a knot whose slope to the next knot cannot be distinguished from a step.
 fn too_near(record: &Record) -> Option<usize> {
     let has_slopes = record.interpolation != Interpolation::Hold;
     let near = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 < LEAST_APART;
     record.knots.windows(2).position(near).filter(|_| has_slopes)
 }
 
-/// Problems of a sweep: logarithms are of frequencies above 0, and there is a frequency.
+/// Problems of a sweep: both frequencies (if logarithmic) or one (if linear) must be above 0.
 fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
     for (key, frequency) in [("from", sweep.from), ("to", sweep.to)] {
         if frequency == 0.0 && sweep.law == SweepLaw::Logarithmic {
@@ -202,7 +202,7 @@ fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of a sweep that is integrated, whose cells are summed up before the motion begins.
+/// Problems of an integrated sweep, whose cells are summed before the motion begins.
 fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
     for named in machine.signals().filter(|named| named.motion.is_some_and(|order| order > 0)) {
         for (i, sweep) in named.signal.sweeps.iter().enumerate() {
@@ -218,7 +218,7 @@ fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of a period: steps and knots lie in it, and a record's ends have one value.
+/// Problems of a period: steps and knots lie within it, and a record has equal ends.
 fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     let Some(period) = signal.repeat else { return };
     for (i, step) in signal.steps.iter().enumerate() {
@@ -241,7 +241,7 @@ fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of the points of a spring's force: two or more at rising e, with finite slopes.
+/// Problems of the points of a spring's force: two or more, increasing e, finite slopes.
 fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
     let (name, points) = (format!("spring.{}.points", spring.name), &spring.points);
     if points.is_empty() {
@@ -285,7 +285,7 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of springs in series: their inner place at time 0 says what a preload would.
+/// Problems of springs in series: the inner displacement at time 0 replaces a preload.
 fn series(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in machine.springs.iter().filter(|own| own.series.is_some() && own.preload != 0.0) {
         let text = "allowed is 0 of a spring in series";
@@ -293,7 +293,7 @@ fn series(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of friction levels: a static level is at least the sliding level, where both are
+/// Problems of friction levels: a static level is at least the sliding level, if both are
 /// constants.
 fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     for friction in &machine.frictions {
@@ -310,8 +310,8 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of levels that follow a stop: it is compliant, and the static coefficient is at least
-/// that of sliding.
+/// Problems of levels that follow a stop: the stop is compliant, and the static coefficient is at
+/// least the sliding coefficient.
 fn check_follows(machine: &Description, name: &str, follows: &Follows, problems: &mut Vec<Problem>) {
     let Follows { stop, coefficient, static_coefficient } = *follows;
     match machine.stops.get(stop) {
@@ -332,8 +332,8 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
     }
 }
 
-/// Problems of bodies: there is one, an element acts on each that forces move, and gravity turns
-/// none.
+/// Problems of bodies: there is at least one, an element acts on each free body, and gravity acts
+/// on no rotating body.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.bodies.is_empty() {
         problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));

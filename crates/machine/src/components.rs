@@ -1,7 +1,7 @@
-//! Connected components: parts of a machine that nothing couples, and their cost adds up.
+//! Connected components: parts of a machine that nothing couples, so that their costs add up.
 
-/// The components of a graph of `count` nodes with edges between pairs, each with its nodes in
-/// ascending order, by their first nodes.
+/// The components of a graph of `count` nodes with edges between pairs, ordered by their first
+/// nodes. The nodes of a component are in ascending order.
 pub fn components(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {
     let mut above: Vec<usize> = (0..count).collect();
     fn root(above: &mut [usize], mut node: usize) -> usize {

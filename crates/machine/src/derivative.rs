@@ -2,11 +2,11 @@
 //! (docs/assembly-law.md, section 14).
 //!
 //! A machine's numbers enter through rows and matrices, which are differentiated in closed form:
-//! `tangent` has what a parameter changes in the machine, `mode` what it changes in z' = A z.
-//! `flight` carries derivatives between events, `crossing` and `impulse` over them, `start` and
-//! `rest` begin them; `resting` says which contacts at rest come to rest again when they are moved.
-//! A [`Differentiated`] motion puts these together. It drives an ordinary
-//! [`Motion`](crate::Motion), which has the bits that it has alone.
+//! `tangent` contains the changes of the machine by a parameter, `mode` the changes of z' = A z.
+//! `flight` carries derivatives between events; `crossing` and `impulse` carry them over events;
+//! `start` and `rest` begin them. `resting` determines which contacts at rest come to rest again
+//! when moved. A [`Differentiated`] motion combines these parts. It drives an ordinary
+//! [`Motion`](crate::Motion), which has the same bits as without derivatives.
 
 mod adjoint;
 mod blocks;

@@ -22,7 +22,7 @@ pub use series::{Series, SeriesLaw};
 pub struct Description {
     /// The machine's name.
     pub name: String,
-    /// Acceleration of gravity g, m/s²; a body's share is g times its [`Free::gravity`].
+    /// Acceleration of gravity g, m/s²; a body has the acceleration g times its [`Free::gravity`].
     pub gravity: f64,
     /// Whether the machine starts at rest in equilibrium instead of at the bodies' own start
     /// values.
@@ -31,11 +31,11 @@ pub struct Description {
     pub bodies: Vec<Body>,
     /// Springs with dashpots.
     pub springs: Vec<Spring>,
-    /// Dashpots alone.
+    /// Dashpots without a spring.
     pub dampers: Vec<Damper>,
     /// Bodies in modal coordinates.
     pub modals: Vec<Modal>,
-    /// Bodies with matrices, as [`add_matrix`](Self::add_matrix) makes them.
+    /// Bodies with matrices, as [`add_matrix`](Self::add_matrix) adds them.
     pub matrices: Vec<Matrix>,
     /// One-sided contacts, rigid and compliant.
     pub stops: Vec<Stop>,
@@ -51,9 +51,9 @@ pub struct Description {
     pub sources: Vec<Source>,
     /// Linear blocks.
     pub blocks: Vec<Block>,
-    /// The outputs of blocks that loads follow.
+    /// Outputs of blocks that loads follow.
     pub feeds: Vec<Feed>,
-    /// Named parameters, and what follows from them.
+    /// Named parameters, and the numbers that follow from them.
     pub named: NamedParameters,
 }
 
@@ -80,24 +80,24 @@ pub struct Body {
 /// How a body's motion is determined.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyKind {
-    /// By inertia and forces.
+    /// Free: moved by forces, with an inertia.
     Free(Free),
-    /// By a signal of time plus `rate` times the time.
+    /// Prescribed: a signal of time plus `rate` times the time.
     Prescribed {
         /// The coordinate without the uniform motion, m or rad.
         motion: Signal,
         /// Rate of the uniform motion that is added, m/s or rad/s.
         rate: f64,
     },
-    /// By a signal of time that is its rate or its acceleration.
+    /// Prescribed: a signal of time is the rate or the acceleration.
     Integrated(Integrated),
-    /// As a node on a body with many coordinates: s = Σ factor · coordinate, without an inertia of
-    /// its own. Each term is the index of a coordinate's body and a factor other than 0.
+    /// Node on a body with many coordinates: s = Σ factor · coordinate, without an inertia of its
+    /// own. Each term is the index of a coordinate's body and a factor other than 0.
     Node(Vec<(usize, f64)>),
 }
 
 impl BodyKind {
-    /// Whether its motion is given, whatever the forces.
+    /// Whether the motion is prescribed, independently of forces.
     pub fn is_prescribed(&self) -> bool {
         matches!(self, Self::Prescribed { .. } | Self::Integrated(_))
     }
@@ -106,13 +106,13 @@ impl BodyKind {
 /// The motion of a body whose rate or acceleration is prescribed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Integrated {
-    /// What the signal is.
+    /// Meaning of the signal.
     pub level: Level,
     /// Rate or acceleration.
     pub signal: Signal,
     /// Coordinate at time 0, m or rad.
     pub s: f64,
-    /// Rate at time 0, m/s or rad/s; 0 where the signal is the rate.
+    /// Rate at time 0, m/s or rad/s; 0 if the signal is the rate.
     pub v: f64,
 }
 
@@ -126,7 +126,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// Its key in a file.
+    /// Key in a file.
     pub fn key(self) -> &'static str {
         match self {
             Self::Rate => "rate",
@@ -134,7 +134,7 @@ impl Level {
         }
     }
 
-    /// The order of the derivative.
+    /// Order of the derivative.
     pub fn order(self) -> usize {
         match self {
             Self::Rate => 1,
@@ -148,8 +148,8 @@ impl Level {
 pub struct Free {
     /// Mass in kg, or moment of inertia in kg m²; positive.
     pub inertia: f64,
-    /// Cosine of the angle between the coordinate's direction and gravity: 1 where s points
-    /// downwards, -1 where it points upwards.
+    /// Cosine of the angle between the coordinate's direction and gravity: 1 if s points
+    /// downwards, -1 if it points upwards.
     pub gravity: f64,
     /// Coordinate at time 0, m or rad.
     pub s: f64,
@@ -157,9 +157,9 @@ pub struct Free {
     pub v: f64,
 }
 
-/// The arms of an elongation e = Σ arm · s over bodies; each body at most once, no arm zero.
-/// Between ground and a body the arm is ±1; from body a to body b the arms are -1 for a and +1 for
-/// b.
+/// The arms of an elongation e = Σ arm · s over bodies. Each body occurs at most once, and no arm
+/// is zero. Between ground and a body the arm is ±1; from body a to body b the arms are -1 for a
+/// and +1 for b.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arms {
     /// Index of the body and its arm.
@@ -171,36 +171,36 @@ pub struct Arms {
 }
 
 impl Arms {
-    /// The elongation from body `a` to body `b`, where `None` is ground: s_b - s_a.
+    /// The elongation from body `a` to body `b`, s_b - s_a; `None` is ground.
     pub fn between(a: Option<usize>, b: Option<usize>, dimension: Dimension) -> Self {
         let terms = a.map(|a| (a, -1.0)).into_iter().chain(b.map(|b| (b, 1.0))).collect();
         Self { terms, dimension, levers: false }
     }
 }
 
-/// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e' resists
-/// e: it acts on a body by -arm · f. One with [`points`](Self::points) has straight lines through
-/// them instead of preload + stiffness · e; one with a partner in [`series`](Self::series) has
-/// f = stiffness · (e - x) + damping · e', where x is its inner place.
+/// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
+/// resists e: it acts on a body by -arm · f. With [`points`](Self::points), straight lines through
+/// them replace preload + stiffness · e. With a partner in [`series`](Self::series), f = stiffness
+/// · (e - x) + damping · e', where x is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// N/m or N m/rad, not negative.
+    /// Stiffness, N/m or N m/rad; not negative.
     pub stiffness: f64,
-    /// The stiffness where it steps in time, by constant and steps or a held record; `stiffness` is
+    /// Stiffness that steps in time, by constant and steps or by a held record; `stiffness` is
     /// then 0.
     pub stepped: Option<Signal>,
-    /// N s/m or N m s/rad, not negative.
+    /// Damping, N s/m or N m s/rad; not negative.
     pub damping: f64,
-    /// The force at e = 0, N or N m; 0 beside `series`.
+    /// Force at e = 0, N or N m; 0 with `series`.
     pub preload: f64,
-    /// Points of the force without its dashpot: none, or two or more at rising e. Beyond the first
-    /// and the last one the line goes on. Beside them stiffness and preload are 0.
+    /// Points of the force without its dashpot: none, or two or more with increasing e. The first
+    /// and the last line extend beyond the points. With points, stiffness and preload are 0.
     pub points: Vec<ForcePoint>,
-    /// What it is in series with; `None` for an ordinary spring.
+    /// Partner in series; `None` for an ordinary spring.
     pub series: Option<Series>,
 }
 
@@ -213,30 +213,30 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot alone. Its force f = damping · e' resists e'. No force depends on its elongation, so
-/// that a motion may be periodic while e grows.
+/// A dashpot without a spring. Its force f = damping · e' resists e'. No force depends on its
+/// elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// N s/m or N m s/rad, positive.
+    /// Damping, N s/m or N m s/rad; positive.
     pub damping: f64,
 }
 
-/// A one-sided contact that closes where e reaches the gap and then resists e.
+/// A one-sided contact that closes when e reaches the gap and then resists e.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
     /// Its name, unique among the stops.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// The value of e at which it closes, m or rad, of either sign.
+    /// Value of e at which the stop closes, m or rad, of either sign.
     pub gap: f64,
     /// Rigid or compliant.
     pub law: StopLaw,
-    /// The stiffness where it steps in time, as a spring's; that of `law` is then 0.
+    /// Stiffness that steps in time, as for a spring; the stiffness in `law` is then 0.
     pub stepped: Option<Signal>,
 }
 
@@ -248,13 +248,13 @@ pub enum StopLaw {
         /// Restitution coefficient, from 0 to 1: separation speed over closing speed.
         restitution: f64,
     },
-    /// While e is beyond the gap a spring and a dashpot act.
+    /// A spring and a dashpot act while e is beyond the gap.
     Compliant {
-        /// N/m or N m/rad, not negative.
+        /// Stiffness, N/m or N m/rad; not negative.
         stiffness: f64,
-        /// N s/m or N m s/rad, not negative.
+        /// Damping, N s/m or N m s/rad; not negative.
         damping: f64,
-        /// What the dashpot's force is limited to.
+        /// Limit of the dashpot's force.
         limit: DampingLimit,
     },
 }
@@ -262,20 +262,20 @@ pub enum StopLaw {
 /// The limit of a compliant stop's dashpot (docs/assembly-law.md (A14)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DampingLimit {
-    /// f = max(0, stiffness (e - gap) + damping e'): it never pulls.
+    /// f = max(0, stiffness (e - gap) + damping e'): the force never pulls.
     NoPull,
     /// The dashpot's force is at most the spring's in size, so that f lies between 0 and 2
     /// stiffness (e - gap): the law of the Modelica Standard Library's `ElastoGap`.
     Elastogap,
-    /// None: f = stiffness (e - gap) + damping e', of any sign. The force jumps where e comes to
-    /// the gap and where it leaves it.
+    /// No limit: f = stiffness (e - gap) + damping e', of either sign. The force jumps when e
+    /// reaches the gap and when e leaves it.
     Pull,
     /// The dashpot acts only while e grows: f = stiffness (e - gap) + damping max(0, e').
     UndampedRebound,
 }
 
 impl DampingLimit {
-    /// All, each with its word in a file.
+    /// All limits, with their words in a file.
     pub const ALL: [(Self, &str); 4] = [
         (Self::NoPull, "no-pull"),
         (Self::Elastogap, "elastogap"),
@@ -283,13 +283,13 @@ impl DampingLimit {
         (Self::UndampedRebound, "undamped-rebound"),
     ];
 
-    /// Its word in a file.
+    /// Word in a file.
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
     }
 }
 
-/// A freewheel: e' <= 0, by a force on its ends that is not negative and acts only while e' = 0.
+/// A freewheel: e' <= 0. The force on its ends is never negative and acts only while e' = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freewheel {
     /// Name, unique among the elements.
@@ -298,35 +298,34 @@ pub struct Freewheel {
     pub arms: Arms,
 }
 
-/// Coulomb friction that resists e': its force has the size `force` while it slips, and at most
-/// `static_force` (or `force`) while it sticks.
+/// Coulomb friction that resists e'. Its force has the magnitude `force` while it slips, and at
+/// most `static_force` (or `force`) while it sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// Its name, unique among the frictions.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// The sliding level, N or N m; there is no friction while it is not positive.
+    /// Sliding level, N or N m; without friction while it is not positive.
     pub force: Signal,
-    /// The static level, where it differs from `force`; at least `force`.
+    /// Static level, if it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
-    /// The stop whose force its levels follow, instead of `force` and `static_force`, which are
-    /// then zero and none.
+    /// Stop whose force the levels follow; `force` is then zero and `static_force` is `None`.
     pub follows: Option<Follows>,
 }
 
-/// The levels of a friction that follow the force N of a compliant stop: coefficient · max(0, N).
+/// Friction levels that follow the force N of a compliant stop: coefficient · max(0, N).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Follows {
     /// Index of the stop.
     pub stop: usize,
-    /// Of the sliding level, not negative.
+    /// Coefficient of the sliding level, not negative.
     pub coefficient: f64,
-    /// Of the static level, where it differs from `coefficient`; at least `coefficient`.
+    /// Coefficient of the static level, if it differs from `coefficient`; at least `coefficient`.
     pub static_coefficient: Option<f64>,
 }
 
-/// A rigid link: e = 0 at all times, which determines one coordinate by the others.
+/// A rigid link: e = 0 at all times, which determines one coordinate from the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
     /// Its name, unique among the links.
@@ -342,7 +341,7 @@ pub struct Load {
     pub name: String,
     /// Index of the body.
     pub body: usize,
-    /// N or N m; 0 of a load that follows an output of a block ([`Feed`]).
+    /// Force, N or N m; 0 for a load that follows an output of a block ([`Feed`]).
     pub force: Signal,
 }
 
@@ -359,9 +358,9 @@ pub struct Signal {
     pub steps: Vec<Step>,
     /// A tabulated function.
     pub table: Option<Record>,
-    /// The period of steps and table, s.
+    /// Period of steps and table, s.
     pub repeat: Option<f64>,
-    /// Whether an input is added, which is 0 until it is set.
+    /// Whether an input is added; it is 0 until it is set.
     pub input: bool,
 }
 
@@ -371,7 +370,7 @@ impl Signal {
         Self { constant: value, ..Self::default() }
     }
 
-    /// Whether it has no part besides the constant.
+    /// Whether the signal has no part except the constant.
     pub fn is_constant(&self) -> bool {
         let waves = self.harmonics.len() + self.sweeps.len();
         waves == 0 && self.steps.is_empty() && self.table.is_none() && !self.input
@@ -381,45 +380,45 @@ impl Signal {
 /// amplitude · sin(2π · frequency · t + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Harmonic {
-    /// In the signal's unit.
+    /// Amplitude, in the signal's unit.
     pub amplitude: f64,
-    /// Hz, positive.
+    /// Frequency, Hz; positive.
     pub frequency: f64,
-    /// rad.
+    /// Phase, rad.
     pub phase: f64,
 }
 
-/// A sine whose frequency changes from time 0 on and then stays.
+/// A sine whose frequency changes during the sweep and is constant before and after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// In the signal's unit.
+    /// Amplitude, in the signal's unit.
     pub amplitude: f64,
-    /// The frequency up to time 0, Hz, not negative.
+    /// Frequency up to time 0, Hz; not negative.
     pub from: f64,
-    /// The frequency from the sweep's end on, Hz, not negative.
+    /// Frequency after the sweep, Hz; not negative.
     pub to: f64,
-    /// s, positive.
+    /// Duration, s; positive.
     pub duration: f64,
-    /// At time 0, rad.
+    /// Phase at time 0, rad.
     pub phase: f64,
-    /// The frequency in between.
+    /// Law of the frequency in between.
     pub law: SweepLaw,
 }
 
 /// The frequency of a sweep over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SweepLaw {
-    /// It changes evenly.
+    /// The frequency changes linearly.
     Linear,
-    /// Its logarithm changes evenly; both frequencies are above 0.
+    /// The logarithm of the frequency changes linearly; both frequencies are above 0.
     Logarithmic,
 }
 
 impl SweepLaw {
-    /// Both, each with its word in a file.
+    /// Both laws, with their words in a file.
     pub const ALL: [(Self, &str); 2] = [(Self::Linear, "linear"), (Self::Logarithmic, "logarithmic")];
 
-    /// Its word in a file.
+    /// Word in a file.
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
     }
@@ -440,9 +439,9 @@ impl Sweep {
 /// A jump of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// The addition from that time on, in the signal's unit.
+    /// Increase at that time, in the signal's unit.
     pub height: f64,
 }
 
@@ -451,9 +450,9 @@ pub struct Step {
 pub struct Record {
     /// Time (s) and value of each knot: two or more, at rising times.
     pub knots: Vec<(f64, f64)>,
-    /// What the values are multiplied by, in the signal's unit; the values are then plain numbers.
+    /// Factor of the values, in the signal's unit; the values are then dimensionless.
     pub scale: Option<f64>,
-    /// The values between knots.
+    /// Interpolation between knots.
     pub interpolation: Interpolation,
 }
 
@@ -463,7 +462,7 @@ impl Record {
         Self { knots, scale: None, interpolation }
     }
 
-    /// What the values are multiplied by.
+    /// Factor of the values; 1 without a `scale`.
     pub fn factor(&self) -> f64 {
         self.scale.unwrap_or(1.0)
     }
@@ -481,11 +480,11 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// All, each with its word in a file.
+    /// All kinds, with their words in a file.
     pub const ALL: [(Self, &str); 3] =
         [(Self::Straight, "straight"), (Self::Cubic, "cubic"), (Self::Hold, "hold")];
 
-    /// Its word in a file.
+    /// Word in a file.
     pub fn word(self) -> &'static str {
         Self::ALL.iter().find(|own| own.0 == self).map_or("", |own| own.1)
     }

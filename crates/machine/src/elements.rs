@@ -1,8 +1,8 @@
 //! All elements of a machine in one list, and all its signals in another.
 //!
-//! Columns, FMU variables, checks and sketches ask here for what every element has (name, section
-//! of the file, elongation, quantities, signals), so that they name no kind of element.
-//! `CONTRIBUTING.md` lists what a further kind needs.
+//! Columns, FMU variables, checks and sketches find here what all elements have in common (name,
+//! section of the file, elongation, quantities, signals), so that they name no kind of element.
+//! `CONTRIBUTING.md` lists what a new kind requires.
 
 mod inputs;
 
@@ -18,7 +18,7 @@ use std::ops::Range;
 pub enum Element<'a> {
     /// A spring with its dashpot.
     Spring(&'a Spring),
-    /// A dashpot alone.
+    /// A dashpot without a spring.
     Damper(&'a Damper),
     /// Stiffness and damping of a body in modal coordinates.
     Modal(&'a Modal),
@@ -57,14 +57,14 @@ pub enum Action {
     Tying,
     /// A signal of time, or an output of a block.
     Driving,
-    /// None: a signal that blocks read.
+    /// No force: a signal that blocks read.
     Giving,
-    /// None: a block.
+    /// No force: a block.
     Computing,
 }
 
-/// Sections of a file that hold elements, in the order of every list of elements, each with its
-/// plural.
+/// Sections of a file that hold elements, each with its plural, in the order of every list of
+/// elements.
 pub const SECTIONS: [(&str, &str); 11] = [
     ("spring", "springs"),
     ("damper", "dampers"),
@@ -80,7 +80,7 @@ pub const SECTIONS: [(&str, &str); 11] = [
 ];
 
 impl<'a> Element<'a> {
-    /// Its name, unique among the elements of a machine.
+    /// Name, unique among the elements of a machine.
     pub fn name(self) -> &'a str {
         match self {
             Self::Spring(spring) => &spring.name,
@@ -97,7 +97,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Its section of the file.
+    /// Section of the file.
     pub fn section(self) -> &'static str {
         match self {
             Self::Spring(_) => "spring",
@@ -119,8 +119,8 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// The arms of its elongation; `None` for a load, which acts on one coordinate, for a body with
-    /// many coordinates, for signals and blocks.
+    /// Arms of the elongation; `None` for a load (which acts on one coordinate), a body with many
+    /// coordinates, a signal or a block.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
@@ -134,7 +134,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Dimension of its force and elongation.
+    /// Dimension of force and elongation.
     pub fn dimension(self, machine: &Description) -> Dimension {
         let of_body = |load: &Load| machine.bodies.get(load.body).map(|body| body.dimension);
         match self {
@@ -143,7 +143,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// How its force follows from the state.
+    /// How the force follows from the state.
     pub fn action(self) -> Action {
         match self {
             Self::Spring(spring) if spring.points.len() > 2 || spring.stepped.is_some() => Action::Switching,
@@ -159,7 +159,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The indices of the bodies that are the coordinates of a body with many; none of others.
+    /// Indices of the bodies that are the coordinates of this element; empty if it has none.
     pub fn coordinates(self) -> Range<usize> {
         match self {
             Self::Modal(own) => own.first..own.first + own.frequencies.len(),
@@ -168,12 +168,12 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// What a spring is in series with.
+    /// The partner of a spring in series.
     pub fn series(self) -> Option<&'a Series> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
-    /// Its signals, each with the key that follows its dotted name, empty for the only signal.
+    /// Signals, each with the key after the element's dotted name; empty for loads and sources.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
         match self {
             Self::Friction(Friction { follows: Some(_), .. }) => Vec::new(),
@@ -203,12 +203,12 @@ pub struct NamedSignal<'a> {
     pub signal: &'a Signal,
     /// Dimension of its values.
     pub dimension: Dimension,
-    /// Of a body's motion the order of the coordinate's derivative that it is; `None` for a force.
+    /// Order of the coordinate's derivative that a body's motion prescribes; `None` otherwise.
     pub motion: Option<usize>,
 }
 
 impl NamedSignal<'_> {
-    /// SI unit of its values; `1` of a signal that blocks read.
+    /// SI unit of the values; `1` for a signal that blocks read.
     pub fn unit(&self) -> &'static str {
         let what = self.motion.map_or(What::F, |order| [What::S, What::V, What::A][order.min(2)]);
         if self.name.starts_with("signal.") { "1" } else { what.unit(self.dimension) }
@@ -216,19 +216,19 @@ impl NamedSignal<'_> {
 }
 
 impl Description {
-    /// The place of the first freewheel among the stops of the law, behind stops, levels of
-    /// stiffnesses, corners and limits.
+    /// Index of the first freewheel among the stops of the law. Stops, levels of stiffnesses,
+    /// corners and limits precede it.
     pub fn first_freewheel(&self) -> usize {
         let levels = crate::stepped::further(self);
         self.stops.len() + levels + self.corners() + self.limits_of_outputs().len()
     }
 
-    /// The number of corners of springs by points.
+    /// Number of corners of springs with points.
     pub fn corners(&self) -> usize {
         self.springs.iter().map(|spring| spring.points.len().saturating_sub(2)).sum()
     }
 
-    /// All elements, in the order of [`SECTIONS`] and within a section in that of the file.
+    /// All elements, in the order of [`SECTIONS`] and within a section in the order of the file.
     pub fn elements(&self) -> impl Iterator<Item = Element<'_>> + Clone {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);

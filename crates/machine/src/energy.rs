@@ -1,6 +1,6 @@
 //! Energy accounts: work of loads and prescribed motions, and losses in dashpots, compliant stops,
-//! friction and impacts (docs/assembly-law.md (A20) to (A22)). They are computed independently of
-//! the mechanical energy: the energy balance therefore tests them.
+//! friction and impacts (docs/assembly-law.md (A20) to (A22)). The accounts are independent of the
+//! mechanical energy: the energy balance therefore tests them.
 
 mod long;
 mod nodes;
@@ -33,7 +33,7 @@ pub struct Accounts {
     pub branches: Vec<DoubleDouble>,
     /// Loss at impacts.
     pub impacts: DoubleDouble,
-    /// What steps of stiffnesses have put in.
+    /// Energy added by steps of stiffnesses.
     pub switched: DoubleDouble,
 }
 
@@ -60,8 +60,8 @@ impl Accounts {
         self
     }
 
-    /// Work and what steps of stiffnesses put in, less losses, J. This equals the change of the
-    /// mechanical energy since the start.
+    /// Work plus the energy added by steps of stiffnesses, minus losses, J. This equals the change
+    /// of the mechanical energy since the start.
     pub fn balance(&self) -> f64 {
         let minus = |sum: DoubleDouble, x: &DoubleDouble| sum.minus(*x);
         let put_in = self.loads.iter().fold(self.motions + self.switched, |sum, x| sum + *x);
@@ -78,12 +78,12 @@ impl Accounts {
         self.motions = self.motions.plus(work);
     }
 
-    /// Adds what steps of stiffnesses put in.
+    /// Adds energy from steps of stiffnesses.
     pub(crate) fn switch(&mut self, work: f64) {
         self.switched = self.switched.plus(work);
     }
 
-    /// Adds the loss of a slider that is moved at once.
+    /// Adds the loss of a slider that is moved instantaneously.
     pub(crate) fn slide(&mut self, i: usize, lost: f64) {
         self.branches[i] = self.branches[i].plus(lost);
     }
@@ -116,15 +116,15 @@ impl Accounts {
         *sum = sum.plus(work);
     }
 
-    /// Whether the accounts are on.
+    /// Whether the accounts are enabled.
     pub(crate) fn are_kept(&self) -> bool {
         self.enabled
     }
 }
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
-/// of ½ k max(0, e - gap)² over compliant stops and corners of springs, less what it is at e = 0,
-/// of ½ b²/k over springs in series, and the potential energy of weight.
+/// ½ k max(0, e - gap)² over compliant stops and corners of springs (minus its value at e = 0), ½
+/// b²/k over springs in series, and the potential energy of weight.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

@@ -1,5 +1,5 @@
-//! Errors of a machine and its motion. Every message names the quantity, its value and what is
-//! allowed.
+//! Errors of a machine and its motion. Every message names the quantity, its value and the allowed
+//! values.
 
 use crate::refusal::Refusal;
 
@@ -7,7 +7,7 @@ use crate::refusal::Refusal;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A link that the others imply, or that moves no free body.
+    /// A link that follows from the other links, or that moves no free body.
     #[error(
         "link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away"
     )]
@@ -33,7 +33,7 @@ pub enum Error {
         "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"
     )]
     Jammed {
-        /// s.
+        /// Time, s.
         time: f64,
         /// The stops, such as `stop.NAME`, separated by commas.
         stops: String,
@@ -46,7 +46,7 @@ pub enum Error {
     Violated {
         /// The stop, as `stop.NAME`.
         stop: String,
-        /// s.
+        /// Time, s.
         time: f64,
         /// e - gap, m or rad.
         excess: f64,
@@ -59,10 +59,10 @@ pub enum Error {
     NoEquilibrium {
         /// Name of the body with the largest remaining acceleration.
         body: String,
-        /// m/s² or rad/s².
+        /// Acceleration, m/s² or rad/s².
         acceleration: f64,
     },
-    /// A machine that starts at rest, and gives way while its loads grow.
+    /// A machine that starts at rest and gives way while its loads grow.
     #[error(
         "start = \"rest\": spring.{spring} falls, and gives way at {factor:?} of the loads, where nothing that grows with them holds \
          what is left; allowed is a start in place of rest"
@@ -70,22 +70,22 @@ pub enum Error {
     GivesWay {
         /// Name of the spring.
         spring: String,
-        /// Part of the loads, from 0 to 1.
+        /// Fraction of the loads, from 0 to 1.
         factor: f64,
     },
     /// Modes that change without end at one instant, or events that accumulate.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     Stuck {
-        /// s.
+        /// Time, s.
         time: f64,
         /// The reason, with the elements.
         cause: String,
     },
-    /// A call that needs more sub-steps than allowed; a further call continues from the time
+    /// A call that needs more sub-steps than allowed; another call continues from the time
     /// reached.
     #[error("the motion cannot go on at t = {time} s: {cause}")]
     TooStiff {
-        /// s.
+        /// Time, s.
         time: f64,
         /// The reason, with the fastest body.
         cause: String,
@@ -95,25 +95,25 @@ pub enum Error {
         "the motion cannot go on at t = {time} s: {name} = {value:e} (SI); allowed are sizes up to 1e100, whose energies are numbers"
     )]
     Beyond {
-        /// s.
+        /// Time, s.
         time: f64,
         /// The body and its quantity.
         name: String,
         /// Its value, m, rad, m/s or rad/s.
         value: f64,
     },
-    /// A call that was interrupted; a further call continues from the time reached.
+    /// A call that was interrupted; another call continues from the time reached.
     #[error("interrupted at t = {time} s")]
     Interrupted {
-        /// s.
+        /// Time, s.
         time: f64,
     },
-    /// An end of a step that is before the present or not finite.
+    /// An end of a step that is before the present time or not finite.
     #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
     Step {
-        /// Present, s.
+        /// Present time, s.
         time: f64,
-        /// s.
+        /// End of the step, s.
         end: f64,
     },
     /// A name or a number that the machine refuses.

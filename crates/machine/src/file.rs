@@ -2,7 +2,7 @@
 //!
 //! `docs/machine-file.md` is the reference of the format. All problems of a file are reported at
 //! once, each with line, dotted name, value, the allowed values and, for an unknown name, the
-//! nearest known one:
+//! nearest known name:
 //!
 //! ```
 //! use vibro_machine::file::{no_records, parse};
@@ -58,7 +58,7 @@ use reading::{FileTable, Reading};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Reads the text of a record. The path is that of the machine's file: relative and not above its
+/// Reads the text of a record. The path is as in the machine's file: relative, and not above its
 /// folder.
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
@@ -73,9 +73,9 @@ pub fn read(path: &Path) -> Result<Description, Refusal> {
     read_by(path, check)
 }
 
-/// Reads a file like [`read`], for numbers that are changed before the machine is used: what its
-/// numbers must fulfil together is not checked, such as a start within the gaps of rigid stops.
-/// [`Description::with`] checks it.
+/// Reads a file like [`read`], for numbers that change before the machine is used. Conditions on
+/// several numbers are not checked, such as a start within the gaps of rigid stops;
+/// [`Description::with`] checks them.
 ///
 /// # Errors
 /// As [`read`].
@@ -134,7 +134,7 @@ fn parse_by(text: &str, (file, records): (&str, Records), check: Check) -> Resul
     }
 }
 
-/// Keys of the whole file that have a value, and those that have tables beside [`SECTIONS`].
+/// Top-level keys with a value, and top-level keys with tables other than [`SECTIONS`].
 const VALUES: [&str; 3] = ["name", "gravity", "start"];
 const TABLES: [&str; 2] = ["parameters", "body"];
 

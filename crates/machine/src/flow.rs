@@ -2,13 +2,13 @@
 //! functional samples at interval ends, a bound between them and local Taylor coefficients
 //! (docs/assembly-law.md (A5), (A6)).
 //!
-//! One flow has two representations. Up to `DENSE` coordinates a mode stores matrices (`kept`);
-//! beyond, each state's power series is computed anew (`ahead`). Stiff forces are computed
-//! separately from the rest of A (`apart`), and stiff machines may advance many sub-steps at once
-//! (`ladder`).
+//! A flow has two representations. Up to `DENSE` coordinates, a mode stores matrices (`kept`);
+//! above, the power series of each state is computed when needed (`ahead`). Stiff forces are
+//! computed separately from the rest of A (`apart`), and stiff machines may advance many sub-steps
+//! at once (`ladder`).
 //!
-//! `RADIUS`, [`INTERVALS`], [`LOCAL`] and the other numbers of coefficients belong together: a
-//! change of one needs a new proof of the error bound beside each. Another order of summation
+//! `RADIUS`, [`INTERVALS`], [`LOCAL`] and the other numbers of coefficients depend on each other:
+//! a change of one requires a new proof of the error bound of each. Another order of summation
 //! changes the last bits of motions, and with them the golden files.
 
 mod ahead;
@@ -37,13 +37,13 @@ use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;
 
-/// Number of derivatives of a functional that are examined at the start of a mode, and of its
-/// Taylor coefficients from the first nonzero one on.
+/// Number of derivatives of a functional examined at the start of a mode, and number of its Taylor
+/// coefficients, beginning with the first nonzero one.
 pub const ORDERS: usize = 26;
-/// Rate times the length of a sub-step. Radius 2 needs more sub-steps; radius 4 loosens the bounds,
-/// so that more is searched; both are slower.
+/// Rate times the length of a sub-step. Radius 2 needs more sub-steps; radius 4 loosens the
+/// bounds, so that more intervals are searched. Both are slower.
 pub(crate) const RADIUS: f64 = 3.0;
-/// Number of equal intervals of a sub-step, at whose ends functionals are sampled.
+/// Number of equal intervals of a sub-step; functionals are sampled at their ends.
 pub const INTERVALS: usize = 8;
 /// Number of Taylor coefficients of a functional over an interval: with a radius of 3/8 the first
 /// omitted term is below 0.375¹⁶/16! < 8e-21 of the largest coordinate. A multiple of the vector
@@ -54,7 +54,7 @@ pub const LOCAL: usize = 16;
 const _: () = assert!(RADIUS / INTERVALS as f64 <= SMALL);
 /// Interval ends as fractions of a sub-step.
 const ENDS: [f64; INTERVALS] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0];
-/// By interval: orders of a power series from the sub-step's start to the interval's end.
+/// For each interval: orders of a power series from the sub-step's start to the interval's end.
 const SERIES_ORDERS: [usize; INTERVALS] = {
     let (mut orders, mut i) = ([0; INTERVALS], 0);
     while i < INTERVALS {
@@ -69,33 +69,33 @@ const SERIES_ORDERS: [usize; INTERVALS] = {
 pub struct FlowTable {
     /// A of z' = A z.
     pub a: SparseMatrix,
-    /// The sizes of the terms of A's entries, where they are not the entries' own.
+    /// Sizes of the terms of A's entries, if they differ from the entries' own sizes.
     sizes: Option<SparseMatrix>,
-    /// The sizes of what contacts leave of the velocities, where there are such.
+    /// Sizes of the projection of velocities past the contacts; `None` without contacts.
     loose: Option<SparseMatrix>,
-    /// Number of coordinates, which precede their velocities.
+    /// Number of coordinates; their velocities follow.
     coordinates: usize,
-    /// Number of states, which precede the signals: coordinates, velocities, states of first order.
+    /// Number of states (coordinates, velocities, first-order states); the signals follow.
     one: usize,
     /// A bound of the norm of A in a weighted maximum norm, 1/s.
     pub rate: f64,
-    /// By coordinate what it is multiplied by in this norm, 1/w of (A6).
+    /// Factor of each coordinate in this norm, 1/w of (A6).
     weights: Vec<f64>,
     /// Length of a sub-step, s.
     pub length: f64,
-    /// Forces of stiff springs and pressed compliant stops, where they are computed separately.
+    /// Forces of stiff springs and pressed compliant stops, if they are computed separately.
     apart: Option<Apart>,
     /// Matrices of a sub-step, with at most [`DENSE`] coordinates.
     kept: Option<Kept>,
     /// Flows over 2^k sub-steps, made on first use.
     ladder: Ladder<Rung>,
-    /// What is watched.
+    /// Watched functionals.
     pub watched: Vec<Arc<WatchTable>>,
     /// The forces of the basis.
     pub lambda: Vec<Sparse>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,
-    /// Count of the numbers stored from the beginning.
+    /// Count of the numbers stored on construction.
     fixed: usize,
 }
 
@@ -105,18 +105,18 @@ impl FlowTable {
         Self::with_norm(linear, one, |a| norm(a, one))
     }
 
-    /// The flow of a linear system with a bound of the norm of A by its matrix.
+    /// The flow of a linear system; `norm` bounds the norm of A, given its matrix.
     fn with_norm(linear: Linear, one: usize, norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>)) -> Self {
         let Linear { coordinates, mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
-        // Whoever keeps tables pays for forces that are found apart, so that only stiff ones are.
+        // Separate forces make stored tables slower: only stiff forces are separated.
         let is_small = a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
             let is_fast = || norm(&a).0 > STIFF * rate_bound(&elastic.rest, one);
             let is_stiff = !is_small || elastic.are_stiff || is_fast();
             is_stiff.then(|| Apart::of(elastic))
         });
-        // The contacts' reaction to such a force would leave its rounding in A, a spurious force on
-        // all bodies that they hold together.
+        // The contacts' reaction to such a force would leave its rounding error in A: a spurious
+        // force on all bodies that the contacts hold together.
         if let (Some(apart), Some(_)) = (&apart, &loose) {
             a = apart.sum();
         }
@@ -147,7 +147,7 @@ impl FlowTable {
         table
     }
 
-    /// The flow of a mode of a machine that keeps no tables.
+    /// The flow of a mode, from the machine's split form unless the machine keeps matrices.
     pub fn of_mode(system: &System, mode: &Mode) -> Self {
         let one = system.signals.one;
         if system.keeps_matrices() {
@@ -204,7 +204,7 @@ impl FlowTable {
         self.rows_times_to(0, z, 1.0, to);
     }
 
-    /// Writes `factor` × A `z`, in the rows from `first` on.
+    /// Writes `factor` × A `z`, beginning with row `first`.
     #[inline(always)]
     fn rows_times_to(&self, first: usize, z: &[f64], factor: f64, to: &mut [f64]) {
         match &self.apart {
@@ -213,8 +213,8 @@ impl FlowTable {
         }
     }
 
-    /// Advances a state by a time of any length: by the longest rungs that fit, the rest by power
-    /// series.
+    /// Advances a state by a time of any length: by the longest rungs that fit, and for the rest
+    /// by power series.
     pub fn carry(&self, z: &mut [f64], mut time: f64) {
         let (mut rates, mut end) = (vec![0.0; z.len()], vec![0.0; z.len()]);
         for k in (1..RUNGS).rev() {
@@ -238,7 +238,7 @@ impl FlowTable {
         self.length / INTERVALS as f64
     }
 
-    /// The interval in which a span of a sub-step ends.
+    /// Index of the interval that contains the end of a span of a sub-step.
     pub fn interval_of(&self, span: f64) -> usize {
         ((span / self.interval()).ceil() as usize).clamp(1, INTERVALS) - 1
     }
@@ -248,11 +248,11 @@ impl FlowTable {
         SERIES_ORDERS[last]
     }
 
-    /// Looks ahead where tables are kept: writes where the watched functionals stand; where forces
-    /// are found apart also z' and z''.
+    /// Looks ahead if tables are kept: writes the heads of the watched functionals and, if forces
+    /// are computed separately, z' and z''.
     ///
-    /// A separate force is a small difference of large terms: bounds from the state's coordinates
-    /// would be far too wide, so that bounds are computed from z''.
+    /// A separate force is a small difference of large terms. Bounds from the state's coordinates
+    /// would be far too wide and are therefore computed from z''.
     #[inline(always)]
     pub fn look_ahead(&self, z: &[f64], [rates, second]: [&mut Vec<f64>; 2], to: &mut Vec<Group>) {
         let Some(kept) = &self.kept else { return };
@@ -266,8 +266,8 @@ impl FlowTable {
         kept.heads_at(z, sizes, to);
     }
 
-    /// The state at a time within an interval from that at its start, where tables are kept.
-    /// Signals, whose values at a time are known, may stay as in `to` unless `all` are asked for.
+    /// Writes the state at a time within an interval from the state at the interval's start.
+    /// Unless `all` is true, signals may keep their values in `to`: they are known at any time.
     #[inline(always)]
     pub fn within(&self, z: &[f64], dt: f64, all: bool, ahead: &mut Ahead, to: &mut [f64]) {
         match &self.kept {
@@ -280,20 +280,20 @@ impl FlowTable {
         }
     }
 
-    /// The tables of a sub-step, of a mode that keeps such.
+    /// The tables of a sub-step, for a mode that keeps tables.
     #[inline(always)]
     fn tables(&self) -> &Kept {
         self.kept.as_ref().expect("asked for where tables are kept")
     }
 
-    /// The state at the end of a sub-step from that at its start, and from what
-    /// [looking ahead](Self::look_ahead) has left.
+    /// Writes the state at the end of a sub-step from the state at its start and the derivatives
+    /// found by [looking ahead](Self::look_ahead).
     #[inline(always)]
     pub fn at_end(&self, z: &[f64], derivatives: [&[f64]; 2], to: &mut [f64]) {
         self.tables().at_end(z, derivatives, self.length, to);
     }
 
-    /// The state at the start of interval `i` from that at the sub-step's start.
+    /// Writes the state at the start of interval `i` from the state at the sub-step's start.
     #[inline(always)]
     pub fn at_interval_start(&self, i: usize, z: &[f64], to: &mut [f64]) {
         match i.checked_sub(1) {
@@ -302,28 +302,28 @@ impl FlowTable {
         }
     }
 
-    /// The values at the interval ends of the watched functional at a place, from the state at the
-    /// sub-step's start.
+    /// Values of watched functional `place` at the interval ends, from the state at the sub-step's
+    /// start.
     #[inline(always)]
     pub fn samples(&self, place: usize, z: &[f64]) -> [f64; INTERVALS] {
         self.tables().watched(place).samples(z)
     }
 
-    /// The Taylor coefficients of the watched functional at a place about a state, in units of an
+    /// Taylor coefficients of watched functional `place` about a state, with time in units of an
     /// interval.
     #[inline(always)]
     pub fn local(&self, place: usize, from: &[f64]) -> [f64; LOCAL] {
         self.tables().watched(place).local(from)
     }
 
-    /// Whether matrices of a sub-step are stored; else states are advanced by power series.
+    /// Whether matrices of a sub-step are stored; if not, states advance by power series.
     pub fn is_dense(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// The order and the value of a functional's first nonzero derivative; `None` where all up to
-    /// [`ORDERS`] are zero. Negative values count as zero within their rounding, positive ones
-    /// within `doubt` times theirs. `rows` is scratch memory.
+    /// Order and value of a functional's first nonzero derivative; `None` if all up to [`ORDERS`]
+    /// are zero. Negative values count as zero within their rounding error, positive values within
+    /// `doubt` times their rounding error. `rows` is scratch memory.
     pub fn departure(
         &self,
         w: &WatchTable,
@@ -364,13 +364,13 @@ impl FlowTable {
         None
     }
 
-    /// The sum of the sizes of the terms of a functional's time derivative, from the coordinates'
+    /// Sum of the sizes of the terms of a functional's time derivative, from the coordinates'
     /// sizes.
     fn slope_size(&self, w: &WatchTable, sizes: &[f64]) -> f64 {
         w.row.terms().iter().map(|&(i, x)| x.abs() * self.terms_of(i, sizes)).sum()
     }
 
-    /// The sizes of the terms of a row of A times the coordinates' sizes.
+    /// Sizes of the terms in row `i` of A, times the coordinates' sizes.
     fn terms_of(&self, i: usize, sizes: &[f64]) -> f64 {
         match &self.sizes {
             Some(own) => own.row_times(i, sizes),
@@ -383,10 +383,10 @@ impl FlowTable {
         w.slope.terms().iter().map(|&(i, x)| x * self.a.row_times(i, z)).sum()
     }
 
-    /// Writes the sizes of the terms that a time, of which at most a sub-step counts, has added to
-    /// the velocities and states of first order: Σ |A| |z| times this time, from the coordinates'
-    /// sizes, without what contacts keep at zero. A velocity under balanced forces has the rounding
-    /// of this size. `all` is scratch memory.
+    /// Writes the sizes of the terms that a time adds to the velocities and first-order states: Σ
+    /// |A| |z| times this time, capped at one sub-step, without the terms that contacts keep at
+    /// zero. `sizes` are those of the coordinates. A velocity under balanced forces has a rounding
+    /// error of this size. `all` is scratch memory.
     #[inline(always)]
     pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);
@@ -412,10 +412,10 @@ impl FlowTable {
         self.fixed + self.ladder.made().map(Rung::numbers).sum::<usize>()
     }
 
-    /// Count of the numbers stored from the beginning.
+    /// Count of the numbers stored on construction.
     fn fixed_numbers(&self) -> usize {
         let held = [&self.sizes, &self.loose].into_iter().flatten().map(SparseMatrix::entries).sum::<usize>();
-        // Modes without contacts share what they watch.
+        // Modes without contacts share their watched functionals.
         let terms = |w: &Arc<WatchTable>| 2 * (w.row.terms().len() + w.slope.terms().len());
         let is_own = held > 0 || self.kept.is_some();
         2 * (self.a.entries() + held)

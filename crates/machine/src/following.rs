@@ -1,4 +1,4 @@
-//! What follows from named parameters by the expressions of a machine's file.
+//! Numbers that follow from named parameters by the expressions of a machine's file.
 
 use crate::description::Description;
 use crate::named::{Named, NamedParameters};
@@ -9,22 +9,22 @@ use vibro_numerics::Range;
 /// A number that follows from named parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Following {
-    /// Its name, as in [`Description::parameters`], or that of a named parameter.
+    /// Name, as in [`Description::parameters`], or the name of a named parameter.
     pub name: String,
     /// SI unit; `1` for a named parameter.
     pub unit: &'static str,
     /// Value in the SI unit.
     pub value: f64,
-    /// Meaning in words; of a named parameter the comment behind it.
+    /// Meaning in words; for a named parameter the comment after it in the file.
     pub meaning: String,
-    /// Values that it may have.
+    /// Range of valid values.
     pub range: Range,
     /// The expression, as the file writes it: `= backlash / 2`.
     pub expression: String,
 }
 
 impl Description {
-    /// What follows from named parameters: parameters with expressions, then numbers of the
+    /// Numbers that follow from named parameters: parameters with expressions, then numbers of the
     /// machine in the order of [`parameters`](Self::parameters).
     pub fn following(&self) -> Vec<Following> {
         let of_expression = |own: &Named| {
@@ -46,9 +46,9 @@ impl Description {
         all
     }
 
-    /// Sets what follows from named parameters.
+    /// Sets the numbers that follow from named parameters; returns the problems.
     pub(crate) fn follow(&mut self) -> Vec<Problem> {
-        // Values that are not finite are refused with the parameters' own names.
+        // Values that are not finite are refused under the parameters' own names.
         if self.named.all().iter().any(|own| !own.value.is_finite()) || self.named.all().is_empty() {
             return Vec::new();
         }

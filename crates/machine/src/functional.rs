@@ -8,9 +8,9 @@ use std::sync::OnceLock;
 /// A row that acts on the augmented state.
 pub type StateRow = DVector<f64>;
 
-/// A row on the augmented state, or a direction of the coordinates, by its nonzero terms. The list
-/// of all entries, to which it dereferences, is made at the first such use: a machine of thousands
-/// of bodies has no room for a list of each element.
+/// A row on the augmented state, or a direction of the coordinates, by its nonzero terms. The
+/// dense row, to which it dereferences, is made at the first such use: a machine of thousands of
+/// bodies has no room for a dense row of each element.
 #[derive(Clone, Debug)]
 pub struct Functional {
     length: usize,
@@ -25,7 +25,7 @@ impl Functional {
         Self { length, terms, row: OnceLock::from(row) }
     }
 
-    /// A row of a given length by its terms, in ascending order of their places.
+    /// A row of a given length by its terms, in ascending order of their indices.
     pub(crate) fn from_terms(length: usize, terms: impl Iterator<Item = (usize, f64)>) -> Self {
         Self { length, terms: Sparse::from_terms(terms), row: OnceLock::new() }
     }
@@ -40,7 +40,7 @@ impl Functional {
         Self::from_terms(length, std::iter::once((place, value)))
     }
 
-    /// Σ factor · row, added up in the order given.
+    /// Σ factor · row, with the terms added up in the order given.
     pub(crate) fn sum<'a>(length: usize, parts: impl IntoIterator<Item = (f64, &'a Self)>) -> Self {
         let mut terms = Vec::new();
         for (factor, part) in parts {
@@ -54,23 +54,23 @@ impl Functional {
         self.length
     }
 
-    /// Whether it has no entries.
+    /// Whether the row has no entries.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
 
-    /// All its entries.
+    /// All entries.
     pub(crate) fn into_row(self) -> StateRow {
         (*self).clone()
     }
 
-    /// Its value at `z`.
+    /// Value at `z`.
     #[inline(always)]
     pub fn at(&self, z: &[f64]) -> f64 {
         self.terms.dot(z)
     }
 
-    /// The product with a vector, to the bit that of the list of all entries.
+    /// The product with a vector, equal to the bit to the product of the dense row.
     #[inline]
     pub fn dot<S: Storage<f64, Dyn, U1>>(&self, z: &Vector<f64, Dyn, S>) -> f64 {
         self.terms.sum_in_lanes(z.len(), |j| z[j])
@@ -82,18 +82,18 @@ impl Functional {
         self.terms.sum_in_lanes(self.length, |j| other[j])
     }
 
-    /// The sum of the squares of its entries.
+    /// Sum of the squares of the entries.
     pub fn norm_squared(&self) -> f64 {
         self.along(self)
     }
 
-    /// Its nonzero terms, with their indices.
+    /// Nonzero terms, with their indices.
     #[inline(always)]
     pub fn terms(&self) -> &[(usize, f64)] {
         self.terms.terms()
     }
 
-    /// The sum of the terms' absolute values, for a vector of absolute values.
+    /// Sum of the terms' absolute values, given a vector of absolute values.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.terms.size(sizes)

@@ -47,9 +47,9 @@ pub const EIGHT: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// The largest rate times span for which [`EIGHT`] nodes do: with G nodes the error of a product of
-/// two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³) of its size, under 2e-17 with eight up to 1.2,
-/// under 6e-17 with twelve up to 4.
+/// Largest rate times span x for which [`EIGHT`] nodes suffice. With G nodes, the relative error
+/// of a product of two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³): below 2e-17 for eight nodes
+/// up to x = 1.2, below 6e-17 for twelve nodes up to x = 4.
 pub const SHORT: f64 = 1.2;
 
 /// Σ_j columns\[j\] z_j.
@@ -70,12 +70,12 @@ pub fn multiply_add_rows(sum: &mut [f64], factor: f64, term: &[f64]) {
     sum.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * factor + x);
 }
 
-/// The columns of a matrix of R rows that are not zero, with their places.
+/// The nonzero columns of a matrix of R rows, with their indices.
 #[derive(Clone, Debug)]
 pub struct SparseColumns<const R: usize>(Vec<(usize, [f64; R])>);
 
 impl<const R: usize> SparseColumns<R> {
-    /// The nonzero ones among all columns.
+    /// Keeps the nonzero columns.
     pub fn of(columns: &[[f64; R]]) -> Self {
         let nonzero = |(_, column): &(usize, &[f64; R])| column.iter().any(|x| *x != 0.0);
         let mut own = Vec::with_capacity(columns.len());
@@ -106,16 +106,16 @@ impl<const R: usize> SparseColumns<R> {
     }
 }
 
-/// Entries of a row that are not zero, with their places.
+/// Nonzero entries of a row, with their columns.
 pub type Entries<'a> = &'a [(usize, f64)];
 
-/// A square matrix by the nonzero entries of its rows.
+/// A square matrix, stored as the nonzero entries of its rows.
 #[derive(Clone, Debug)]
 pub struct SparseMatrix {
     /// Index of each row's first entry, and the end of the last row.
     rows: Vec<usize>,
     entries: Vec<(usize, f64)>,
-    /// Its entries in a form for fast products.
+    /// The entries in a form for fast products.
     slices: Option<Slices>,
 }
 
@@ -126,28 +126,28 @@ impl Default for SparseMatrix {
     }
 }
 
-/// Rows of a slice.
+/// Number of rows of a slice.
 const SLICE: usize = 8;
 
-/// Vectors that are multiplied side by side.
+/// Number of vectors multiplied together.
 pub const ABREAST: usize = 8;
 
-/// Least number of entries of a diagonal within a slice that are kept as a list of all: fewer are
+/// Least number of entries for which a diagonal of a slice is stored as a whole; fewer entries are
 /// as fast one by one.
 const FILLED: usize = 3;
 
-/// A matrix by slices of eight rows, from one row on: of each slice the diagonals that are well
-/// filled, as in a chain of bodies, and the other entries one by one. A product with a diagonal
-/// needs no list of places and compiles to vector instructions.
+/// A matrix in slices of eight rows, beginning with row `begin`. Each slice stores its well-filled
+/// diagonals, as in a chain of bodies, and its other entries one by one. A product with a diagonal
+/// needs no list of indices and compiles to vector instructions.
 #[derive(Clone, Debug)]
 struct Slices {
     /// The first row.
     begin: usize,
-    /// By slice where its diagonals end.
+    /// For each slice: the end of its diagonals.
     ends: Vec<usize>,
-    /// The first column of a diagonal within its slice, and its entries.
+    /// First column of each diagonal within its slice, and its entries.
     diagonals: Vec<(usize, [f64; SLICE])>,
-    /// Row, column and value of the others.
+    /// Row, column and value of each other entry.
     others: Vec<(usize, usize, f64)>,
 }
 
@@ -179,7 +179,7 @@ impl Slices {
         slices
     }
 
-    /// `to` = `factor` × matrix × `from`, in the rows from the first one on.
+    /// `to` = `factor` × matrix × `from`, beginning with the first row of the slices.
     #[inline(always)]
     fn times_to(&self, from: &[f64], factor: f64, to: &mut [f64]) {
         let mut first = 0;
@@ -196,7 +196,7 @@ impl Slices {
     }
 }
 
-/// The largest absolute value of products of two lists, place by place.
+/// Largest absolute value among the elementwise products of two lists.
 #[inline(always)]
 pub fn largest_product(x: &[f64], z: &[f64]) -> f64 {
     let ((x, x_rest), (z, z_rest)) = (x.as_chunks::<SLICE>(), z.as_chunks::<SLICE>());
@@ -210,13 +210,13 @@ pub fn largest_product(x: &[f64], z: &[f64]) -> f64 {
 }
 
 impl SparseMatrix {
-    /// Adds a row by its entries; zeros are not stored.
+    /// Appends a row, given by its entries; zeros are not stored.
     pub fn push_row(&mut self, row: impl Iterator<Item = (usize, f64)>) {
         self.entries.extend(row.filter(|&(_, x)| x != 0.0));
         self.rows.push(self.entries.len());
     }
 
-    /// The matrix with some rows replaced, and with each other entry's `value`.
+    /// The matrix with some rows replaced, and with `value` applied to all other entries.
     pub fn with_rows<R: Iterator<Item = (usize, f64)>>(
         &self,
         value: impl Fn(f64) -> f64,
@@ -252,8 +252,7 @@ impl SparseMatrix {
         Self { rows, entries, slices: None }
     }
 
-    /// The matrix with slices of the rows from `begin` on beside its entries, for one of which many
-    /// products are made.
+    /// The matrix with its rows from `begin` on also stored as slices, for repeated products.
     pub fn with_slices(mut self, begin: usize) -> Self {
         self.slices = Some(Slices::of(&self, begin));
         self
@@ -264,7 +263,7 @@ impl SparseMatrix {
         self.row(i).iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
     }
 
-    /// The nonzero entries of a row with their places.
+    /// The nonzero entries of a row with their columns.
     #[inline(always)]
     pub fn row(&self, i: usize) -> &[(usize, f64)] {
         &self.entries[self.rows[i]..self.rows[i + 1]]
@@ -292,7 +291,7 @@ impl SparseMatrix {
         self.entries.len()
     }
 
-    /// `to` = `factor` × matrix × `from`, in the rows from `first` on.
+    /// `to` = `factor` × matrix × `from`, beginning with row `first`.
     #[inline(always)]
     pub fn rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
         let sliced = self.slices.as_ref().filter(|slices| slices.begin >= first);
@@ -328,7 +327,7 @@ impl SparseMatrix {
         to.iter_mut().for_each(|y| *y *= factor);
     }
 
-    /// The row with these entries times the matrix, by the entries that are not zero.
+    /// The row with these entries times the matrix, by its nonzero entries.
     pub fn after_terms(&self, terms: &[(usize, f64)]) -> Sparse {
         if let &[(i, r)] = terms {
             return Sparse::from_terms(self.row(i).iter().map(|&(j, x)| (j, r * x)));
@@ -348,7 +347,7 @@ impl SparseMatrix {
         Sparse::from_terms(all.into_iter())
     }
 
-    /// The matrix less the outer products of pairs of a column and a row, by their entries.
+    /// The matrix minus outer products of a column and a row, both given by their entries.
     pub fn less<'t>(&self, products: impl Iterator<Item = [Entries<'t>; 2]>) -> Self {
         let mut changes: Vec<(usize, Entries, f64)> = Vec::new();
         for [column, row] in products {
@@ -383,19 +382,19 @@ impl SparseMatrix {
         sum
     }
 
-    /// A row of the matrix of the entries' sizes times a vector.
+    /// Row `i` of the matrix of absolute values, times a vector.
     #[inline(always)]
     pub fn sizes_row_times(&self, i: usize, z: &[f64]) -> f64 {
         self.row(i).iter().map(|&(j, x)| x.abs() * z[j]).sum()
     }
 
-    /// `to` = `factor` × the matrix of the entries' sizes × `from`, but for the first rows.
+    /// `to` = `factor` × the matrix of absolute values × `from`, beginning with row `first`.
     #[inline(always)]
     pub fn sizes_rows_times_to(&self, first: usize, from: &[f64], factor: f64, to: &mut [f64]) {
         to.iter_mut().enumerate().for_each(|(i, y)| *y = factor * self.sizes_row_times(first + i, from));
     }
 
-    /// `to` = `factor` × `row` × the matrix of the entries' sizes.
+    /// `to` = `factor` × `row` × the matrix of absolute values.
     pub fn sizes_after_row(&self, row: &[f64], factor: f64, to: &mut [f64]) {
         to.fill(0.0);
         for (i, &r) in row.iter().enumerate().filter(|(_, r)| **r != 0.0) {
@@ -417,7 +416,7 @@ impl SparseMatrix {
         product
     }
 
-    /// `to` = `factor` × matrix × `from`, of eight vectors side by side.
+    /// `to` = `factor` × matrix × `from`, for eight interleaved vectors.
     #[inline(always)]
     pub fn times_eight(&self, from: &[[f64; ABREAST]], factor: f64, to: &mut [[f64; ABREAST]]) {
         for (to, ends) in to.iter_mut().zip(self.rows.windows(2)) {
@@ -437,13 +436,13 @@ impl SparseMatrix {
     }
 }
 
-/// Rows of a block, whose products are computed together; half of them in the last block.
+/// Number of rows of a block, whose products are computed together.
 const BLOCK: usize = 8;
-/// Rows of the last block where no more are left.
+/// Number of rows of the last block if no more are left.
 const HALF: usize = BLOCK / 2;
 
-/// Writes the first numbers to a list that may be shorter. The compiler makes a call of a copy of
-/// unknown length, which takes longer than the product.
+/// Writes the first numbers into a list that may be shorter. The compiler would make a call of a
+/// copy of unknown length, which takes longer than the product.
 #[inline(always)]
 fn put<const N: usize>(numbers: &[f64; N], to: &mut [f64]) {
     if to.len() == N {
@@ -456,7 +455,7 @@ fn put<const N: usize>(numbers: &[f64; N], to: &mut [f64]) {
     }
 }
 
-/// A dense matrix in blocks of eight rows; the last block has four where these suffice.
+/// A dense matrix in blocks of eight rows; the last block has four if these suffice.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     columns: usize,

@@ -1,5 +1,5 @@
-//! Kinds of a machine's numbers: meaning, units and allowed range. The file's reader and the
-//! setting of parameters share them, so that both refuse a number for the same reason.
+//! Kinds of a machine's numbers: meaning, units and allowed range. The file reader and the setting
+//! of parameters share them, so that both refuse a number for the same reason.
 
 use crate::description::Dimension;
 use vibro_numerics::Range;
@@ -8,24 +8,23 @@ use vibro_numerics::quantities::symbols;
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]
 pub struct NumberKind {
-    /// Description.
+    /// Meaning in words.
     pub meaning: &'static str,
     /// SI units for translation and for rotation.
     pub units: [&'static str; 2],
-    /// Allowed values, apart from zero.
+    /// Range of allowed values; `not_zero` and `least` restrict it further.
     pub range: Range,
     /// Whether zero is refused even within the range.
     pub not_zero: bool,
-    /// Least size of a value other than zero, so that quotients are finite and sub-steps long
-    /// enough.
+    /// Least absolute value other than zero: it keeps quotients finite and sub-steps long enough.
     pub least: f64,
-    /// Whether a file may give it in a unit of any dimension, as the number that it is in SI.
+    /// Whether a file may give the number in a unit of any dimension; its value is taken in SI.
     pub any_unit: bool,
 }
 
-/// Least stiffness and damping in series, whose quotient is a rate.
+/// Least stiffness and damping of springs in series, whose quotient is a rate.
 const LEAST: f64 = 1e-150;
-/// Least frequency, Hz, and length of time, s.
+/// Least frequency, Hz, and least duration, s.
 const LEAST_FREQUENCY: f64 = 1e-12;
 const LEAST_TIME: f64 = 1e-9;
 
@@ -107,7 +106,7 @@ pub const DELAY: NumberKind = kind("Time until outputs act", "s", "s", Range::NO
 pub const FACTOR: NumberKind = kind("Force or torque per unit of the output", "N", "N.m", Range::FINITE);
 const QUANTUM: NumberKind = kind("Step to which an input is rounded", "1", "1", Range::POSITIVE);
 
-/// The kind of the step to which an input of a block is rounded, by the input's SI unit.
+/// Kind of the step to which a block's input is rounded, given the input's SI unit.
 pub const fn quantum(unit: &'static str) -> NumberKind {
     NumberKind { units: [unit, unit], ..QUANTUM }
 }
@@ -115,12 +114,12 @@ pub const fn quantum(unit: &'static str) -> NumberKind {
 /// A value of a record that has a scale.
 pub const PLAIN: NumberKind = kind("Value of a record", "1", "1", Range::FINITE);
 
-/// The kind of a record's scale, by that of its signal's values.
+/// Kind of a record's scale, given the kind of its signal's values.
 pub const fn scale_of(values: NumberKind) -> NumberKind {
     NumberKind { meaning: "Factor of a record's values", ..values }
 }
 
-/// The kind of a named parameter, by the SI unit of its value.
+/// Kind of a named parameter, given the SI unit of its value.
 pub const fn named(unit: &'static str) -> NumberKind {
     kind("Named parameter", unit, unit, Range::FINITE)
 }
@@ -156,7 +155,7 @@ impl NumberKind {
         self.range.contains(value) && !(self.not_zero && value == 0.0) && !too_small
     }
 
-    /// This kind without its least size.
+    /// This kind without its least absolute value.
     pub fn of_any_size(&self) -> Self {
         Self { least: 0.0, ..*self }
     }
@@ -175,7 +174,7 @@ impl NumberKind {
         self.in_units(format!("allowed is {}", self.range.allowed), dimension)
     }
 
-    /// The allowed values in a file, for one that is too small.
+    /// The allowed values in a file, in words, for a value that is too small.
     pub fn allowed_sizes(&self, dimension: Dimension) -> String {
         let (allowed, unit) = (self.range.allowed, symbols(self.unit(dimension)).next());
         let unit = unit.filter(|unit| *unit != "1").map_or(String::new(), |unit| format!(" {unit}"));

@@ -18,8 +18,8 @@ pub struct Linear {
     pub coordinates: usize,
     /// z' = A z.
     pub a: SparseMatrix,
-    /// By entry of A: the sum of the sizes of its terms; `None` without contacts. If a closed stop
-    /// cancels the terms, their rounding remains.
+    /// For each entry of A: the sum of the sizes of its terms; `None` without contacts. If a
+    /// closed stop cancels the terms, their rounding error remains.
     pub terms: Option<SparseMatrix>,
     /// Contact forces of the basis, in its order, as rows.
     pub lambda: Vec<Sparse>,
@@ -29,8 +29,8 @@ pub struct Linear {
     pub watched: Vec<(Watch, Arc<Sparse>)>,
     /// Elastic forces that may be computed separately.
     pub elastic: Option<Elastic>,
-    /// Absolute values of 1 - M⁻¹ W G⁻¹ Wᵀ, the projection of velocities onto those that the
-    /// contacts allow; `None` without contacts.
+    /// Absolute values of 1 - M⁻¹ W G⁻¹ Wᵀ, the projection of velocities onto the velocities that
+    /// the contacts allow; `None` without contacts.
     pub loose: Option<SparseMatrix>,
 }
 
@@ -40,17 +40,17 @@ pub struct Linear {
 pub struct Elastic {
     /// A without these forces.
     pub rest: SparseMatrix,
-    /// By entry of `rest`: the sum of the sizes of its terms, where there are contacts.
+    /// For each entry of `rest`: the sum of the sizes of its terms, if there are contacts.
     pub rest_terms: Option<SparseMatrix>,
     /// The forces, each with its vector `by`: a unit of the force reduces z' by this vector.
     pub forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
     /// Whether a force ties a group of bodies that much softer forces move; always false without
-    /// stored matrices. If it is false, the fastest motion of the mode may still come from these
+    /// stored matrices. Even if it is false, the fastest motion of the mode may come from these
     /// forces.
     pub are_stiff: bool,
 }
 
-/// What always acts, elastic forces, and other forces of a mode.
+/// Base matrix, elastic forces, and other forces of a mode.
 type SplitTerms<'a> = (&'a Split, Vec<Term>, Vec<Term>);
 
 impl System {
@@ -101,8 +101,8 @@ impl System {
         Some((split, split.elastic(mode), split.frictional(mode)))
     }
 
-    /// The elastic forces of a mode that may be computed separately: those of stiff springs and of
-    /// compliant stops that act.
+    /// The elastic forces of a mode that may be computed separately: forces of stiff springs and
+    /// of compliant stops that act.
     fn elastic(&self, mode: &Mode, held: &Held, terms: Option<SplitTerms>) -> Option<Elastic> {
         let springs = self.stiff_springs.iter().map(|&i| &self.springs[i].elongation);
         let is_elastic = |i: &usize| mode.stops[*i].has_force() && !self.is_limit(*i);

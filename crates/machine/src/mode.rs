@@ -1,6 +1,6 @@
-//! Modes: the states of all stops, frictions and sliders, which determine a linear system z' = A z
-//! and the functionals that end it (docs/assembly-law.md (A5)). States are data alone; the rows
-//! that belong to a state are in [`System`](crate::system::System).
+//! Modes: the states of all stops, frictions and sliders. A mode determines a linear system z' = A
+//! z and the functionals that end it (docs/assembly-law.md (A5)). States are plain data; the rows
+//! for each state are in [`System`](crate::system::System).
 
 mod states;
 mod watch;
@@ -11,32 +11,32 @@ pub use watch::{Watch, WatchTable};
 use serde::{Deserialize, Serialize};
 use std::hash::{Hash, Hasher};
 
-/// A contact that keeps e'' at zero, or a slider, which has states as these have and keeps nothing.
+/// A contact that keeps e'' at zero, or a slider, which has similar states but keeps nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Contact {
-    /// A rigid stop, by its place.
+    /// A rigid stop, by its index.
     Stop(usize),
-    /// A friction, by its place.
+    /// A friction, by its index.
     Friction(usize),
-    /// The slider of a branch, by the branch's place; none is in a basis.
+    /// The slider of a branch, by the branch's index; never in a basis.
     Slider(usize),
 }
 
 /// A mode: the state of every element, and the independent contacts whose forces are solved for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
-    /// By stop.
+    /// State of each stop.
     pub stops: Vec<StopState>,
-    /// By friction.
+    /// State of each friction.
     pub frictions: Vec<FrictionState>,
-    /// By branch.
+    /// State of each branch.
     pub sliders: Vec<SliderState>,
-    /// Independent closed stops and sticking frictions, in order. A dependent contact has the force
-    /// zero or, where its state says so, its level.
+    /// Independent closed stops and sticking frictions, in order. A dependent contact has zero
+    /// force or, depending on its state, the force of its level.
     pub basis: Vec<Contact>,
 }
 
-/// By the states in one number: the derived hash takes eight bytes for each.
+/// Hashes the states as one number: the derived hash takes eight bytes for each state.
 impl Hash for Mode {
     fn hash<H: Hasher>(&self, hasher: &mut H) {
         let states = self.stops.iter().map(|state| *state as u64);
@@ -46,22 +46,22 @@ impl Hash for Mode {
     }
 }
 
-/// An odd number of mixed bits (from the golden ratio).
+/// Odd multiplier with well-mixed bits (from the golden ratio).
 const MIXER: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// An element in a state.
+/// An element with a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ElementState {
-    /// A stop, by its place.
+    /// A stop, by its index.
     Stop(usize, StopState),
-    /// A friction, by its place.
+    /// A friction, by its index.
     Friction(usize, FrictionState),
-    /// A branch, by its place.
+    /// A branch, by its index.
     Slider(usize, SliderState),
 }
 
 impl Mode {
-    /// The present state of an element, whatever state is given.
+    /// The present state of an element; the state in `element` is ignored.
     pub fn state_of(&self, element: ElementState) -> ElementState {
         match element {
             ElementState::Stop(i, _) => ElementState::Stop(i, self.stops[i]),
@@ -70,7 +70,7 @@ impl Mode {
         }
     }
 
-    /// Becomes another mode of the same machine without allocating.
+    /// Copies another mode of the same machine without allocating.
     pub(crate) fn assign(&mut self, other: &Self) {
         self.stops.clone_from(&other.stops);
         self.frictions.clone_from(&other.frictions);
@@ -85,14 +85,14 @@ impl Mode {
         closed.map(|(i, _)| Contact::Stop(i)).chain(sticking.map(|(i, _)| Contact::Friction(i)))
     }
 
-    /// Whether all its contacts are independent.
+    /// Whether all contacts of the mode are independent.
     pub fn is_independent(&self) -> bool {
         self.contacts().eq(self.basis.iter().copied())
     }
 }
 
 impl ElementState {
-    /// The contact whose state it is.
+    /// The contact that has this state.
     pub fn contact(self) -> Contact {
         match self {
             Self::Stop(i, _) => Contact::Stop(i),

@@ -10,19 +10,19 @@ pub(crate) use expression::Expression;
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
 
-/// The usual spelling of a name that is understood in another one: `a[0][1]` is `a[0,1]`, and
-/// `harmonics[0].amplitude` of a single harmonic is `amplitude`.
+/// The usual spelling of a name: `a[0,1]` for `a[0][1]`, and `amplitude` for
+/// `harmonics[0].amplitude` of a single harmonic.
 pub(crate) fn usual_name(name: &str) -> String {
     name.replace("][", ",").replace(".harmonics[0].", ".")
 }
 
-/// The named parameters of a machine with the expressions of its file. A file's reader makes them.
+/// The named parameters of a machine with the expressions of its file. The file reader makes them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NamedParameters {
     all: Vec<Named>,
-    /// Places of those with expressions, each after those from which it follows.
+    /// Indices of the parameters with expressions, each after the parameters in its expression.
     order: Vec<usize>,
-    /// By name of a number, as in [`Description::parameters`], the expression it follows from.
+    /// Expression of each number that follows, by its name as in [`Description::parameters`].
     numbers: BTreeMap<String, Expression>,
 }
 
@@ -30,24 +30,24 @@ pub struct NamedParameters {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Named {
     pub name: String,
-    /// SI unit of the value in the file; `1` without one.
+    /// SI unit of the value in the file; `1` if it has none.
     pub unit: &'static str,
     pub value: f64,
     pub expression: Option<Expression>,
-    /// Comment that the file has behind its value; empty without one.
+    /// Comment after the value in the file; empty if there is none.
     pub comment: String,
 }
 
 impl Named {
-    /// Its comment, or that it is a named parameter.
+    /// The comment or, without one, the words "Named parameter".
     pub fn meaning(&self) -> String {
         if self.comment.is_empty() { "Named parameter".into() } else { self.comment.clone() }
     }
 }
 
 impl NamedParameters {
-    /// Named parameters with values; those of expressions are found. The second is a problem of a
-    /// parameter, by its place.
+    /// Creates named parameters and evaluates their expressions. The error is the index of a
+    /// parameter and its problem.
     pub(crate) fn new(all: Vec<Named>) -> Result<Self, (usize, String)> {
         let mut named = Self { all, ..Self::default() };
         named.order = named.ordered()?;
@@ -60,12 +60,12 @@ impl NamedParameters {
         &self.all
     }
 
-    /// The parameters, to be changed.
+    /// The parameters, mutable.
     pub(crate) fn all_mut(&mut self) -> &mut [Named] {
         &mut self.all
     }
 
-    /// Their names.
+    /// Names of the parameters.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.all.iter().map(|own| own.name.as_str())
     }
@@ -75,7 +75,7 @@ impl NamedParameters {
         self.all.iter().map(|own| own.value).collect()
     }
 
-    /// Whether a number of the machine follows from them.
+    /// Whether any number of the machine follows from named parameters.
     pub(crate) fn has_numbers(&self) -> bool {
         !self.numbers.is_empty()
     }
@@ -90,10 +90,10 @@ impl NamedParameters {
         self.numbers.insert(number, expression);
     }
 
-    /// Places of the parameters with expressions, each after those from which it follows.
+    /// Indices of the parameters with expressions, each after the parameters in its expression.
     fn ordered(&self) -> Result<Vec<usize>, (usize, String)> {
         let mut order = Vec::new();
-        // 0 for unseen, 1 for being followed, 2 for placed.
+        // 0: unseen, 1: being followed, 2: placed.
         let mut seen = vec![0u8; self.all.len()];
         (0..self.all.len()).try_for_each(|place| self.visit(place, &mut seen, &mut order))?;
         Ok(order)
@@ -118,14 +118,14 @@ impl NamedParameters {
         Ok(())
     }
 
-    /// Sets the values that follow from others.
+    /// Sets the values of parameters with expressions.
     pub(crate) fn evaluate(&mut self) -> Result<(), (usize, String)> {
         let values = self.evaluated(self.values())?;
         self.all.iter_mut().zip(values).for_each(|(own, value)| own.value = value);
         Ok(())
     }
 
-    /// The values of all parameters, of which the ones with expressions are computed.
+    /// Values of all parameters, with expressions evaluated.
     fn evaluated(&self, mut values: Vec<f64>) -> Result<Vec<f64>, (usize, String)> {
         for &place in &self.order {
             let Some(expression) = &self.all[place].expression else { continue };
@@ -134,8 +134,8 @@ impl NamedParameters {
         Ok(values)
     }
 
-    /// The value of a number or parameter with an expression, by its name. `value` has the values
-    /// of the parameters without expressions. NaN if the expression divides by zero or overflows.
+    /// Value of a number or parameter with an expression, by its name. `value` returns the values
+    /// of parameters without expressions. NaN if the expression divides by zero or overflows.
     pub fn value_with(&self, name: &str, value: impl Fn(&str) -> Option<f64>) -> f64 {
         let given = self.all.iter().map(|own| value(&own.name).unwrap_or(own.value));
         let found = self.evaluated(given.collect()).ok();
@@ -144,13 +144,13 @@ impl NamedParameters {
     }
 
     /// Names of the parameters without expressions that the expression of a number or parameter
-    /// contains, directly or through other parameters; none without an expression.
+    /// contains, directly or through other parameters; empty without an expression.
     pub fn sources_of(&self, name: &str) -> Vec<&str> {
         let sources = self.expression_of(name).map(|expression| self.sources(expression));
         sources.into_iter().flatten().map(|place| self.all[place].name.as_str()).collect()
     }
 
-    /// The power of length in the unit of each parameter.
+    /// Exponent of length in the unit of each parameter.
     pub(crate) fn length_powers(&self) -> Vec<i32> {
         let of = |own: &Named| match own.unit {
             "m" => 1,
@@ -183,12 +183,12 @@ impl NamedParameters {
         all.filter_map(|pair| Some((pair.0.as_str(), follows(pair.1)?))).collect()
     }
 
-    /// The names of the numbers that follow from a parameter; none for another name.
+    /// Names of the numbers that follow from a parameter; empty for any other name.
     pub fn numbers_of(&self, parameter: &str) -> Vec<&str> {
         self.derivatives(parameter).into_keys().collect()
     }
 
-    /// The parameters without expressions from which an expression follows.
+    /// The parameters without expressions that determine an expression.
     fn sources(&self, expression: &Expression) -> Vec<usize> {
         let (mut next, mut found, mut seen) = (Vec::new(), Vec::new(), vec![false; self.all.len()]);
         expression.add_parameters(&mut next);
@@ -211,7 +211,7 @@ impl NamedParameters {
         number(name).or_else(|| number(&usual_name(name))).or_else(own)
     }
 
-    /// The problem of setting, or of differentiating by, what follows from parameters.
+    /// The problem of setting a number that follows from parameters, or of differentiating by it.
     pub(crate) fn refusal(&self, name: &str) -> Option<Problem> {
         let expression = self.expression_of(name)?;
         let sources = self.sources(expression).into_iter().map(|place| format!("`{}`", self.all[place].name));

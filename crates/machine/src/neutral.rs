@@ -1,5 +1,5 @@
-//! Neutral directions: changes of the coordinates on which no force depends, such as the angle of a
-//! free shaft or the position of a train (docs/assembly-law.md (A30)).
+//! Neutral directions: changes of the coordinates on which no force depends, such as the angle of
+//! a free shaft or the position of a train (docs/assembly-law.md (A30)).
 //!
 //! A direction u of the coordinates is neutral if no elongation that determines a force changes
 //! along it: w · u = 0 for every spring with stiffness and every stop. If no dashpot and no
@@ -36,7 +36,7 @@ fn gyroscopic(system: &System) -> impl Iterator<Item = Terms> {
     system.gyroscopic_forces().map(move |(_, force)| Sparse::of(force.rows(n, n).as_slice()).terms().to_vec())
 }
 
-/// The rows of coordinates, or of velocities from `first` on, that blocks read.
+/// The parts of the rows that blocks read for coordinates, or for velocities, from `first` on.
 fn read(system: &System, first: usize) -> impl Iterator<Item = Terms> {
     let inputs = system.blocks.iter().flat_map(|block| &block.inputs);
     inputs.map(move |input| Sparse::of(input.row.rows(first, system.coordinates).as_slice()).terms().to_vec())
@@ -83,7 +83,7 @@ impl Neutral {
         all.map(|(u, first)| {
             let mut state = vec![0.0; 2 * n];
             state[first..first + n].copy_from_slice(u.as_slice());
-            // Springs in series keep their stretches, and so their forces.
+            // Springs in series keep their stretches, and thus their forces.
             state.resize(2 * n + self.inner, 0.0);
             state
         })
@@ -122,13 +122,13 @@ fn short(x: f64) -> String {
 /// A row of a system of equations.
 type Terms = Vec<(usize, f64)>;
 
-/// A basis of the directions u with w · u = 0 for all rows w, by elimination with the largest
-/// pivots, so that a body on which nothing acts is a basis vector of its own.
+/// A basis of the directions u with w · u = 0 for all rows w. The elimination takes the largest
+/// pivots, so that a body on which nothing acts has its own basis vector.
 fn null_space(rows: Vec<Terms>, count: usize) -> Vec<DVector<f64>> {
-    // No row of a pivot has an entry at another's place.
+    // The row of a pivot has no entry in the column of another pivot.
     let mut pivots: Vec<(usize, Sparse)> = Vec::new();
     let mut row_of = vec![None; count];
-    // By place the rows that may have an entry there.
+    // For each column, the rows that may have an entry in it.
     let mut having: Vec<Vec<usize>> = vec![Vec::new(); count];
     for row in rows {
         let size = row.iter().fold(0.0f64, |most, term| most.max(term.1.abs()));

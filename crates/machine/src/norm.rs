@@ -3,13 +3,13 @@
 
 use crate::kernel::SparseMatrix;
 
-/// Below this rate, 1/s, nothing of a machine happens in minutes; it keeps sub-steps finite.
+/// Lower bound of rates, 1/s, to keep sub-steps finite. Slower motion takes minutes.
 pub(crate) const LEAST_RATE: f64 = 1e-3;
-/// Turns of the balancing of rows and columns; each comes nearer to the least norm, and any number
-/// of them gives a bound.
+/// Number of iterations to balance rows and columns. Each comes nearer to the least norm; any
+/// number gives a bound.
 const BALANCE_TURNS: usize = 12;
 
-/// A bound of the norm of A, and by coordinate 1/w.
+/// A bound of the norm of A, and 1/w for each coordinate.
 pub(crate) fn norm(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     let (rate, mut w) = weighted(a, one);
     w.iter_mut().for_each(|w| *w = 1.0 / *w);
@@ -21,7 +21,7 @@ pub fn rate_bound(a: &SparseMatrix, one: usize) -> f64 {
     weighted(a, one).0
 }
 
-/// The largest factor of the derivatives of sweeps: their angular frequency. Those of other
+/// Largest factor of the derivatives of sweeps: their angular frequency. Derivatives of other
 /// polynomials have the factor 1.
 pub(crate) fn swept(a: &SparseMatrix, one: usize) -> f64 {
     let next = |i: usize| a.entry(i, i + 1);
@@ -33,8 +33,8 @@ pub(crate) fn swept(a: &SparseMatrix, one: usize) -> f64 {
 }
 
 /// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j
-/// / w_i. The weights of the machine's coordinates balance rows and columns; those of signals are
-/// so small that they add at most a quarter.
+/// / w_i. The weights of the machine's coordinates balance rows and columns; the weights of
+/// signals are so small that signals add at most a quarter.
 fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     let size = a.len();
     let mut w = vec![1.0f64; size];
@@ -48,7 +48,7 @@ fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
             if row > 0.0 && column > 0.0 {
                 w[i] = (row / column).sqrt().clamp(1e-100, 1e100);
             } else if row > 0.0 {
-                // Nothing depends on the coordinate: its row may weigh as little as the least rate.
+                // Nothing depends on the coordinate: its row may have the least rate.
                 w[i] = w[i].max(row / LEAST_RATE);
             }
         }
@@ -73,8 +73,8 @@ fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     for (j, most) in signal.iter_mut().enumerate().skip(one) {
         *most = limit(&w, j);
     }
-    // The weight of a derivative of a polynomial is at most the rate times that of the lower
-    // derivative; cosine and sine have equal weights.
+    // The weight of a polynomial's derivative is at most the rate times the weight of the next
+    // lower derivative; cosine and sine have equal weights.
     for j in one..size {
         for &(i, x) in columns.row(j).iter().filter(|term| term.0 >= one && term.0 != j) {
             let mutual = a.entry(j, i) != 0.0;

@@ -1,12 +1,12 @@
 //! Parameters: the numbers of a machine by name, as FMU variables, command lines and Python read
 //! and set them.
 //!
-//! Names are those of the file: `gravity`, `body.box.mass`, `body.box.start.s`,
-//! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`, or
-//! `load.shaker.harmonics[1].amplitude` where there are several harmonics, or `block.pid.a[0,1]`, a
-//! matrix's row and column from 0 as in FMI's structured names. The set of names depends on the
-//! machine's topology, never on its numbers. Knots of records have no names. Parameters of
-//! `[parameters]` have their own; what follows from them ([`Description::following`]) is not set.
+//! Names are as in the file: `gravity`, `body.box.mass`, `body.box.start.s`,
+//! `spring.mesh.arms.pinion`, `stop.upper.gap`, `friction.guide.force`, `load.shaker.amplitude`,
+//! or `load.shaker.harmonics[1].amplitude` if there are several harmonics. `block.pid.a[0,1]` is a
+//! matrix entry by row and column from 0, as in FMI's structured names. The set of names depends
+//! on the machine's topology, never on its numbers. Knots of records have no names. Parameters of
+//! `[parameters]` have names; numbers that follow ([`Description::following`]) cannot be set.
 
 use crate::check::{check, check_under_way};
 use crate::description::{Description, Dimension};
@@ -24,21 +24,21 @@ use vibro_numerics::quantities::quantity_in;
 pub struct Parameter {
     /// Dotted name, such as `stop.upper.gap`.
     pub name: String,
-    /// Its meaning in words; of a named parameter the comment behind it, if there is one.
+    /// Meaning in words; for a named parameter the comment after it in the file, if any.
     pub meaning: String,
     /// SI unit.
     pub unit: &'static str,
     /// Value in the SI unit.
     pub value: f64,
-    /// Least and largest value, infinite without a bound. The bounds of a named parameter follow
-    /// from the numbers that are straight lines in it alone.
+    /// Least and largest value; infinite without a bound. The bounds of a named parameter follow
+    /// from the numbers that are straight lines in this parameter alone.
     pub bounds: [f64; 2],
     kind: NumberKind,
     dimension: Dimension,
 }
 
 impl Parameter {
-    /// Allowed values; zero is refused for a lever arm even though the range contains it.
+    /// Range of allowed values. For a lever arm, zero is refused although the range contains it.
     pub fn range(&self) -> Range {
         self.kind.range
     }
@@ -57,7 +57,7 @@ impl Parameter {
     }
 }
 
-/// Longest text of a number with its unit, bytes; reading tries every position of the unit's start.
+/// Longest text of a number with its unit, bytes; reading tries every start of the unit.
 const LONGEST_NUMBER: usize = 100;
 
 /// Reads an allowed number of a kind, with or without a unit.
@@ -67,9 +67,9 @@ pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option
 }
 
 impl Description {
-    /// All parameters: gravity, then those of bodies and of elements in the order of
-    /// [`SECTIONS`](crate::elements::SECTIONS), then named ones. What follows from named ones by
-    /// expressions is none of them: [`following`](Self::following) has it.
+    /// All parameters: gravity, then parameters of bodies and of elements in the order of
+    /// [`SECTIONS`](crate::elements::SECTIONS), then named parameters. Numbers that follow from
+    /// them by expressions are not included; see [`following`](Self::following).
     ///
     /// ```
     /// use vibro_machine::file::{no_records, parse};
@@ -129,7 +129,7 @@ impl Description {
     /// `amplitude`; `a[0][1]` is an alias of `a[0,1]`.
     ///
     /// # Errors
-    /// A [`Refusal`] with the nearest name, or with the named parameters from which this follows.
+    /// A [`Refusal`] with the nearest name, or with the parameters that determine the number.
     pub fn parameter(&self, name: &str) -> Result<Parameter, Refusal> {
         if let Some(problem) = self.named.refusal(name) {
             return Err(Refusal::one(problem));
@@ -139,7 +139,7 @@ impl Description {
         Ok(all.swap_remove(place))
     }
 
-    /// The value of a parameter, or of what follows from parameters, in SI.
+    /// The value, in SI, of a parameter or of a number that follows from parameters.
     ///
     /// # Errors
     /// A [`Refusal`] with the nearest name.
@@ -165,14 +165,14 @@ impl Description {
     /// changes, so that a gap and a start value may change together.
     ///
     /// # Errors
-    /// A [`Refusal`] for unknown names, with the nearest valid ones; for values out of range; and
-    /// for everything a file with these values would be refused for.
+    /// A [`Refusal`] for unknown names, with the nearest valid names; for values out of range; and
+    /// for any other reason to refuse a file with these values.
     pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
         self.changed(changes, check)
     }
 
     /// The machine with other values of some parameters, in SI, during a motion: start values are
-    /// not checked, and a start at rest is not sought again.
+    /// not checked, and a start at rest is not computed again.
     ///
     /// # Errors
     /// As [`with`](Self::with), without the conditions on start values.

@@ -1,18 +1,18 @@
-//! The force of a spring by straight lines between points, as a line and corners of others
-//! (docs/assembly-law.md (A15)).
+//! The force of a spring with straight lines between points, as one line plus corners at which the
+//! slope changes (docs/assembly-law.md (A15)).
 
 use crate::description::ForcePoint;
 
-/// Relative difference of slopes that counts as none.
+/// Relative tolerance for equal slopes.
 const EQUAL: f64 = 1e-12;
 
-/// The first line of a spring's force, f = preload + stiffness e, and the corners at which others
-/// begin.
+/// The first line of a spring's force, f = preload + stiffness e, and the corners at which the
+/// other lines begin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Polyline {
     pub stiffness: f64,
     pub preload: f64,
-    /// By corner: its e, and how much steeper the next line is.
+    /// For each corner: its e, and the increase of the slope.
     pub corners: Vec<(f64, f64)>,
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn slopes(points: &[ForcePoint]) -> Vec<f64> {
 }
 
 impl Polyline {
-    /// Through points, two or more at rising e. The first and the last one are no corners.
+    /// The force through two or more points with increasing e. The end points are not corners.
     pub fn new(points: &[ForcePoint]) -> Self {
         let slopes = slopes(points);
         let corner = |(point, pair): (&ForcePoint, &[f64])| {
@@ -39,7 +39,7 @@ impl Polyline {
         Self { stiffness: slopes[0], preload: points[0].f - slopes[0] * points[0].e, corners }
     }
 
-    /// Its derivative where the points move along `by`.
+    /// The derivative when the points move in the direction `by`.
     pub fn derivative(points: &[ForcePoint], by: &[ForcePoint]) -> Self {
         let slopes = slopes(points);
         let turned = |j: usize| {
@@ -52,8 +52,8 @@ impl Polyline {
         Self { stiffness: turned[0], preload, corners: corners.collect() }
     }
 
-    /// The energy at e = 0 of the corners' forces, ½ Δk max(0, e - e_c)² each, which the integral
-    /// from e = 0 does not have.
+    /// Energy of the corners' forces at e = 0, ½ Δk max(0, e - e_c)² each, which the integral from
+    /// e = 0 does not contain.
     pub fn energy_at_zero(&self) -> f64 {
         let of = |&(e, steeper): &(f64, f64)| 0.5 * steeper * (-e).max(0.0).powi(2);
         self.corners.iter().map(of).sum()

@@ -4,7 +4,7 @@ use crate::description::{Block, Body, Description};
 use crate::elements::{Action, Element};
 pub use crate::what::What;
 
-/// Body or element that a quantity belongs to.
+/// Owner of a quantity: a body or an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// Index in [`Description::bodies`].
@@ -25,9 +25,9 @@ pub struct Quantity {
 /// A quantity with name, meaning and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedQuantity {
-    /// `BODY.s`, `ELEMENT.f` and so on; unique in a machine.
+    /// Name, such as `BODY.s` or `ELEMENT.f`; unique in a machine.
     pub name: String,
-    /// Its meaning in words.
+    /// Meaning in words.
     pub meaning: &'static str,
     /// SI unit.
     pub unit: &'static str,
@@ -48,7 +48,7 @@ impl Quantity {
 }
 
 impl Block {
-    /// The name of one of its quantities.
+    /// Name of a quantity of the block.
     pub(crate) fn name_of(&self, what: What) -> String {
         let (own, states, outputs) = (&self.name, self.start.len(), self.outputs.len());
         match what {
@@ -66,8 +66,8 @@ impl Block {
 }
 
 impl Description {
-    /// All quantities: s, v, a of each body that is no [coordinate](Body::is_inner) of a body with
-    /// many, then those of each element.
+    /// All quantities: s, v, a of each body that is not a [coordinate](Body::is_inner) of a body
+    /// with many coordinates; then the quantities of each element.
     pub fn quantities(&self) -> impl Iterator<Item = Quantity> {
         let bodies = (0..self.bodies.len()).filter(|&i| !self.bodies[i].is_inner());
         let bodies = bodies.flat_map(|i| What::OF_BODIES.map(|what| Quantity::of_body(i, what)));
@@ -82,15 +82,15 @@ impl Description {
         self.quantities().map(|quantity| self.named(quantity, &elements)).collect()
     }
 
-    /// The quantities of a body that is a [coordinate](Body::is_inner) of one with many, with their
-    /// names; none of others.
+    /// Quantities of a body that is a [coordinate](Body::is_inner) of a body with many
+    /// coordinates, with their names; empty for other bodies.
     pub fn inner_quantities(&self, body: usize) -> Vec<NamedQuantity> {
         let is_inner = self.bodies.get(body).is_some_and(Body::is_inner);
         let whats = What::OF_BODIES.iter().filter(|_| is_inner);
         whats.map(|&what| self.named(Quantity::of_body(body, what), &[])).collect()
     }
 
-    /// The names of the numbers that blocks keep, in the order of the states of first order.
+    /// Names of the values that blocks keep, in the order of the first-order states.
     pub(crate) fn names_of_blocks(&self) -> Vec<String> {
         let of = |own: &Block| {
             let count = own.start.len() + own.kept();
@@ -99,8 +99,8 @@ impl Description {
         self.blocks.iter().flat_map(of).collect()
     }
 
-    /// The states of a block with their names: `pid.x[0]`, and of a sampled one `pid.u.held`, which
-    /// is the output that acts, and `pid.u.next[0]`, which are under way. With `rates` each is
+    /// States of a block with their names, such as `pid.x[0]`. A sampled block also has the output
+    /// that acts, `pid.u.held`, and delayed outputs, `pid.u.next[0]`. With `rates` each state is
     /// followed by its rate.
     pub fn quantities_of_block(&self, block: usize, rates: bool) -> Vec<NamedQuantity> {
         let elements: Vec<Element> = self.elements().collect();
@@ -113,7 +113,7 @@ impl Description {
         (0..count).flat_map(of).collect()
     }
 
-    /// The block whose samples alone change a quantity: a state or an output of a sampled one.
+    /// The sampled block whose samples alone change this quantity (a state or output), if any.
     pub fn sampled_block(&self, quantity: Quantity) -> Option<&Block> {
         let Owner::Element(element) = quantity.owner else { return None };
         let is_kept = matches!(quantity.what, What::State(_) | What::StateRate(_) | What::Output(_));
@@ -138,7 +138,7 @@ impl Description {
 }
 
 impl Element<'_> {
-    /// Its quantities, each a column, an FMU variable and a measure of studies.
+    /// Quantities of the element; each is a column, an FMU variable and a measure of studies.
     pub fn quantities(self) -> Vec<What> {
         match self.action() {
             Action::Tying | Action::Flexing => Vec::new(),
@@ -150,7 +150,7 @@ impl Element<'_> {
         }
     }
 
-    /// The places of a block's outputs; none of other elements.
+    /// Indices of a block's outputs; empty for other elements.
     fn outputs(self) -> std::ops::Range<usize> {
         if let Self::Block(block) = self { 0..block.outputs.len() } else { 0..0 }
     }

@@ -1,5 +1,5 @@
-//! Upper bound of the rates of a machine: beyond it the motion would overflow, or take sub-steps
-//! without end.
+//! Upper bound of the rates of a machine: above it the motion would overflow, or take endless
+//! sub-steps.
 
 use crate::description::{Description, Series, SeriesLaw, StopLaw};
 use crate::elements::NamedSignal;
@@ -12,9 +12,9 @@ const MOST_RATE: f64 = 1e100;
 /// The highest frequency of a sweep, Hz: the derivatives of its polynomials are finite.
 const MOST_SWEPT: f64 = 1e20;
 
-/// Requires rates of at most [`MOST_RATE`] for springs and compliant stops, with the inertias that
-/// they move, for springs in series with a dashpot, for the states of continuous blocks, and for
-/// harmonics; of sweeps at most [`MOST_SWEPT`].
+/// Requires rates of at most [`MOST_RATE`] for springs and compliant stops (with the inertias that
+/// they move), springs in series with a dashpot, states of continuous blocks, and harmonics; and
+/// of at most [`MOST_SWEPT`] for sweeps.
 ///
 /// # Errors
 /// [`Error::TooFast`].
@@ -65,7 +65,7 @@ fn factors(system: &System, part: Part) -> Option<[f64; 2]> {
 }
 
 /// Checks the rates that a stiffness and a damping would each cause alone. The inertia of bodies
-/// linked to a light one lowers them.
+/// linked to a light body lowers its rates.
 fn check_force(name: &str, elongation: &Elongation, [stiffness, damping]: [f64; 2]) -> Result<(), Error> {
     let compliance = elongation.column.norm_squared();
     let rate = |force: f64| if force != 0.0 { force.abs() * compliance } else { 0.0 };

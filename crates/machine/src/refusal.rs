@@ -11,11 +11,11 @@ pub(crate) const SHOWN: usize = 50;
 pub struct Problem {
     /// Line of the file, counted from 1; `None` without a file.
     pub line: Option<usize>,
-    /// Dotted name, such as `stop.upper.gap`; empty where the text is not TOML.
+    /// Dotted name, such as `stop.upper.gap`; empty if the text is not TOML.
     pub name: String,
     /// The value found, if any.
     pub value: Option<String>,
-    /// The fault and what is allowed.
+    /// The fault, and the allowed values.
     pub text: String,
 }
 
@@ -87,12 +87,12 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Longest name, bytes, for which the nearest valid one is sought; a longer one is no misspelling.
+/// Longest name, bytes, for which the nearest valid name is searched; longer ones are not typos.
 const LONGEST_MISSPELT: usize = 100;
 
 /// Advice on an unknown name: the nearest valid name or, if none is near, all valid names.
 pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
-    // A name that differs in more than half of its letters is no misspelling.
+    // A name that differs in more than half of its letters is not a misspelling.
     let far = (name.chars().count() / 2).max(1);
     let lower = name.to_lowercase();
     let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v.to_lowercase());

@@ -18,26 +18,26 @@ use path::LoadPath;
 use vibro_numerics::double_double::DoubleDouble;
 use weighted::Weighted;
 
-/// Factor of the proximal weight from step to step, as it falls from the largest stiffness per
+/// Factor of the proximal weight in each step. The weight falls from the largest stiffness per
 /// inertia to [`SOFTER`] times the least stiffness per largest inertia.
 const FALL: f64 = 1e-4;
 /// Final proximal weight relative to the least stiffness per largest inertia.
 const SOFTER: f64 = 1e-4;
-/// Lower bound of the weight relative to the largest: far enough above the 1e-32 of double-doubles
-/// that loose coordinates keep six digits.
+/// Lower bound of the proximal weight, relative to the first weight: far enough above the 1e-32 of
+/// double-doubles that loose coordinates keep six digits.
 const LEAST_WEIGHT: f64 = 1e-26;
-/// Largest number of steps. A step at the least weight multiplies the error by [`SOFTER`] times the
-/// ratio by which springs in series are softer than each of them.
+/// Largest number of proximal steps. At the final weight, a step multiplies the error by
+/// [`SOFTER`] times the ratio of the least stiffness to the stiffness of springs in series.
 const STEPS: usize = 100;
-/// Relative rounding of the balance: bound of a residual force, relative to the forces on its
+/// Tolerance of the force balance: largest residual force, relative to the forces on its
 /// coordinate.
 const BALANCED: f64 = 1e-13;
-/// Most turns in which levels of friction that follow stops are found from the places that they
-/// lead to. Each multiplies their error by the coefficient times a ratio of stiffnesses.
+/// Largest number of iterations for friction levels that depend on the force of a stop. Each
+/// multiplies the error of the levels by the coefficient times a ratio of stiffnesses.
 const REPEATS: usize = 200;
-/// Relative rounding of a step: bound of a step relative to the coordinates.
+/// Tolerance below which a proximal step counts as zero, relative to the coordinate.
 const STANDS: f64 = 1e-15;
-/// Relative rounding of a difference of coordinates that are known to 32 digits.
+/// Relative rounding of a difference of coordinates known to 32 digits.
 const FINE: f64 = 1e-28;
 
 /// Forces on a machine at rest: contacts, springs and constant forces.
@@ -46,7 +46,7 @@ struct Holding {
     springs: Vec<RestSpring>,
     /// Forces on the coordinates at q = 0, without contacts.
     force: DVector<f64>,
-    /// The sum of the absolute values of the terms of `force`.
+    /// Sums of the absolute values of the terms of `force`.
     sizes: DVector<f64>,
 }
 
@@ -55,17 +55,17 @@ type Direction = Vec<(usize, f64)>;
 
 struct RestSpring {
     w: Direction,
-    /// Negative only of a line that falls.
+    /// Negative only where a piecewise linear force falls.
     stiffness: f64,
-    /// Its place among the springs.
+    /// Index among the system's springs; `usize::MAX` for a gapless stop.
     spring: usize,
 }
 
 struct RestContact {
     w: Direction,
-    /// Its elongation at q = 0 minus the elongation at which it begins to act.
+    /// Elongation at q = 0 minus the elongation at which the contact begins to act.
     excess: f64,
-    /// Bounds of its force.
+    /// Lower and upper bound of the contact force.
     force: (f64, f64),
     compliance: f64,
 }
@@ -82,17 +82,17 @@ impl FrictionLevel {
     const ALL: [Self; 3] = [Self::None, Self::Slipping, Self::Static];
 }
 
-/// Coordinates and contact forces. Both have 32 digits, so that a stiff spring's force is known
-/// even where its elongation is a tiny difference of coordinates, and a soft one's even beside
-/// large forces that cancel.
+/// Coordinates and contact forces, with 32 digits. A stiff spring's force is then known even if
+/// its elongation is a tiny difference of coordinates, and a soft spring's force even if large
+/// forces cancel.
 struct RestState {
     q: Vec<DoubleDouble>,
     lambda: Vec<DoubleDouble>,
 }
 
-/// The coordinates of static equilibrium at time 0. Friction carries force only where there is no
-/// equilibrium without it; it then resists the displacement from zero coordinates. Coordinates that
-/// no force determines are those nearest to zero.
+/// The coordinates of static equilibrium at time 0. Friction carries force only if there is no
+/// equilibrium without it; it then resists the displacement from zero coordinates. Coordinates
+/// that no force determines stay as close to zero as possible.
 ///
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
@@ -142,8 +142,8 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
 }
 
-/// By friction: sliding and static level in an augmented state, in which a stop that is followed
-/// has its spring's force.
+/// Sliding and static level of each friction in an augmented state. A level that follows a stop
+/// uses the spring force of the stop.
 fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
     let of = |(rows, own): (&FrictionRows, &Friction)| match &own.follows {
         None => [rows.levels[0].level.dot(z), rows.levels[0].static_level.dot(z)],
@@ -156,15 +156,15 @@ fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
     system.frictions.iter().zip(&d.frictions).map(of).collect()
 }
 
-/// Whether levels are those of another turn but for rounding.
+/// Whether two sets of friction levels agree up to rounding.
 fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
     let pairs = a.as_flattened().iter().zip(b.as_flattened());
     pairs.into_iter().all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
 }
 
 impl System {
-    /// The augmented state at rest at time 0, with coordinates q or zeros, and with springs in
-    /// series that bear no force.
+    /// The augmented state at rest at time 0, with coordinates q (zeros if `None`). Springs in
+    /// series carry no force.
     pub(crate) fn at_rest(&self, q: Option<&DVector<f64>>) -> StateRow {
         let mut z = StateRow::zeros(self.signals.size);
         let inputs = self.signals.no_inputs();
@@ -173,14 +173,14 @@ impl System {
         z
     }
 
-    /// The inner places at rest with coordinates q, reached from zeros.
+    /// Inner displacements of springs in series at rest with coordinates q, reached from zero.
     pub(crate) fn inner_at_rest(&self, q: &DVector<f64>) -> Vec<f64> {
         let z = self.at_rest(Some(q));
         let inner = |branch: &BranchRows| {
             let e = branch.elongation.e.dot(&z);
             match branch.law {
                 SeriesLaw::Dashpot { .. } => e,
-                // From x = 0 on, and held where its force is at its level.
+                // Starts at x = 0 and slips until its force is at most the slip level.
                 SeriesLaw::Slider { slip } => {
                     let most = slip / branch.stiffness;
                     if e.abs() > most { e - most.copysign(e) } else { 0.0 }
@@ -201,7 +201,7 @@ fn along(w: &Direction, q: &[DoubleDouble]) -> DoubleDouble {
     w.iter().fold(zero, |sum, &(k, w)| sum + q[k].times(DoubleDouble::new(w)))
 }
 
-/// The sum of the absolute values of an elongation's terms.
+/// Sum of the absolute values of an elongation's terms.
 fn size_along(w: &Direction, q: &[DoubleDouble]) -> f64 {
     w.iter().map(|&(k, w)| (w * q[k].value()).abs()).sum()
 }
@@ -255,7 +255,7 @@ impl Holding {
         for rows in &system.stops[system.freewheels()] {
             let e = &rows.elongation;
             let rate = e.rate.dot(z);
-            // With e' < 0 of moving prescribed bodies it has no force.
+            // The freewheel carries no force if moving prescribed bodies give e' < 0.
             if friction != FrictionLevel::None && rate >= -known.zero_of(&e.rate) {
                 let force = (0.0, f64::INFINITY);
                 contacts.push(RestContact { w: direction(&e.w), excess: 0.0, force, compliance: 0.0 });
@@ -283,9 +283,9 @@ impl Holding {
         Self { contacts, springs, force, sizes }
     }
 
-    /// The equilibrium by proximal steps: each minimizes the energy plus a weight times the squared
-    /// distance from the last point in the inertia's metric; the first point is `from`. `Err` is
-    /// the residual force.
+    /// Finds the equilibrium by proximal steps, starting at `from`. Each step minimizes the energy
+    /// plus a weight times the squared distance from the last point in the inertia's metric. `Err`
+    /// is the residual force.
     fn settle(&self, mass: &RowMatrix, from: &DVector<f64>) -> Result<DVector<f64>, DVector<f64>> {
         let pattern = self.pattern(mass);
         let (mut weight, mut least) = self.weights(mass);
@@ -324,8 +324,8 @@ impl Holding {
     }
 
     /// First and last proximal weight: the largest stiffness per inertia, and a weight far below
-    /// the least stiffness per largest inertia, so that heavy coordinates converge as fast as light
-    /// ones.
+    /// the least stiffness per largest inertia, so that heavy coordinates converge as fast as
+    /// light ones.
     fn weights(&self, mass: &RowMatrix) -> (f64, f64) {
         let springs = self.springs.iter().map(|s| (&s.w, s.stiffness));
         let yielding = self.contacts.iter().filter(|c| c.compliance > 0.0);
@@ -342,8 +342,8 @@ impl Holding {
         (largest, (SOFTER * least / heaviest).max(LEAST_WEIGHT * largest))
     }
 
-    /// The remaining force on each coordinate, and its rounding: a fraction of the forces of
-    /// springs and contacts, and the stiffness times the rounding of elongations.
+    /// Residual force on each coordinate and its rounding error: a fraction of the forces of
+    /// springs and contacts, plus the stiffness times the rounding error of elongations.
     fn left(&self, place: &RestState) -> (Vec<DoubleDouble>, DVector<f64>) {
         let mut left: Vec<_> = self.force.iter().map(|&f| DoubleDouble::new(f)).collect();
         let mut rounding = BALANCED * &self.sizes;
@@ -363,7 +363,7 @@ impl Holding {
     }
 
     /// Moves `place` by the δ that minimizes ½ δᵀHδ - leftᵀδ plus the contacts' energies, with H
-    /// the weighted stiffness; returns δ. `None` where stops cannot be satisfied together.
+    /// the weighted stiffness; returns δ, or `None` if the stops cannot be satisfied together.
     fn step(
         &self,
         weighted: &Weighted,
@@ -379,7 +379,7 @@ impl Holding {
             let gap = (along(&contact.w, &place.q) + along(&contact.w, &free)).plus(contact.excess);
             b[k] = gap.minus(yielded).value();
             // A compliant contact's force follows from its elongation to all digits; a rigid
-            // contact's does not depend on it.
+            // contact's force does not depend on its elongation.
             let fine = if contact.compliance > 0.0 { FINE } else { STANDS };
             let sizes = size_along(&contact.w, &place.q) + contact.excess.abs() + yielded.value().abs();
             zero[k] = STANDS * size_along(&contact.w, &free) + fine * sizes;
@@ -400,8 +400,8 @@ impl Holding {
     }
 }
 
-/// Sizes of the signals at rest. Harmonics have their amplitudes, so that the rounding of one at
-/// zero counts as zero.
+/// Magnitudes of the signals at rest. A harmonic counts with its amplitude, so that its rounding
+/// error near zero counts as zero.
 fn signal_sizes(system: &System, z: &StateRow) -> Sizes {
     let mut sizes = Sizes(z.abs());
     (system.signals.one..system.signals.constant_size_until()).for_each(|j| sizes.0[j] = 1.0);

@@ -1,4 +1,4 @@
-//! Signals of time as coordinates of the augmented state, in which every mode is an autonomous
+//! Signals of time as coordinates of the augmented state, so that every mode is an autonomous
 //! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
 //! value and derivatives of each piecewise polynomial.
 
@@ -23,22 +23,22 @@ use std::f64::consts::TAU;
 use sweep::SweepPiece;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Value and derivatives of an input, which is a cubic from the time it was set.
+/// Value and derivatives of an input: a cubic polynomial from the time it was set.
 pub type Input = [f64; 4];
 
 /// The piecewise polynomial part of a signal.
 #[derive(Clone, Debug)]
 struct SignalPiece {
-    /// Place of its value in the augmented state; its derivatives follow.
+    /// Index of its value in the augmented state; its derivatives follow.
     first: usize,
     /// Number of coordinates: value and derivatives.
     count: usize,
     steps: Option<Pieces<1>>,
     table: Option<Pieces<4>>,
     rate: f64,
-    /// Its index among the inputs.
+    /// Index among the inputs.
     input: Option<usize>,
-    /// The integral of the parts above but for the rate, and its order.
+    /// The integral of the parts above except `rate`, with its order.
     integral: Option<SignalIntegral>,
 }
 
@@ -47,7 +47,7 @@ struct SignalPiece {
 struct SignalIntegral {
     order: usize,
     parts: Integral,
-    /// Index among the inputs of what earlier inputs and changes of the machine have left.
+    /// Index among the inputs of the contribution of earlier inputs and changes of the machine.
     carried: usize,
 }
 
@@ -58,9 +58,9 @@ pub struct Course<'a> {
     pub signal: &'a Signal,
     /// 0 for the signal itself, 1 or 2 for its integrals from time 0 on.
     pub order: usize,
-    /// What is added.
+    /// Constant of integration; used for orders 1 and 2 only.
     pub s: f64,
-    /// What is added times the time.
+    /// Factor of a term proportional to time.
     pub v: f64,
 }
 
@@ -83,8 +83,8 @@ impl BodyKind {
     }
 }
 
-/// The integral of a harmonic from time 0 on: amplitudes of cosine and sine, what is constant, and
-/// what grows with time (docs/assembly-law.md (A46)).
+/// The integral of a harmonic from time 0 on: amplitudes of cosine and sine, constant part, and
+/// rate of the part that grows with time (docs/assembly-law.md (A46)).
 fn harmonic(h: &Harmonic, order: usize) -> [f64; 4] {
     let (cosine, sine) = (h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos());
     let omega = TAU * h.frequency;
@@ -145,15 +145,15 @@ pub struct Signals {
     sweeps: Vec<SweepPiece>,
     /// Times at which signals change, sorted: steps and knots of records.
     knots: Knots,
-    /// Those of repeated signals.
+    /// Knots of the repeated signals.
     repeated: Vec<Knots>,
-    /// The index of the signal of each of them.
+    /// Index of the signal of each entry of `repeated`.
     repeated_of: Vec<usize>,
     /// Length of the augmented state.
     pub size: usize,
     /// Number of signals with an input.
     pub inputs: usize,
-    /// Number of integrals, whose carried parts follow the inputs.
+    /// Number of integrals; their carried parts follow the inputs.
     integrals: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
@@ -161,7 +161,7 @@ pub struct Signals {
     parts: Vec<Parts>,
 }
 
-/// Where the parts of a signal are among the coordinates.
+/// Parts of a signal and their indices.
 #[derive(Clone, Debug)]
 struct Parts {
     constant: f64,
@@ -173,7 +173,7 @@ struct Parts {
 }
 
 impl SignalIntegral {
-    /// What an input adds from the time it was set.
+    /// Contribution of an input to the integral and its derivatives since the input was set.
     fn of_input(&self, (from, input): &(f64, Input), time: f64) -> [f64; 6] {
         let mut d = [0.0; 6];
         d[self.order..self.order + 4].copy_from_slice(input);
@@ -221,7 +221,7 @@ impl Signals {
         rate
     }
 
-    /// [`rates`](Self::rates), by the derivative of each coordinate.
+    /// Computes [`rates`](Self::rates) from the derivative of each coordinate.
     fn rates_of_units(&self) -> Vec<Sparse> {
         let mut rates = vec![Vec::new(); self.size - self.one];
         let mut put = |of: usize, place: usize, x: f64| rates[of - self.one].push((place, x));
@@ -248,7 +248,7 @@ impl Signals {
     pub fn fill(&self, time: DoubleDouble, inputs: &[(f64, Input)], z: &mut [f64]) {
         z[self.one] = 1.0;
         for (f, &frequency) in self.frequencies.iter().enumerate() {
-            // The fraction of the turns, taken in 32 digits, keeps the phase from drifting.
+            // Turns are reduced to their fraction in 32 digits, so that the phase does not drift.
             let turns = time.times(DoubleDouble::new(frequency)).fraction().value();
             let (sine, cosine) = (TAU * turns).sin_cos();
             (z[self.one + 1 + 2 * f], z[self.one + 2 + 2 * f]) = (cosine, sine);
@@ -273,12 +273,12 @@ impl Signals {
         self.sweeps.iter().for_each(|sweep| sweep.fill(time, z));
     }
 
-    /// The places of coordinates that are set anew between knots.
+    /// Ranges of the coordinates that are set again between knots.
     pub(crate) fn renewed(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
         self.sweeps.iter().map(SweepPiece::places)
     }
 
-    /// The first time after a time, s, at which coordinates are set anew between knots.
+    /// First time after `time`, s, at which coordinates are set again between knots.
     pub(crate) fn next_renewal(&self, time: f64) -> Option<DoubleDouble> {
         let next = self.sweeps.iter().filter_map(|sweep| sweep.next(time));
         next.reduce(|a, b| if b.minus(a).value() < 0.0 { b } else { a })
@@ -307,9 +307,9 @@ impl Signals {
         self.sweeps.iter().for_each(|sweep| sweep.carry(dt, z));
     }
 
-    /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no knot
-    /// lies in between and no frequency turns by more than [`SMALL`] rad. Its rounding, like a
-    /// sub-step's, lasts until the next [`fill`](Self::fill).
+    /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no
+    /// knot lies in between and no frequency turns by more than [`SMALL`] rad. The rounding error
+    /// remains until the next [`fill`](Self::fill), as in a sub-step.
     #[inline(always)]
     pub(crate) fn carry_within(&self, from: &[f64], dt: f64, to: &mut [f64]) {
         to[self.one..].copy_from_slice(&from[self.one..]);
@@ -327,8 +327,8 @@ impl Signals {
         self.next_knot_exactly(time).map(DoubleDouble::value)
     }
 
-    /// The first knot after a time, s: that of a repeated signal is a whole number of periods and a
-    /// time, to 32 digits.
+    /// The first knot after a time, s. A knot of a repeated signal is a whole number of periods
+    /// plus a time, to 32 digits.
     pub(crate) fn next_knot_exactly(&self, time: f64) -> Option<DoubleDouble> {
         let next = |knots: &Knots| knots.next(time);
         let all = std::iter::once(&self.knots).chain(&self.repeated).filter_map(next);
@@ -341,12 +341,12 @@ impl Signals {
         own.map(|knots| knots.count_at(time)).sum()
     }
 
-    /// No input, and nothing that integrals carry along.
+    /// No inputs, and no carried parts of integrals.
     pub fn no_inputs(&self) -> Vec<(f64, Input)> {
         vec![(0.0, [0.0; 4]); self.inputs + self.integrals]
     }
 
-    /// Lets input `i` follow a polynomial from a time on. Integrals go on from where they are.
+    /// Lets input `i` follow a polynomial from a time on. Its integral continues from its value.
     pub(crate) fn set_input(&self, inputs: &mut [(f64, Input)], i: usize, (time, derivatives): (f64, Input)) {
         let own = self.pieces.iter().find(|piece| piece.input == Some(i));
         if let Some(integral) = own.and_then(|piece| piece.integral.as_ref()) {
@@ -370,7 +370,7 @@ impl Signals {
         self.pieces.iter().any(|piece| piece.input == Some(i) && piece.integral.is_some())
     }
 
-    /// Moves the integral of signal `i` by a place and, of order two, a rate from a time on.
+    /// Shifts the integral of signal `i` and, for order 2, its rate from a time on.
     pub(crate) fn displace(&self, inputs: &mut [(f64, Input)], i: usize, time: f64, [place, rate]: [f64; 2]) {
         let piece = self.parts[i].piece.map(|p| &self.pieces[p]);
         if let Some(integral) = piece.and_then(|piece| piece.integral.as_ref()) {

@@ -15,7 +15,7 @@ pub(crate) struct Slot<'a> {
     pub value: &'a mut f64,
 }
 
-/// Collector of slots; `dimension` is that of the body or element being collected.
+/// Collector of slots; `dimension` is the dimension of the current body or element.
 struct Slots<'a> {
     all: Vec<Slot<'a>>,
     dimension: Dimension,
@@ -26,7 +26,7 @@ impl<'a> Slots<'a> {
         self.all.push(Slot { name, kind, dimension: self.dimension, value });
     }
 
-    /// A coordinate of a body with many; `has_masses` are the names of those with masses.
+    /// Collects a coordinate of a body with many; `has_masses` names the bodies with masses.
     fn coordinate(&mut self, body: &'a mut Body, at_rest: bool, has_masses: &[String]) {
         self.dimension = body.dimension;
         let (BodyKind::Free(free), Some((of, place))) = (&mut body.kind, body.name.split_once(".q")) else {
@@ -219,12 +219,12 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// The name of harmonic `i` of a signal that has `count` of them: a single one has its signal's.
+/// Name of harmonic `i` of `count` of a signal; a single harmonic has the signal's name.
 pub(crate) fn of_harmonic(of: &str, i: usize, count: usize) -> String {
     if count == 1 { of.to_owned() } else { format!("{of}.harmonics[{i}]") }
 }
 
-/// The name of sweep `i` of a signal that has `count` of them.
+/// Name of sweep `i` of `count` of a signal.
 pub(crate) fn of_sweep(of: &str, i: usize, count: usize) -> String {
     if count == 1 { format!("{of}.sweep") } else { format!("{of}.sweep[{i}]") }
 }
@@ -240,7 +240,7 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let matrices: Vec<String> = machine.matrices.iter().map(|own| format!("{}.q[", own.name)).collect();
     for body in &mut machine.bodies {
         match body.is_inner() {
-            // The numbers of matrices are no parameters.
+            // The numbers of matrices are not parameters.
             true if matrices.iter().any(|of| body.name.starts_with(of)) => {}
             true => slots.coordinate(body, machine.starts_at_rest, &has_masses),
             false => slots.body(body, machine.starts_at_rest),

@@ -1,8 +1,7 @@
-//! Factors L D Lᵀ of sparse symmetric matrices, with an order of elimination that keeps them
-//! sparse.
+//! Factors L D Lᵀ of sparse symmetric matrices, with an elimination order that keeps them sparse.
 //!
-//! The signs of D are those of the eigenvalues (Sylvester's law of inertia), so that the factors of
-//! K - λM count the eigenvalues below λ.
+//! The signs of D are the signs of the eigenvalues (Sylvester's law of inertia). The factors of K
+//! - λM therefore count the eigenvalues below λ.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +9,7 @@ use std::collections::BTreeSet;
 pub trait Number: Copy {
     /// 0.
     const ZERO: Self;
-    /// The number less a product.
+    /// The number minus a product.
     fn less_product(self, a: Self, b: Self) -> Self;
     /// The quotient.
     fn over(self, by: Self) -> Self;
@@ -28,25 +27,25 @@ impl Number for f64 {
     }
 }
 
-/// Largest size of a matrix whose coordinates are eliminated in their own order. Up to it a search
-/// for a better order takes longer than it saves.
+/// Largest size of a matrix whose coordinates are eliminated in their own order. Up to this size,
+/// a search for a better order takes longer than it saves.
 const OWN_ORDER: usize = 64;
 
-/// The order of elimination of a symmetric matrix, and the places of the entries of L.
+/// Elimination order of a symmetric matrix, and positions of the entries of L.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    /// By step the coordinate that is eliminated.
+    /// For each step: the coordinate that is eliminated.
     order: Vec<usize>,
-    /// By coordinate its step.
+    /// For each coordinate: its step.
     step: Vec<usize>,
-    /// By step the later steps at which its column of L has an entry, ascending.
+    /// For each step: later steps at which its column of L has an entry, ascending.
     below: Vec<Vec<usize>>,
 }
 
 impl Pattern {
-    /// The pattern of a matrix with entries at these pairs off its diagonal. Small matrices are
-    /// eliminated in their own order; of large ones always a coordinate with the fewest neighbours
-    /// is next, by which trees gain no entry.
+    /// The pattern of a matrix with off-diagonal entries at these pairs. Small matrices are
+    /// eliminated in their own order. In large matrices a coordinate with the fewest neighbours is
+    /// always next, so that trees gain no entries.
     pub fn of(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Self {
         let mut near: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); count];
         for (a, b) in pairs.filter(|(a, b)| a != b) {
@@ -84,13 +83,13 @@ impl Pattern {
     }
 }
 
-/// A symmetric matrix of a [`Pattern`], or its factors.
+/// A symmetric matrix with a [`Pattern`], or its factors.
 #[derive(Clone, Debug)]
 pub struct SymmetricSparse<'p, T> {
     pattern: &'p Pattern,
-    /// By step the entry on the diagonal.
+    /// For each step: the diagonal entry.
     pub diagonal: Vec<T>,
-    /// By step the entries at [`Pattern::below`].
+    /// For each step: the entries at [`Pattern::below`].
     below: Vec<Vec<T>>,
 }
 
@@ -101,7 +100,7 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
         Self { pattern, diagonal: vec![T::ZERO; pattern.count()], below }
     }
 
-    /// The entry of two coordinates, of which each pair is kept once.
+    /// The entry of two coordinates; each pair is stored once.
     pub fn entry_mut(&mut self, i: usize, j: usize) -> Option<&mut T> {
         let [a, b] = [self.pattern.step[i], self.pattern.step[j]];
         if a == b {
@@ -111,7 +110,7 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
         self.below[a.min(b)].get_mut(place)
     }
 
-    /// Replaces the matrix by its factors. A pivot for which `accept` has no number ends it.
+    /// Replaces the matrix by its factors; `None` if `accept` returns `None` for a pivot.
     pub fn factor(mut self, accept: impl Fn(T, usize) -> Option<T>) -> Option<Self> {
         let mut shares = Vec::new();
         for j in 0..self.pattern.count() {
@@ -124,7 +123,7 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
                 self.diagonal[k] = self.diagonal[k].less_product(shares[from], x);
                 let mut place = 0;
                 for (&i, &share) in steps[from + 1..].iter().zip(&shares[from + 1..]) {
-                    // Steps ascend in both lists, and the column of k has all of these.
+                    // Steps ascend in both lists, and the column of k has all these entries.
                     place += self.pattern.below[k][place..].partition_point(|&step| step < i);
                     self.below[k][place] = self.below[k][place].less_product(share, x);
                 }
@@ -134,7 +133,7 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
         Some(self)
     }
 
-    /// Replaces `x`, by steps, by L⁻¹ x.
+    /// Replaces `x`, in the order of elimination, by L⁻¹ x.
     fn forward(&self, x: &mut [T]) {
         for j in 0..x.len() {
             let known = x[j];
@@ -143,12 +142,12 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
         }
     }
 
-    /// By step the entry of a vector of coordinates.
+    /// A vector of coordinates in the order of elimination.
     fn by_steps(&self, x: &[T]) -> Vec<T> {
         self.pattern.order.iter().map(|&k| x[k]).collect()
     }
 
-    /// Replaces `x` by the inverse of the factored matrix times it.
+    /// Replaces `x` by the inverse of the factored matrix times `x`.
     pub fn solve(&self, x: &mut [T]) {
         let mut own = self.by_steps(x);
         self.forward(&mut own);
@@ -160,7 +159,7 @@ impl<'p, T: Number> SymmetricSparse<'p, T> {
         self.pattern.order.iter().zip(own).for_each(|(&k, value)| x[k] = value);
     }
 
-    /// L⁻¹ x by steps of a vector of coordinates.
+    /// L⁻¹ x in the order of elimination, for a vector of coordinates.
     pub fn half(&self, x: &[T]) -> Vec<T> {
         let mut own = self.by_steps(x);
         self.forward(&mut own);
@@ -175,7 +174,7 @@ mod tests {
 
     #[test]
     fn second_method_factors_solve_and_count_as_dense_ones() {
-        // A ring of 80 with chords: beyond the size at which the order is found, and with fill.
+        // A ring of 80 with chords: larger than `OWN_ORDER`, with fill-in.
         let n = 80;
         let pairs: Vec<(usize, usize)> =
             (0..n).flat_map(|k| [(k, (k + 1) % n), (k, (k * 7 + 3) % n)]).collect();
@@ -198,7 +197,7 @@ mod tests {
         let row = |i: usize| (0..n).map(|j| dense[(i, j)] * x[j]).sum();
         let mut b: Vec<f64> = (0..n).map(row).collect();
         factors.solve(&mut b);
-        // Rounding of an elimination without exchanges, whose growth here is about 1e4.
+        // Rounding error of an elimination without pivoting, whose growth here is about 1e4.
         const NEAR: f64 = 1e-10;
         assert!(x.iter().zip(&b).all(|(x, b)| (x - b).abs() < NEAR), "{b:?}");
     }

@@ -1,5 +1,5 @@
-//! Starts: a time, and coordinates and rates of bodies by name, from which a motion begins instead
-//! of the machine's own start.
+//! Starts: a time, and coordinates and rates of bodies by name, as the initial state of a motion
+//! in place of the machine's own start.
 
 mod derivatives;
 
@@ -17,10 +17,10 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 use std::sync::Arc;
 
-/// Start of a motion. A coordinate or rate that is not given is that of the machine's own start.
+/// Start of a motion. Numbers that are not given are taken from the machine's own start.
 ///
-/// Its numbers have names: `time`, `box.s` and `box.v` of a body `box` with mass or inertia, and
-/// `mount.slider` of a spring `mount` in series.
+/// Its numbers have names: `time`, `box.s` and `box.v` for a body `box` with mass or inertia, and
+/// `mount.slider` for a spring `mount` in series.
 /// Stops and friction have no values of their own: the law finds which are closed and which stick.
 ///
 /// ```
@@ -56,22 +56,22 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Start {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// What is given of each body, by its name.
+    /// Coordinates and rates of bodies that are given, by the body's name.
     pub bodies: BTreeMap<String, BodyStart>,
-    /// Inner places of springs in series, m or rad, by the spring's name, where they are given.
+    /// Inner displacements of springs in series that are given, m or rad, by the spring's name.
     pub sliders: BTreeMap<String, f64>,
-    /// What blocks keep, by names such as `pid.x[0]`, where it is given.
+    /// States of blocks that are given, by names such as `pid.x[0]`.
     pub blocks: BTreeMap<String, f64>,
 }
 
-/// Coordinate and rate of a body at the start, where they are given.
+/// Coordinate and rate of a body at the start, if they are given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyStart {
-    /// m or rad.
+    /// Coordinate, m or rad.
     pub s: Option<f64>,
-    /// m/s or rad/s.
+    /// Rate, m/s or rad/s.
     pub v: Option<f64>,
 }
 
@@ -79,13 +79,13 @@ pub struct BodyStart {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
     Time,
-    /// Of the body with an index: its coordinate.
+    /// Coordinate of the body with this index.
     Coordinate(usize),
-    /// Its rate.
+    /// Rate of the body with this index.
     Rate(usize),
-    /// Of the spring with an index: its inner place.
+    /// Inner displacement of the spring with this index.
     Slider(usize),
-    /// What a block keeps, by its place among all.
+    /// State of a block, by its index among all states of blocks.
     Kept(usize),
 }
 
@@ -118,11 +118,11 @@ impl Start {
         Self { time: motion.time(), bodies, sliders: sliders.collect(), blocks }
     }
 
-    /// The text of a file that reads back to an equal start: SI units, numbers with all digits.
+    /// Text of a file that reads back as an equal start: SI units, numbers with all digits.
     pub fn to_toml(&self) -> String {
         let mut text = format!("time = {:?}\n", self.time);
         for (name, BodyStart { s, v }) in &self.bodies {
-            // The name of a coordinate of a body with many has a dot.
+            // A coordinate of a body with several coordinates has a dot in its name.
             let quoted = if name.contains('.') { format!("{name:?}") } else { name.clone() };
             let _ = writeln!(text, "\n[body.{quoted}]");
             for (key, value) in [("s", s), ("v", v)] {
@@ -159,8 +159,8 @@ impl Start {
     /// Sets a number by its name from a text, with or without a unit.
     ///
     /// # Errors
-    /// A [`Refusal`] for an unknown name, with the nearest one; for a body with a prescribed
-    /// motion; for a value that is not allowed.
+    /// A [`Refusal`] for an unknown name, with the nearest known name; for a body with a
+    /// prescribed motion; for a value out of range.
     pub fn set_text(&mut self, d: &Description, name: &str, text: &str) -> Result<(), Refusal> {
         let place = place(d, name)?;
         let (kind, dimension) = place.kind(d);
@@ -215,12 +215,12 @@ impl Start {
         own.chain(assembly.names_of_blocks()).collect()
     }
 
-    /// Coordinates and rates of a machine's coordinates and inner places of its springs in series,
-    /// as [`Motion::from_state`] takes them.
+    /// Coordinates and rates of the machine, inner displacements of its springs in series and
+    /// states of its blocks, as [`Motion::from_state`] takes them.
     ///
     /// # Errors
-    /// A [`Refusal`] for a body that the machine does not have, and for one whose coordinate
-    /// follows from others.
+    /// A [`Refusal`] for an unknown body, and for a body whose coordinate follows from other
+    /// bodies.
     pub fn state(&self, assembly: &Assembly) -> Result<Vec<f64>, Refusal> {
         let (d, of) = (&assembly.description, &assembly.system.bodies_of);
         let mut state = crate::motion::start_of(assembly);
@@ -259,8 +259,8 @@ impl Start {
     /// The motion from this start.
     ///
     /// # Errors
-    /// [`Error::Refused`] as [`state`](Self::state), and for a rigid stop that the start violates;
-    /// as [`Motion::from_state`].
+    /// [`Error::Refused`] as for [`state`](Self::state), and for a rigid stop that the start
+    /// violates; other errors as for [`Motion::from_state`].
     pub fn motion(&self, assembly: Arc<Assembly>) -> Result<Motion, Error> {
         self.motion_observed(assembly, &mut |_| ())
     }
@@ -283,7 +283,7 @@ impl Start {
     }
 }
 
-/// An error at a motion's begin: a rigid stop that the start violates is a refusal of the start.
+/// Turns a rigid stop that the start violates into a refusal; keeps all other errors.
 fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
     let Error::Violated { stop, time, excess } = &error else { return error };
     if *time != begin {
@@ -395,7 +395,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     }
 }
 
-/// Why a body's coordinate is not given, and which are.
+/// Explains why a body's coordinate cannot be given, and lists bodies whose coordinate can.
 fn determined(assembly: &Assembly, body: usize) -> String {
     let (d, system) = (&assembly.description, &assembly.system);
     let name = |&i: &usize| format!("`{}`", d.bodies[i].name);

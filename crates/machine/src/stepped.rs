@@ -1,16 +1,16 @@
 //! Stiffness that steps in time (docs/assembly-law.md (A16)): its levels, and the signal of time
-//! that counts which of them holds.
+//! that counts the current level.
 //!
-//! Steps have a level each, and one before the first; a record that is held has one for each of its
-//! values. So which levels there are does not depend on heights and times, and each has a
-//! derivative.
+//! Each step has a level, and one level precedes the first step. A held record has one level for
+//! each of its values. The number of levels therefore does not depend on heights and times, and
+//! each level has a derivative.
 
 use crate::description::{Description, Record, Signal, Step};
 
-/// Part of the largest stiffness under which a level is rounding, and counts as 0.
+/// Fraction of the largest stiffness below which a level is rounding and counts as 0.
 const ZERO: f64 = 1e-12;
 
-/// Most levels of a stiffness: each is a part of its element.
+/// Largest number of levels of a stiffness; each level is a part of its element.
 pub(crate) const MOST_LEVELS: usize = 64;
 
 /// The distinct values of a record in their order, without its scale.
@@ -26,7 +26,7 @@ pub(crate) fn count(signal: &Signal) -> usize {
     signal.table.as_ref().map_or(signal.steps.len() + 1, |record| values(record).len())
 }
 
-/// By level its stiffness, as the parts of the signal give it.
+/// Stiffness of each level, as the signal gives it.
 pub(crate) fn given(signal: &Signal) -> Vec<f64> {
     if let Some(record) = &signal.table {
         return values(record).iter().map(|value| signal.constant + record.factor() * value).collect();
@@ -40,28 +40,27 @@ pub(crate) fn given(signal: &Signal) -> Vec<f64> {
     std::iter::once(signal.constant).chain(after).collect()
 }
 
-/// By level its stiffness, at least 0.
+/// Stiffness of each level, at least 0.
 pub(crate) fn levels(signal: &Signal) -> Vec<f64> {
     let all = given(signal);
     let zero = zero(&all);
     all.into_iter().map(|k| if k < zero { 0.0 } else { k }).collect()
 }
 
-/// What counts as 0 of levels, to either side.
+/// Magnitude below which a level counts as 0.
 pub(crate) fn zero(levels: &[f64]) -> f64 {
     ZERO * levels.iter().fold(0.0, |most, k| k.abs().max(most))
 }
 
-/// By level the derivative of its stiffness where the signal's numbers have the derivatives
-/// `along`.
+/// Derivative of each level's stiffness, if the signal's numbers have the derivatives `along`.
 pub(crate) fn along(signal: &Signal, along: &Signal) -> Vec<f64> {
     let Some(record) = &signal.table else { return given(along) };
     let scale = along.table.as_ref().and_then(|along| along.scale).unwrap_or(0.0);
     values(record).iter().map(|value| along.constant + scale * value).collect()
 }
 
-/// The signal that is the number of the level that holds, from 0 on. Its steps have the times of
-/// the stiffness's.
+/// The signal whose value is the index of the current level. Its steps have the times of the
+/// stiffness's steps.
 pub(crate) fn counter(signal: &Signal) -> Signal {
     let up = |step: &Step| Step { height: 1.0, ..*step };
     let table = signal.table.as_ref().map(|record| {
@@ -74,8 +73,7 @@ pub(crate) fn counter(signal: &Signal) -> Signal {
     Signal { steps, table, repeat: signal.repeat, ..Signal::default() }
 }
 
-/// The [`counter`] where the numbers of its stiffness have the derivatives `along`: times alone
-/// vary.
+/// The [`counter`] of a stiffness whose numbers have the derivatives `along`: only its times vary.
 pub(crate) fn counter_along(signal: &Signal, along: &Signal) -> Signal {
     let mut counter = counter(signal);
     for (step, by) in counter.steps.iter_mut().zip(&along.steps) {
@@ -84,14 +82,14 @@ pub(crate) fn counter_along(signal: &Signal, along: &Signal) -> Signal {
     counter
 }
 
-/// The stepped stiffnesses of a machine: those of stops, then those of springs.
+/// The stepped stiffnesses of a machine: first of stops, then of springs.
 pub(crate) fn all(d: &Description) -> impl Iterator<Item = &Signal> {
     let stops = d.stops.iter().filter_map(|stop| stop.stepped.as_ref());
     stops.chain(d.springs.iter().filter_map(|spring| spring.stepped.as_ref()))
 }
 
-/// The number of parts of the law that levels need besides the stops of the sections: one for each
-/// level of a spring, and one for each level of a stop but its first.
+/// Number of parts of the law for levels, in addition to the stops of the sections: one for each
+/// level of a spring, and one for each level of a stop except its first.
 pub(crate) fn further(d: &Description) -> usize {
     let stops = d.stops.iter().filter_map(|stop| stop.stepped.as_ref());
     let springs = d.springs.iter().filter_map(|spring| spring.stepped.as_ref());

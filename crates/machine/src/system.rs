@@ -54,10 +54,10 @@ use reduction::reduce;
 use row_matrix::RowSums;
 use std::sync::OnceLock;
 
-/// Most coordinates with which a mode stores dense matrices of its sub-step; with more, a power
-/// series of the actual state replaces them. Measured on chains: the series takes less time where
-/// modes are new, and up to half as much again where few modes recur, beyond 30 coordinates hardly
-/// more.
+/// Largest size of the augmented state for which a mode stores dense matrices of its sub-step;
+/// above, a power series of the actual state replaces them. Measured on chains: the series takes
+/// less time if modes are new. If few modes recur, it takes up to half as much again, and above a
+/// size of 30 hardly more.
 pub(crate) const DENSE: usize = 20;
 
 /// The matrices of a machine, constant during a motion.
@@ -65,7 +65,7 @@ pub(crate) const DENSE: usize = 20;
 pub struct System {
     /// Number of coordinates q, N.
     pub coordinates: usize,
-    /// The index of the body whose coordinate each q is.
+    /// Index of the body of each coordinate q.
     pub bodies_of: Vec<usize>,
     /// Signals, which follow q, v and the states of first order in the augmented state.
     pub signals: Signals,
@@ -79,7 +79,7 @@ pub struct System {
     pub forces: RowMatrix,
     /// Indices of the stiff springs, whose forces are evaluated separately.
     pub(crate) stiff_springs: Vec<usize>,
-    /// `forces` without those of stiff springs; `None` without such springs.
+    /// `forces` without the forces of stiff springs; `None` without such springs.
     soft: Option<RowMatrix>,
     /// Bodies.
     pub bodies: Vec<BodyRows>,
@@ -87,16 +87,16 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
-    /// Stops, followed by the corners of springs whose force has several lines, and by the
-    /// freewheels.
+    /// Stops, followed by the corners of springs whose force has several lines, the limits of
+    /// outputs, and the freewheels.
     pub stops: Vec<StopRows>,
-    /// The number of stops without these corners.
+    /// Index of the first corner in `stops`.
     pub(crate) first_corner: usize,
-    /// The number of stops and corners without the limits of outputs.
+    /// Index of the first limit of an output in `stops`.
     pub(crate) first_limit: usize,
-    /// The number of stops, corners and limits without the freewheels.
+    /// Index of the first freewheel in `stops`.
     pub(crate) first_freewheel: usize,
-    /// What the stored energies of all lines are at e = 0, which the springs' own are not to have.
+    /// Stored energy of all lines at e = 0, which is subtracted from the stored energy.
     pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
@@ -110,25 +110,25 @@ pub struct System {
     pub sources: Vec<StateRow>,
     /// Linear blocks.
     pub blocks: Vec<BlockRows>,
-    /// The outputs of sampled blocks, each after those that it depends on at the same instant.
+    /// Outputs of sampled blocks, each after the outputs that it depends on at the same instant.
     pub(crate) output_order: Vec<(usize, usize)>,
-    /// By load: its force, of one that follows an output with limits where it is within them.
+    /// Force of each load; for a load that follows an output with limits, within these limits.
     pub loads: Vec<Functional>,
-    /// By load: the limits of the output that it follows, with factors.
+    /// For each load: the limits of the output that it follows, with factors.
     pub(crate) load_limits: Vec<Vec<(usize, f64)>>,
-    /// By load: its body.
+    /// Body of each load.
     pub load_bodies: Vec<usize>,
-    /// Modes without held contacts, of machines that keep no tables.
+    /// Modes without held contacts, for machines that keep no tables.
     split: OnceLock<Split>,
     losses: OnceLock<Losses>,
     /// Whether any body's motion is prescribed.
     pub has_motions: bool,
-    /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` where it
+    /// The momentum Bᵀ m D p' that prescribed bodies impart through links, as rows; `None` if it
     /// is zero.
     carried: Option<RowMatrix>,
-    /// By body: inertia; 0 for prescribed bodies.
+    /// Inertia of each body; 0 for prescribed bodies.
     pub inertias: Vec<f64>,
-    /// By body: inertia times the component of gravity along s.
+    /// Inertia of each body times the component of gravity along s.
     pub weights: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ impl System {
     ///
     /// # Errors
     /// [`Error::Redundant`] for a link that follows from others or moves nothing;
-    /// [`Error::Inertia`] where the inertia is not positive in double precision.
+    /// [`Error::Inertia`] if the inertia is not positive in double precision.
     pub fn new(d: &Description) -> Result<Self, Error> {
         Self::laid_out(d, Layout::default())
     }
@@ -237,13 +237,13 @@ impl System {
         self.losses.get_or_init(|| Losses::new(self))
     }
 
-    /// What is known of the modes without held contacts.
+    /// Common data of the modes without held contacts.
     pub fn split(&self) -> &Split {
         self.split.get_or_init(|| Split::new(self))
     }
 
-    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, where there is any: what
-    /// changes a coordinate's rate by Δv takes the work Δv · Bᵀ m D p' from them
+    /// The momentum Bᵀ m D p' that prescribed bodies carry through links, if there is any. A
+    /// change of the coordinates' rates by Δv takes the work Δv · Bᵀ m D p' from these bodies
     /// (docs/assembly-law.md (A9)).
     pub(crate) fn carried(&self, z: &DVector<f64>) -> Option<DVector<f64>> {
         self.carried.as_ref().map(|carried| carried.times(z))
@@ -275,7 +275,7 @@ impl System {
         Elongation { e, rate, w, drift, column, mobility, reach }
     }
 
-    /// Adds the parts of all elements but freewheels, with the rows of signals and those of
+    /// Adds the parts of all elements except freewheels, given the rows of signals and the rows of
     /// counters of levels.
     fn add_elements(
         &mut self,
@@ -314,7 +314,7 @@ impl System {
         let mut loads = 0..d.loads.len();
         for (i, element) in d.elements().enumerate() {
             match element {
-                // Its levels may follow a stop whose levels are there by now.
+                // The levels may follow a stop, whose own levels exist by now.
                 Element::Friction(friction) => {
                     let (level, static_level) = levels[self.frictions.len()];
                     self.parts[i] = match &friction.follows {
@@ -355,7 +355,7 @@ impl System {
         vec![Part::Friction(self.frictions.len() - 1)]
     }
 
-    /// The forces that always act, without those of stiff springs.
+    /// The forces that always act, without the forces of stiff springs.
     pub(crate) fn soft_forces(&self) -> &RowMatrix {
         self.soft.as_ref().unwrap_or(&self.forces)
     }

@@ -1,9 +1,9 @@
 //! Tables of text: records of signals and of fits, matrices, lists of designs.
 //!
-//! A table has a row a line, in cells that are separated by commas, or by semicolons where the
-//! first line has one. Numbers have a decimal point. Empty lines and lines that begin with `#` are
-//! skipped. The first line may be a heading. It names a column's unit in brackets, in parentheses
-//! or after a slash: `box.s [mm]`, `force (kN)`, `t/ms`.
+//! A table has one row per line. Cells are separated by commas, or by semicolons if the first line
+//! has one. Numbers have a decimal point. Empty lines and lines that begin with `#` are skipped.
+//! The first line may be a heading. It names a column's unit in brackets, in parentheses or after
+//! a slash: `box.s [mm]`, `force (kN)`, `t/ms`.
 //!
 //! ```
 //! use vibro_machine::table::Table;
@@ -17,9 +17,9 @@
 
 use vibro_numerics::quantities::{UNITS, Unit, in_si, symbols};
 
-/// Separator of cells unless the first line has a semicolon.
+/// Separator of cells, unless the first line has a semicolon.
 const COMMA: char = ',';
-/// Most letters of a line in a message.
+/// Largest number of letters of a line shown in a message.
 const SHOWN: usize = 60;
 
 /// A table of text.
@@ -33,9 +33,9 @@ pub struct Table<'t> {
 /// A row of a table.
 #[derive(Clone, Debug)]
 pub struct Row<'t> {
-    /// Number of its line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// Cells without blanks and quotes around them.
+    /// Cells without surrounding blanks and quotes.
     pub cells: Vec<&'t str>,
     text: &'t str,
 }
@@ -49,7 +49,7 @@ pub struct Heading<'t> {
     pub unit: Option<&'t str>,
 }
 
-/// Cells of a line. A separator between quotes separates nothing.
+/// Cells of a line. A separator within quotes does not separate.
 fn cells(line: &str, separator: char) -> Vec<&str> {
     let mut is_quoted = false;
     let split = |c: char| {
@@ -71,7 +71,7 @@ impl<'t> Table<'t> {
         Self { rows: rows.collect(), separator }
     }
 
-    /// The first row as a heading; `None` where one of its cells is a number.
+    /// The first row as a heading; `None` if one of its cells is a number.
     pub fn heading(&self) -> Option<Vec<Heading<'t>>> {
         let first = self.rows.first()?;
         let is_number = |cell: &&str| cell.parse::<f64>().is_ok() || has_decimal_comma(cell);
@@ -86,7 +86,7 @@ impl<'t> Table<'t> {
     /// The finite numbers of a row of `count` cells.
     ///
     /// # Errors
-    /// A text that begins with the line, with what was found and what is expected.
+    /// A text that begins with the line, followed by the fault and the expected value.
     pub fn numbers(&self, row: &Row, count: usize) -> Result<Vec<f64>, String> {
         self.check(row, count)?;
         row.cells.iter().map(|cell| self.number(row, cell)).collect()
@@ -131,8 +131,8 @@ impl<'t> Table<'t> {
         )))
     }
 
-    /// The columns under a heading, in SI; `unit` gives the SI unit of a column by its name. The
-    /// numbers of a column without one are as in the table.
+    /// The columns under a heading, in SI; `unit` returns the SI unit of a column, given its name.
+    /// A column without a unit keeps the numbers of the table.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers); for a unit in the heading that is not a unit of its column.
@@ -158,13 +158,13 @@ impl<'t> Table<'t> {
     }
 }
 
-/// A number in a unit, or in SI without one, in SI.
+/// A number in SI, given its unit; without a unit it is in SI already.
 pub fn in_unit(unit: Option<&Unit>, number: f64) -> f64 {
     unit.map_or(number, |unit| unit.si(number))
 }
 
 impl Row<'_> {
-    /// A message about the row, which begins with its line.
+    /// A message about the row, beginning with its line.
     pub fn refused(&self, problem: &str) -> String {
         let shown: String = self.text.chars().take(SHOWN).collect();
         match problem.starts_with('`') {
@@ -175,7 +175,7 @@ impl Row<'_> {
 }
 
 impl Heading<'_> {
-    /// The unit of the column, by the SI unit of its quantity; `None` where the heading names none.
+    /// Unit of the column, given the SI unit of its quantity; `None` if the heading has no unit.
     ///
     /// # Errors
     /// A text with the units that are expected.

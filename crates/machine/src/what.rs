@@ -17,16 +17,16 @@ pub enum What {
     Rate,
     /// An element's force, which resists its elongation; a load's force on its body.
     F,
-    /// The inner place of a spring in series, in the unit of its elongation.
+    /// Inner displacement of a spring in series, in the unit of its elongation.
     Slider,
-    /// The rate of this inner place: a derivative of FMUs, no column.
+    /// Rate of the inner displacement: a derivative in FMUs, not a column.
     SliderRate,
     /// The value of a signal that blocks read.
     Value,
-    /// An output of a block, by its place.
+    /// Output of a block, by its index.
     Output(usize),
-    /// A state of a block, by its place: those of the file, then of a sampled block the outputs
-    /// that act and those under way.
+    /// State of a block, by its index: states of the file, then for a sampled block the outputs
+    /// that act and the delayed outputs.
     State(usize),
     /// The rate of a state of a block.
     StateRate(usize),
@@ -39,8 +39,8 @@ impl What {
     /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
 
-    /// The last part of a quantity's name; empty of signals and blocks, of which the element
-    /// decides.
+    /// Last part of a quantity's name; empty for signals and blocks, whose element determines the
+    /// name.
     pub fn word(self) -> &'static str {
         match self {
             Self::S => "s",

@@ -1,4 +1,4 @@
-//! Checks of signals and blocks: what they name, sizes, limits, loops.
+//! Checks of signals and blocks: names, sizes, limits and loops.
 
 use super::refused;
 use crate::description::{Block, BlockInput, Description};
@@ -6,9 +6,9 @@ use crate::elements::Element;
 use crate::quantity::What;
 use crate::refusal::Problem;
 
-/// Most samples that an output may be under way.
+/// Largest delay of an output, in samples.
 const MOST_UNDER_WAY: usize = 100;
-/// Most numbers that all blocks keep: states, outputs that act, outputs under way.
+/// Largest number of values kept by all blocks: states, acting outputs, delayed outputs.
 const MOST_STATES: usize = 500;
 
 /// Problems of signals and blocks.
@@ -17,7 +17,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     machine.blocks.iter().for_each(|block| check_block(machine, block, problems));
     for (i, feed) in machine.feeds.iter().enumerate() {
         let is_there = machine.blocks.get(feed.block).is_some_and(|block| feed.output < block.outputs.len());
-        // Feeds are in the order of their loads, one each.
+        // Feeds are in the order of their loads, at most one for each load.
         let is_next = i == 0 || machine.feeds[i - 1].load < feed.load;
         if !is_there || !is_next || feed.load >= machine.loads.len() {
             let text = "there is no such load or output, counted from 0, or they are not in order";
@@ -48,7 +48,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Refuses a limited output of a continuous block that depends on another one at the same instant.
+/// Refuses a limited continuous output that depends on another one at the same instant.
 fn check_limited(machine: &Description, place: (usize, usize), problems: &mut Vec<Problem>) {
     let block = &machine.blocks[place.0];
     if block.sampling.is_some() || block.limits[place.1].is_none() {

@@ -5,10 +5,10 @@ use crate::description::{BodyKind, Description, Modal};
 use crate::elements::Element;
 use crate::refusal::Problem;
 
-/// Most coordinates of all bodies with many.
+/// Largest number of coordinates of all bodies with many coordinates.
 pub(crate) const MOST_COORDINATES: usize = 500;
 
-/// Problems of lengths and indices; the file's reader makes none of them but the count.
+/// Problems of lengths and indices; the file reader can cause only too large a count.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let inner = machine.bodies.iter().filter(|body| body.is_inner()).count();
     if inner > MOST_COORDINATES {

@@ -1,11 +1,11 @@
-//! Checks of links: each removes one more coordinate than those before it.
+//! Checks of links: each removes one more coordinate than the links before it.
 
 use crate::description::{BodyKind, Description};
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
 
-/// Relative size below which the rest of a link's row, after elimination of the links before it, is
-/// rounding; an elimination of 10,000 links leaves less.
+/// Relative size below which a link's row counts as zero after elimination of the earlier links;
+/// an elimination of 10,000 links leaves less rounding error.
 const NOTHING: f64 = 1e-11;
 
 /// Problems of the links; requires numbers within their ranges.
@@ -39,7 +39,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// The terms of an elongation with nodes as the coordinates behind them.
+/// The terms of an elongation, with nodes replaced by the coordinates behind them.
 fn coordinates(machine: &Description, terms: &[(usize, f64)]) -> Vec<(usize, f64)> {
     let mut all = BTreeMap::new();
     for &(body, arm) in terms {
@@ -53,13 +53,13 @@ fn coordinates(machine: &Description, terms: &[(usize, f64)]) -> Vec<(usize, f64
     all.into_iter().collect()
 }
 
-/// Rows in echelon form, each with the place of its pivot; pivots are 1.
+/// Rows in echelon form, each with the column of its pivot; pivots are 1.
 struct Elimination {
     rows: Vec<(usize, Vec<(usize, f64)>)>,
 }
 
 impl Elimination {
-    /// Adds a row; `false` where it depends on those before it.
+    /// Adds a row; returns `false` if it depends on earlier rows.
     fn add(&mut self, columns: usize, terms: &[(usize, f64)]) -> bool {
         let (mut row, mut sizes) = (vec![0.0; columns], vec![0.0_f64; columns]);
         for &(column, arm) in terms {

@@ -6,7 +6,7 @@ use crate::elements::Element;
 use crate::refusal::Problem;
 use std::collections::{HashMap, HashSet};
 
-/// Most letters of a name, which FMU variables and table columns repeat.
+/// Largest number of letters in a name; FMU variables and table columns repeat names.
 const LONGEST: usize = 100;
 
 /// The allowed names, in words.
@@ -71,8 +71,8 @@ fn made_names<'a>(bodies: impl Iterator<Item = &'a Body>, problems: &mut Vec<Pro
     }
 }
 
-/// Problems of names that must be well formed and unique. Elements of different sections share no
-/// name, since outputs are named without the section.
+/// Problems of names that must be well formed and unique. Elements of different sections cannot
+/// share a name, since outputs are named without the section.
 fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &mut Vec<Problem>) {
     let mut first = HashMap::new();
     for (section, name) in names {
@@ -91,7 +91,7 @@ fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &m
     }
 }
 
-/// Problems of signals and blocks whose names are those of bodies: inputs name all of them.
+/// Problems of signals and blocks with the name of a body: inputs are named without a section.
 fn apart(machine: &Description, problems: &mut Vec<Problem>) {
     let computed = machine.elements().filter(|e| matches!(e, Element::Source(_) | Element::Block(_)));
     for element in computed.filter(|e| machine.bodies.iter().any(|body| body.name == e.name())) {

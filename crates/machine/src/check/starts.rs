@@ -7,10 +7,10 @@ use crate::description::{
 use crate::refusal::Problem;
 use std::f64::consts::TAU;
 
-/// Relative error up to which a link holds, for start values written with ten digits.
+/// Relative tolerance of a link at the start, for start values written with ten digits.
 const WRITTEN: f64 = 1e-9;
 
-/// Relative rounding error of two sums that are equal for the numbers written in the file.
+/// Relative rounding error between two sums with equal numbers in the file.
 const ZERO: f64 = 1e-13;
 
 /// Problems of the start; requires a machine without other problems. A start at rest is checked by
@@ -79,8 +79,8 @@ fn elongation(arms: &Arms, starts: &[[f64; 2]], which: usize) -> (f64, f64) {
     terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()))
 }
 
-/// Coordinate and rate at time 0. Both are NaN if a cubic record, or one that repeats, is between
-/// two knots at time 0: every comparison with them is false.
+/// Coordinate and rate at time 0. Both are NaN if time 0 lies between two knots of a cubic or
+/// repeated record: every comparison with them is false.
 fn start(kind: &BodyKind) -> [f64; 2] {
     let (motion, rate) = match kind {
         BodyKind::Free(free) => return [free.s, free.v],

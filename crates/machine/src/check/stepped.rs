@@ -6,10 +6,10 @@ use crate::polyline::slopes;
 use crate::refusal::Problem;
 use crate::stepped::{MOST_LEVELS, count, given, zero};
 
-/// What a stiffness that steps may be, in words.
+/// Allowed parts of a stiffness that steps, in words.
 const ALLOWED: &str = "allowed in a stiffness are constant, steps or a table with interpolation = \"hold\", and repeat: it is constant between its steps";
 
-/// Problems of all of them.
+/// Problems of all stiffnesses that step in time.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let mut any = false;
     for spring in &machine.springs {
@@ -83,7 +83,7 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
     check_levels(name, signal, problems);
 }
 
-/// Each level is 0 or more, but for rounding. Before a step at the begin of a period there is none.
+/// Each level is at least 0, up to rounding. A step at the start of a period has none before it.
 fn check_levels(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     let all = given(signal);
     let is_unused = signal.repeat.is_some() && signal.steps.first().is_some_and(|step| step.time == 0.0);

@@ -3,38 +3,38 @@
 use super::{Description, Signal};
 use std::collections::HashSet;
 
-/// A signal with a name, which blocks read.
+/// A named signal that blocks read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// Its name, unique among all but parameters.
+    /// Name, unique among all names but the names of parameters.
     pub name: String,
-    /// Plain numbers.
+    /// Signal, dimensionless.
     pub signal: Signal,
 }
 
 /// A linear block: x' = a x + b u and y = c x + d u or, sampled, x⁺ = a x + b u.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Block {
-    /// Its name, unique among all but parameters.
+    /// Name, unique among all names but the names of parameters.
     pub name: String,
-    /// u.
+    /// Inputs u.
     pub inputs: Vec<BlockInput>,
-    /// x at time 0.
+    /// States x at time 0.
     pub start: Vec<f64>,
-    /// By state a row with a column for each state.
+    /// A row for each state, with a column for each state.
     pub a: Vec<Vec<f64>>,
-    /// By state a row with a column for each input.
+    /// A row for each state, with a column for each input.
     pub b: Vec<Vec<f64>>,
-    /// By output a row with a column for each state.
+    /// A row for each output, with a column for each state.
     pub c: Vec<Vec<f64>>,
-    /// By output a row with a column for each input.
+    /// A row for each output, with a column for each input.
     pub d: Vec<Vec<f64>>,
-    /// The names of y.
+    /// Names of the outputs y.
     pub outputs: Vec<String>,
-    /// By output the limits that it keeps to, lower and upper, of which one may be infinite; `None`
-    /// without.
+    /// For each output: lower and upper limit, either of them possibly infinite; `None` without
+    /// limits.
     pub limits: Vec<Option<[f64; 2]>>,
-    /// Of a sampled block.
+    /// Sampling; `None` for a continuous block.
     pub sampling: Option<Sampling>,
 }
 
@@ -45,20 +45,20 @@ pub struct Sampling {
     pub period: f64,
     /// Time from a sample until its outputs act, s.
     pub delay: f64,
-    /// By input what it is rounded to a multiple of; `None` where it is not.
+    /// For each input: the quantum to whose multiples it is rounded; `None` without rounding.
     pub quanta: Vec<Option<f64>>,
 }
 
-/// What a block reads.
+/// Input of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockInput {
     /// Coordinate of a body or a node, by its index.
     Place(usize),
-    /// Its rate.
+    /// Rate of a body or a node, by its index.
     Rate(usize),
     /// Elongation of an element, by its index in [`Description::elements`].
     Elongation(usize),
-    /// The elongation's rate.
+    /// Rate of an elongation, by the element's index.
     ElongationRate(usize),
     /// A signal, by its index in [`Description::sources`].
     Source(usize),
@@ -79,26 +79,26 @@ pub struct Feed {
     pub factor: f64,
 }
 
-/// An output of a block: indices of the block and among its outputs.
+/// An output of a block: index of the block, and index among its outputs.
 pub type OutputPlace = (usize, usize);
 
 impl Sampling {
-    /// The most outputs of earlier samples that are under way at a time.
+    /// Largest number of earlier samples whose outputs are delayed and do not act yet.
     pub fn under_way(&self) -> usize {
         let count = self.delay / self.period;
-        // A delay of whole samples ends where the next one begins.
+        // A delay of whole periods ends exactly at a sample.
         let near = count.round();
         if (count - near).abs() <= 4.0 * f64::EPSILON * near { near as usize } else { count.ceil() as usize }
     }
 }
 
 impl Block {
-    /// Whether what an output reads at an instant acts at that instant.
+    /// Whether an output acts at the instant at which its inputs are read.
     fn is_direct(&self) -> bool {
         self.sampling.as_ref().is_none_or(|own| own.delay == 0.0)
     }
 
-    /// The outputs of blocks that an output depends on at an instant.
+    /// Outputs of blocks that an output depends on at the same instant.
     fn read_by(&self, output: usize) -> impl Iterator<Item = OutputPlace> + '_ {
         let pairs = self.inputs.iter().zip(&self.d[output]);
         pairs.filter_map(|(input, &d)| match *input {
@@ -107,23 +107,23 @@ impl Block {
         })
     }
 
-    /// The lower and the upper limit of an output, infinite without.
+    /// Lower and upper limit of an output; infinite if there is none.
     pub(crate) fn limits_of(&self, output: usize) -> [f64; 2] {
         self.limits[output].unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// Numbers that a sampled block keeps between samples beside its states: outputs that act, and
-    /// those under way.
+    /// Count of the values that a sampled block keeps between samples in addition to its states:
+    /// outputs that act, and delayed outputs.
     pub(crate) fn kept(&self) -> usize {
         self.sampling.as_ref().map_or(0, |own| self.outputs.len() * (1 + own.under_way()))
     }
 }
 
 impl Description {
-    /// All outputs of blocks, each after those that it depends on at the same instant.
+    /// All outputs of blocks, each after the outputs that it depends on at the same instant.
     ///
     /// # Errors
-    /// The outputs of a loop.
+    /// The outputs in a loop.
     pub(crate) fn output_order(&self) -> Result<Vec<OutputPlace>, Vec<OutputPlace>> {
         let (mut order, mut done, mut way) = (Vec::new(), HashSet::new(), Vec::new());
         for (block, own) in self.blocks.iter().enumerate() {
@@ -149,7 +149,7 @@ impl Description {
         }
         way.push(place);
         let from: Vec<OutputPlace> = self.blocks[place.0].read_by(place.1).collect();
-        // A delayed output keeps what it has whatever is read now.
+        // A delayed output keeps its value, independently of the present inputs.
         for own in from.into_iter().filter(|own| self.blocks[own.0].is_direct()) {
             self.visit(own, way, done, order)?;
         }
@@ -159,8 +159,7 @@ impl Description {
         Ok(())
     }
 
-    /// A limited output of a continuous block that another limited one depends on at the same
-    /// instant.
+    /// A limited output of a continuous block on which output `place` depends at the same instant.
     pub(crate) fn limit_behind(&self, place: OutputPlace) -> Option<OutputPlace> {
         let mut next: Vec<OutputPlace> = self.blocks[place.0].read_by(place.1).collect();
         while let Some(own) = next.pop() {
@@ -174,8 +173,8 @@ impl Description {
         None
     }
 
-    /// The finite limits of continuous blocks' outputs, in the order of their stops in the law:
-    /// block, output, and whether it is the upper one.
+    /// The finite limits of outputs of continuous blocks, in the order of their stops in the law:
+    /// output, and whether it is the upper limit.
     pub fn limits_of_outputs(&self) -> Vec<(OutputPlace, bool)> {
         let order = self.output_order().unwrap_or_default();
         let continuous = order.into_iter().filter(|own| self.blocks[own.0].sampling.is_none());

@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 pub struct Modal {
     /// Its name, unique among the elements.
     pub name: String,
-    /// Index of the body that is the coordinate of mode 0; those of the other modes follow it.
+    /// Index of the body that is the coordinate of mode 0; the other modes follow.
     pub first: usize,
-    /// f by mode, Hz, not negative.
+    /// Frequency f of each mode, Hz; not negative.
     pub frequencies: Vec<f64>,
-    /// ζ, not negative: one for all modes, or one by mode.
+    /// Damping ratios ζ, not negative: one for all modes, or one for each mode.
     pub damping_ratios: Vec<f64>,
-    /// Whether the modes have masses of their own; else each is 1.
+    /// Whether the modes have their own masses; otherwise each mass is 1.
     pub has_masses: bool,
 }
 
@@ -27,12 +27,12 @@ pub(crate) struct Inner {
 }
 
 impl Modal {
-    /// The place of mode `i`'s damping ratio.
+    /// Index of the damping ratio of mode `i`.
     fn place_of_ratio(&self, i: usize) -> usize {
         if self.damping_ratios.len() == 1 { 0 } else { i }
     }
 
-    /// The name of mode `i`'s damping ratio as a parameter.
+    /// Name of the damping ratio of mode `i` as a parameter.
     pub(crate) fn name_of_ratio(&self, i: usize) -> String {
         match self.damping_ratios.len() {
             1 => format!("modal.{}.damping_ratio", self.name),
@@ -40,7 +40,7 @@ impl Modal {
         }
     }
 
-    /// Its springs, a mode each.
+    /// The springs, one for each mode.
     pub(crate) fn springs(&self, d: &Description) -> Vec<Inner> {
         let spring = |(i, &f): (usize, &f64)| {
             let (m, omega, ratio) =
@@ -51,8 +51,8 @@ impl Modal {
         self.frequencies.iter().enumerate().map(spring).collect()
     }
 
-    /// The derivatives of its springs' stiffness and damping, where `by` are those of its numbers
-    /// and `along` those of the machine's.
+    /// Derivatives of the springs' stiffness and damping. `by` and `along` hold the derivatives of
+    /// this body's numbers and of the machine's numbers.
     pub(crate) fn springs_by(&self, d: &Description, by: &Self, along: &Description) -> Vec<[f64; 2]> {
         let spring = |(i, (&f, &df)): (usize, (&f64, &f64))| {
             let (m, dm) = (d.mass_of(self.first + i), along.mass_of(self.first + i));
@@ -66,15 +66,15 @@ impl Modal {
 }
 
 impl Body {
-    /// Whether it is a coordinate of a body with many: such coordinates are no columns of tables
-    /// and no curves.
+    /// Whether the body is a coordinate of a body with many coordinates. Such coordinates have no
+    /// columns in tables and no curves.
     pub fn is_inner(&self) -> bool {
         self.name.contains('[')
     }
 }
 
 impl Description {
-    /// The inertia of a body; 0 where it has none of its own.
+    /// Inertia of a body; 0 if it has none of its own.
     pub(crate) fn mass_of(&self, body: usize) -> f64 {
         match self.bodies.get(body).map(|body| &body.kind) {
             Some(BodyKind::Free(free)) => free.inertia,
@@ -82,12 +82,12 @@ impl Description {
         }
     }
 
-    /// Names of the coordinates of a body with many.
+    /// Name of a coordinate of a body with many coordinates.
     pub(crate) fn name_of_coordinate(name: &str, i: usize) -> String {
         format!("{name}.q[{i}]")
     }
 
-    /// The indices of the bodies of which a body is a node; its own index where it is none.
+    /// For a node, the indices of the bodies that it combines; for another body, its own index.
     pub fn behind(&self, body: usize) -> Vec<usize> {
         match &self.bodies[body].kind {
             BodyKind::Node(row) => row.iter().map(|term| term.0).collect(),

@@ -5,14 +5,14 @@ use crate::refusal::Problem;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use vibro_numerics::sorting::sort_by;
 
-/// Relative difference up to which two entries across the diagonal are equal, and size up to which
-/// a negative eigenvalue is rounding: files have six to sixteen digits.
+/// Relative tolerance for equality of entries across the diagonal, and for negative eigenvalues
+/// that count as rounding errors: files have six to sixteen digits.
 const DIGITS: f64 = 1e-9;
 
-/// Part of the largest eigenvalue below which one is zero.
+/// Fraction of the largest eigenvalue below which an eigenvalue counts as zero.
 const ZERO: f64 = 1e-13;
 
-/// What a file gives of a body with matrices, in the file's coordinates.
+/// Data of a body with matrices, in the file's coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Given {
     /// M, symmetric, positive definite.
@@ -23,13 +23,13 @@ pub struct Given {
     pub damping: MatrixDamping,
     /// G, skew.
     pub gyroscopic: Option<DMatrix<f64>>,
-    /// r, where the weight on the coordinates is M r g.
+    /// r; the weight on the coordinates is M r g.
     pub gravity: DVector<f64>,
     /// Coordinates at time 0.
     pub q: DVector<f64>,
-    /// Their rates.
+    /// Rates at time 0.
     pub v: DVector<f64>,
-    /// Its nodes.
+    /// Nodes.
     pub nodes: Vec<GivenNode>,
 }
 
@@ -47,28 +47,28 @@ pub struct GivenNode {
 /// The damping of a body with matrices.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MatrixDamping {
-    /// None.
+    /// No damping.
     None,
     /// C, symmetric, positive semidefinite.
     Matrix(DMatrix<f64>),
     /// C = α M + β K.
     Rayleigh([f64; 2]),
-    /// Damping ratios: one for all modes, or one by mode at rising frequency.
+    /// Damping ratios: one for all modes, or one for each mode in the order of frequency.
     Ratios(Vec<f64>),
 }
 
-/// A body with matrices. Its normal coordinates, with modal masses 1, are bodies from `first` on.
+/// A body with matrices. Its normal coordinates, of modal mass 1, begin with body `first`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
     /// Its name, unique among the elements.
     pub name: String,
     /// Index of the body that is its first normal coordinate.
     pub first: usize,
-    /// What the file gives.
+    /// Data from the file.
     pub given: Given,
-    /// Squares of the angular frequencies, rising.
+    /// Squares of the angular frequencies, increasing.
     pub(crate) squares: Vec<f64>,
-    /// By mode: its own damping.
+    /// For each mode: damping that does not couple it to other modes.
     pub(crate) dampings: Vec<f64>,
     /// Dashpots that couple modes: damping and row.
     pub(crate) dashpots: Vec<(f64, DVector<f64>)>,
@@ -77,7 +77,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Its springs and dashpots, a mode each, then those that couple modes.
+    /// Springs and dashpots: one for each mode, then the dashpots that couple modes.
     pub(crate) fn springs(&self) -> Vec<Inner> {
         let of_mode = |(i, (&stiffness, &damping)): (usize, (&f64, &f64))| {
             let arms = Arms::between(None, Some(self.first + i), Dimension::Translation);
@@ -98,7 +98,7 @@ impl Description {
     /// Adds a body with matrices, its normal coordinates and its nodes.
     ///
     /// # Errors
-    /// Every [`Problem`] of symmetry or definiteness found, with the entries' places from 0.
+    /// Every [`Problem`] of symmetry or definiteness, with indices of entries counted from 0.
     pub fn add_matrix(&mut self, name: &str, given: Given) -> Result<(), Vec<Problem>> {
         let of = format!("matrix.{name}");
         let mut given = given;
@@ -141,7 +141,7 @@ impl Description {
     }
 }
 
-/// Problems of sizes.
+/// Reports matrices and vectors of a wrong size.
 fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
     let n = given.mass.nrows();
     let damping = if let MatrixDamping::Matrix(own) = &given.damping { Some(own) } else { None };
@@ -168,7 +168,7 @@ fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
     }
 }
 
-/// The problem of a coordinate without mass.
+/// The problem of a coordinate without mass, if there is one.
 fn massless(of: &str, mass: &DMatrix<f64>) -> Option<Problem> {
     let i = (0..mass.nrows()).find(|&i| mass.row(i).iter().all(|x| *x == 0.0))?;
     let text = format!(
@@ -177,7 +177,7 @@ fn massless(of: &str, mass: &DMatrix<f64>) -> Option<Problem> {
     Some(Problem::new(format!("{of}.mass"), None, text))
 }
 
-/// Makes a matrix symmetric (`sign` 1) or skew (-1), where it is so to the digits of a file.
+/// Makes a matrix symmetric (`sign` 1) or skew (-1) if it is so to the digits of a file.
 fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
     let largest = a.amax();
     for i in 0..a.nrows() {
@@ -202,7 +202,7 @@ fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
     None
 }
 
-/// Eigenvalues at rising order and their vectors.
+/// Eigenvalues in increasing order, and their vectors.
 fn eigen(a: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let found = SymmetricEigen::new(a);
     let mut order: Vec<usize> = (0..found.eigenvalues.len()).collect();
@@ -211,7 +211,7 @@ fn eigen(a: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     (order.iter().map(|&i| found.eigenvalues[i]).collect(), DMatrix::from_columns(&columns))
 }
 
-/// Eigenvalues of a semidefinite matrix without what is rounding.
+/// Sets eigenvalues of a semidefinite matrix that are rounding errors to zero.
 fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
     let largest = values.last().map_or(0.0, |last| last.abs()).max(f64::MIN_POSITIVE);
     if let Some(least) = values.first().filter(|least| **least < -DIGITS * largest) {
@@ -224,7 +224,7 @@ fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The normal modes as columns, and the body in them.
+/// The normal modes as columns, and the body in normal coordinates.
 fn normal(name: &str, first: usize, given: Given) -> Result<(DMatrix<f64>, Matrix), Problem> {
     let of = format!("matrix.{name}");
     let Some(factor) = Cholesky::new(given.mass.clone()) else {

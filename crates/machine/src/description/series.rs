@@ -1,7 +1,7 @@
-//! What a spring may be in series with.
+//! Partners of springs in series.
 
-/// A spring's partner in series. Spring and partner meet at an inner place x, in the unit of e, so
-/// that the spring's force is stiffness · (e - x); the partner decides how x moves.
+/// A spring's partner in series. Spring and partner meet at an inner displacement x, in the unit
+/// of e. The spring's force is stiffness · (e - x); the partner determines how x moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Series {
     /// The partner.
@@ -15,13 +15,13 @@ pub struct Series {
 pub enum SeriesLaw {
     /// A dashpot (Maxwell's element): damping · x' = stiffness · (e - x).
     Dashpot {
-        /// N s/m or N m s/rad, positive.
+        /// Damping, N s/m or N m s/rad; positive.
         damping: f64,
     },
-    /// A slider (Jenkins' element, elastic-perfectly-plastic): x stands while the force is under
-    /// `slip` in size, and follows e so that it is no more.
+    /// A slider (Jenkins element, elastic-perfectly-plastic): x is constant while |force| < `slip`
+    /// and otherwise follows e, so that |force| does not exceed `slip`.
     Slider {
-        /// N or N m, positive.
+        /// Slip force, N or N m; positive.
         slip: f64,
     },
 }

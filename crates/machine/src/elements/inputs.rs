@@ -1,4 +1,4 @@
-//! Names of what blocks read: quantities of bodies and elements, signals, outputs of other blocks.
+//! Names of the inputs of blocks: quantities of bodies and elements, signals, outputs of blocks.
 
 use super::Element;
 use crate::description::{Block, BlockInput, Description};
@@ -6,14 +6,14 @@ use crate::what::What;
 use std::collections::HashSet;
 
 impl BlockInput {
-    /// Whether it depends on where bodies are, or how fast.
+    /// Whether the input depends on coordinates or rates of bodies.
     fn is_of_bodies(&self) -> bool {
         !matches!(self, Self::Source(_) | Self::Output(..))
     }
 }
 
 impl Description {
-    /// The first block among some that reads a body or an element, with the name of what it reads.
+    /// The first block among some that reads a body or an element, with the name of that input.
     fn reads_body(&self, among: impl Fn(usize) -> bool) -> Option<(&Block, String)> {
         let all = self.blocks.iter().enumerate().filter(|own| among(own.0));
         all.map(|own| own.1).find_map(|block| {
@@ -22,7 +22,7 @@ impl Description {
         })
     }
 
-    /// The first block by which loads feed back what bodies do, with the name of what it reads.
+    /// The first block through which loads feed back the motion of bodies, with its input's name.
     pub fn feedback(&self) -> Option<(&Block, String)> {
         let mut reached = HashSet::new();
         let mut next: Vec<usize> = self.feeds.iter().map(|feed| feed.block).collect();

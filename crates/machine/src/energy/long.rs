@@ -1,4 +1,4 @@
-//! The work of a power over many sub-steps at once: the sum of Gauss's rule over all of them, as
+//! The work of a power over many sub-steps at once: the sum of Gauss's rule over all sub-steps, as
 //! one bilinear form in the initial state (docs/assembly-law.md (A29)).
 
 use crate::flow::Rung;
@@ -10,13 +10,13 @@ use nalgebra::{DMatrix, DVectorView};
 #[derive(Clone, Debug)]
 pub(super) struct WorkIntegral {
     left: DMatrix<f64>,
-    /// M; `None` where it is L, as of a functional's square.
+    /// M; `None` if it equals L, as for the square of a functional.
     right: Option<DMatrix<f64>>,
 }
 
 impl WorkIntegral {
-    /// The integral over one sub-step of a length, from two functionals' values at its nodes by
-    /// coordinate; that of a square from one.
+    /// The integral over one sub-step, from the values of two functionals at its nodes by
+    /// coordinate; for a square, from the values of one functional.
     pub(super) fn new(left: &[AtNodes], right: Option<&[AtNodes]>, length: f64) -> Self {
         let matrix = |rows: &[AtNodes], weight: &dyn Fn(f64) -> f64| {
             DMatrix::from_fn(NODES.len(), rows.len(), |k, j| weight(length * NODES[k].1) * rows[j][k])
@@ -28,7 +28,7 @@ impl WorkIntegral {
     }
 
     /// The integral over twice the rung's length. With L = QR, L z · M z equals R z · QᵀM z, which
-    /// has as many rows as coordinates; a square is that of R z. Orthogonal factors preserve small
+    /// has as many rows as coordinates; a square is |R z|². Orthogonal factors preserve small
     /// differences of rows, such as a dashpot's rate.
     pub(super) fn doubled(&self, rung: &Rung) -> Self {
         let both = |rows: &DMatrix<f64>| {

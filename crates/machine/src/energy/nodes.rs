@@ -1,18 +1,18 @@
-//! Works over many sub-steps at once where a mode keeps no tables: from the states at the nodes of
-//! Gauss's rule in all of them (docs/assembly-law.md (A29)).
+//! Works over many sub-steps at once for modes without tables: from the states at the nodes of
+//! Gauss's rule in all sub-steps (docs/assembly-law.md (A29)).
 //!
-//! A mode of a large machine is seldom met twice. What matrices would prepare for every state, by
-//! power and length, is needed for the few states from which long steps begin.
+//! A mode of a large machine seldom occurs twice. Matrices for each power and length would serve
+//! every state, but only few states begin a long step.
 
 use crate::flow::{FlowTable, INTERVALS, Rung, Series};
 use crate::kernel::{NODES, Sparse};
 
-/// What is left of each coordinate in the columns that are dropped, as a part of its root mean
-/// square. Works lose the square of it.
+/// Largest remainder of a coordinate in the dropped columns, relative to its root mean square.
+/// Works lose the square of it.
 const DROPPED: f64 = 1e-13;
 
-/// States at the nodes, each times the root of its weight, as columns that may have been rotated:
-/// sums over columns of products of two functionals are the integrals of these.
+/// States at the nodes, each times the root of its weight, as columns that may have been rotated.
+/// The sum over columns of the product of two functionals is the integral of the product.
 pub(super) struct NodeStates {
     /// Number of coordinates.
     size: usize,
@@ -20,12 +20,12 @@ pub(super) struct NodeStates {
 }
 
 impl NodeStates {
-    /// Over 2^`k` sub-steps from a state.
+    /// The states over 2^`k` sub-steps from a state.
     pub(super) fn over(k: usize, table: &FlowTable, z: &[f64]) -> Self {
         (0..k).fold(Self::first(table, z), |states, k| states.doubled(table, table.rung(k)))
     }
 
-    /// Over one sub-step.
+    /// The states over one sub-step.
     fn first(table: &FlowTable, z: &[f64]) -> Self {
         let (mut series, mut at) = (Series::default(), Vec::new());
         series.expand(table, z, table.length, table.orders_to(INTERVALS - 1));
@@ -35,7 +35,7 @@ impl NodeStates {
         Self { size: z.len(), columns: (0..NODES.len()).flat_map(column).collect() }.reduced()
     }
 
-    /// Over twice the rung's length.
+    /// The states over twice the rung's length.
     fn doubled(mut self, table: &FlowTable, rung: &Rung) -> Self {
         let (own, mut rates) = (self.columns.len(), vec![0.0; self.size]);
         self.columns.resize(2 * own, 0.0);
@@ -52,9 +52,8 @@ impl NodeStates {
         self.columns.chunks_exact(self.size).map(|z| left.dot(z) * right.dot(z)).sum()
     }
 
-    /// By as few columns: reflections of the columns leave all that a coordinate still has in one
-    /// of them, in turn of the coordinate of which most is left, until what is left of each counts
-    /// as nothing.
+    /// Reduces the number of columns. A reflection collects the remainder of one coordinate in one
+    /// column, each time for the largest relative remainder, until all remainders count as zero.
     fn reduced(mut self) -> Self {
         let size = self.size;
         let [mut all, mut rest, mut sum] = [0; 3].map(|_| vec![0.0; size]);
@@ -74,7 +73,7 @@ impl NodeStates {
     }
 }
 
-/// Writes by coordinate the sum of its squares.
+/// Writes the sum of squares of each coordinate.
 fn squares(columns: &[f64], to: &mut [f64]) {
     to.fill(0.0);
     for column in columns.chunks_exact(to.len()) {
@@ -82,8 +81,8 @@ fn squares(columns: &[f64], to: &mut [f64]) {
     }
 }
 
-/// Householder's reflection of the columns of a matrix among themselves: row `row`, whose Euclidean
-/// norm is `size`, is zero after it but in the first column. `by` and `sum` are scratch memory.
+/// Householder reflection of the columns of a matrix. Afterwards row `row`, whose Euclidean norm
+/// is `size`, is zero except in the first column. `by` and `sum` are scratch memory.
 fn reflect(columns: &mut [f64], row: usize, size: f64, by: &mut Vec<f64>, sum: &mut [f64]) {
     by.clear();
     by.extend(columns.chunks_exact(sum.len()).map(|column| column[row]));

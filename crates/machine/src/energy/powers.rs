@@ -1,5 +1,5 @@
-//! The powers in a mode: products of two functionals of the state, whose means over an interval are
-//! computed by Gauss's rule.
+//! The powers in a mode: products of two functionals of the state. Gauss's rule computes their
+//! means over an interval.
 
 use super::long::WorkIntegral;
 use super::nodes::NodeStates;
@@ -10,14 +10,14 @@ use crate::mode::Mode;
 use crate::system::{Account, Losses, Power, System};
 use std::sync::Arc;
 
-/// Number of Taylor coefficients of a functional over a sub-step. With rate times length at most 3
-/// the first omitted term is below 3³²/32! < 8e-21 of the largest coordinate.
+/// Number of Taylor coefficients of a functional over a sub-step: for a rate times length of at
+/// most 3, the first omitted term is below 3³²/32! < 8e-21 of the largest coordinate.
 const TERMS: usize = 32;
 
-/// Taylor coefficients that do up to rate times span [`SHORT`]: 1.2²⁴/24! < 2e-22.
+/// Number of Taylor coefficients up to rate times span [`SHORT`]: 1.2²⁴/24! < 2e-22.
 const FEW: usize = 24;
 
-/// Powers of nodes' abscissas, by order.
+/// Powers of the nodes' abscissas, by order.
 const fn powers_at<const G: usize, const T: usize>(nodes: &[(f64, f64); G]) -> [[f64; G]; T] {
     let mut powers = [[1.0; G]; T];
     let mut k = 1;
@@ -66,19 +66,18 @@ impl Rule {
     }
 }
 
-/// The states within an interval of time, from which powers are computed.
+/// The states within an interval of time, for the computation of powers.
 pub enum Samples<'a> {
     /// The initial state and the interval's fraction of a sub-step; requires
     /// [stored coefficients](Powers::are_dense).
     Start(&'a [f64], f64),
-    /// The coordinates at the nodes of a rule, of which the first may be missing.
+    /// The coordinates at the nodes of a rule; the first coordinates may be missing.
     Coordinates(&'a [AtNodes], Rule),
-    /// The states at the [`NODES`], one behind the other, each of so many coordinates.
+    /// The states at the [`NODES`], one after the other, each of this length.
     States(&'a [f64], usize),
 }
 
-/// The making of rows' Taylor coefficients, compiled for each kind of vectors that a computer may
-/// have.
+/// Construction of the rows' Taylor coefficients, compiled for each set of vector instructions.
 struct Columns<'a> {
     rows: &'a [Sparse],
     table: &'a FlowTable,
@@ -102,10 +101,10 @@ pub struct Powers {
     rows: Arc<Vec<Sparse>>,
     /// Whether any of these rows has entries on coordinates.
     needs_places: bool,
-    /// Taylor coefficients of each row, in units of a sub-step, by coordinate.
+    /// For each row: Taylor coefficients by coordinate, with time in units of a sub-step.
     columns: Vec<SparseColumns<TERMS>>,
     all: Vec<Power>,
-    /// Work of each power over 2^k sub-steps, made on first use where tables are kept.
+    /// Work of each power over 2^k sub-steps, made on first use if tables are kept.
     long: Ladder<Vec<WorkIntegral>>,
 }
 
@@ -127,7 +126,7 @@ impl Powers {
         powers
     }
 
-    /// Those of a machine without prescribed bodies, whose rows are the machine's.
+    /// The powers of a machine without prescribed bodies, which share the machine's rows.
     fn of_losses(system: &System, mode: &Mode) -> Self {
         let losses = system.losses();
         let all: Vec<Power> = losses.of_mode(mode).cloned().collect();
@@ -188,7 +187,7 @@ impl Powers {
         self.all.push(Power { account, factor, of });
     }
 
-    /// Adds the loads and losses of a mode, rows that are equal once.
+    /// Adds the loads and losses of a mode; equal rows are stored once.
     fn add_losses(&mut self, losses: &Losses, mode: &Mode) {
         for Power { account, factor, of } in losses.of_mode(mode) {
             self.add(*account, *factor, of.map(|row| losses.rows[row].clone()));
@@ -286,8 +285,8 @@ impl Powers {
         }
     }
 
-    /// The rows' values at nodes from the state at the start, by as many coefficients as there are
-    /// powers.
+    /// Values of the rows at the nodes from the state at the start, with one coefficient for each
+    /// order in `powers`.
     #[inline(always)]
     fn rows_at<const T: usize, const G: usize>(
         &self,
@@ -304,7 +303,7 @@ impl Powers {
         }
     }
 
-    /// Calls `take` with the account and the mean of each power from the rows' values.
+    /// Calls `take` with the account and the mean of each power, from the values of the rows.
     #[inline(always)]
     fn means<const G: usize>(
         &self,
@@ -324,19 +323,19 @@ impl Powers {
         }
     }
 
-    /// The first coordinate that any power depends on: the velocities', where none does on places.
+    /// First coordinate on which any power depends: the first velocity if none depends on a place.
     pub fn first(&self, coordinates: usize) -> usize {
         if self.needs_places { 0 } else { coordinates }
     }
 }
 
-/// The first values of a list for twelve nodes.
+/// The first `G` values of a list for twelve nodes.
 #[inline(always)]
 fn first<const G: usize>(values: &AtNodes) -> &[f64; G] {
     values.first_chunk().expect("no rule has more nodes")
 }
 
-/// A row's values at nodes from those of the coordinates.
+/// Values of a row at the nodes, from the values of the coordinates there.
 #[inline(always)]
 fn row_at<const G: usize>(row: &Sparse, at: &[AtNodes]) -> [f64; G] {
     let mut sum = [0.0; G];

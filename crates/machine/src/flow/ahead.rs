@@ -1,45 +1,45 @@
-//! What lies ahead of a state where a mode keeps no tables of its sub-step, as in machines of many
-//! coordinates: of many contacts a mode is seldom met twice, and the power series of the actual
+//! Power series ahead of a state, for modes that keep no tables, as in machines of many
+//! coordinates. With many contacts a mode seldom occurs twice, and the power series of the actual
 //! state costs little more than products with tables.
 //!
-//! One series serves a sub-step: it ends a little behind the next event that a parabola predicts
-//! for any watched functional, its orders end where what is left out is proved to be rounding, and
-//! the events, the state at the first of them and the accounts up to there are all found from it
+//! One series serves a sub-step. It ends a little after the next event that a parabola predicts
+//! for any watched functional, with orders up to a remainder that is provably rounding. The
+//! events, the state at the first event and the accounts up to it all come from this series
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
 use crate::kernel::{AtNodes, Sparse, largest_product, multiply_add_rows};
 
-/// Coefficients of a series at most. With rate times length 4 the first one left out is under
-/// 4⁴⁰/40! < 2e-24 of the largest coordinate.
+/// Largest number of coefficients of a series. With rate times length 4, the first omitted term is
+/// below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
 
-/// What is left out of a series is under this part of the largest term, in the norm of (A6).
+/// Bound of the omitted terms of a series, relative to its largest term in the norm of (A6).
 const REMAINDER: f64 = 1e-18;
 
-/// By so much a series reaches behind the predicted event: parabolas come early and late.
+/// Length of a series relative to the predicted time of the event: parabolas are early or late.
 const BEHIND: f64 = 1.15;
 
-/// The shortest series, in parts of the longest: predictions of what leaves zero slowly may come
-/// too soon.
+/// Shortest series, as a fraction of the longest: predictions for functionals that leave zero
+/// slowly may be too early.
 const SHORTEST: f64 = 0.02;
 
-/// Rate times length of the longest series. Measured on chains: a contact is then passed by one
-/// series from its begin to its end.
+/// Rate times length of the longest series. Measured on chains: one series then covers a contact
+/// from begin to end.
 const REACH: f64 = 4.0;
 
-/// The states within a span as a power series in the part of it that has passed; its memory is used
-/// again.
+/// Power series of the states within a span, in the elapsed fraction of the span. Its memory is
+/// reused.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     terms: Vec<f64>,
     size: usize,
-    /// The order of the last term.
+    /// Order of the last term.
     orders: usize,
 }
 
 impl Series {
-    /// The states within a time `dt` from `z`, by so many orders.
+    /// Expands the states within a time `dt` from `z`, up to order `orders`.
     #[inline(always)]
     pub fn expand(&mut self, table: &FlowTable, z: &[f64], dt: f64, orders: usize) {
         self.begin(z, orders);
@@ -56,7 +56,7 @@ impl Series {
         self.terms[..self.size].copy_from_slice(z);
     }
 
-    /// The term of order `k`, A times the one before and `factor`.
+    /// Computes the term of order `k`: A times the previous term times `factor`.
     #[inline(always)]
     fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
         let (size, own) = (self.size, table.coordinates);
@@ -84,15 +84,15 @@ impl Series {
         self.terms[k * self.size..][..self.size].iter_mut().for_each(|x| *x *= factor);
     }
 
-    /// The state where this part of the span has passed.
+    /// Writes the state after the fraction `part` of the span.
     #[inline(always)]
     pub fn at(&self, part: f64, to: &mut [f64]) {
         to.copy_from_slice(self.term(self.orders));
-        // The larger terms last.
+        // The larger terms are added last.
         (0..self.orders).rev().for_each(|k| multiply_add_rows(to, part, self.term(k)));
     }
 
-    /// The coordinates from `first` on at nodes within a part of the span.
+    /// Writes the coordinates from `first` on at nodes within the first `part` of the span.
     #[inline(always)]
     pub fn at_nodes<const G: usize>(
         &self,
@@ -109,7 +109,7 @@ impl Series {
         to.resize(self.size, AtNodes::default());
         for (j, to) in to.iter_mut().enumerate().skip(first) {
             let mut sums = [0.0; G];
-            // The larger terms last.
+            // The larger terms are added last.
             for (k, powers) in powers[..=self.orders].iter().enumerate().rev() {
                 let x = self.terms[k * self.size + j];
                 sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += x * power);
@@ -118,7 +118,7 @@ impl Series {
         }
     }
 
-    /// The terms, each of as many coordinates as the state, from order 0 on.
+    /// The terms, beginning with order 0, each with one number for each coordinate of the state.
     pub fn terms(&self) -> impl Iterator<Item = &[f64]> {
         self.terms.chunks_exact(self.size.max(1)).take(self.orders + 1)
     }
@@ -127,32 +127,32 @@ impl Series {
 /// A watched functional over a span.
 #[derive(Clone, Copy, Debug)]
 pub struct HeadAhead {
-    /// Its value at the start.
+    /// Value at the start.
     pub value: f64,
-    /// Its coefficient of order 1, in parts of the span.
+    /// Coefficient of order 1, with time in units of the span.
     pub slope: f64,
-    /// A bound of the sum of its other coefficients' sizes.
+    /// Bound of the sum of the sizes of the other coefficients.
     pub behind: f64,
 }
 
-/// What lies ahead of a state.
+/// Power series and watched functionals ahead of a state.
 #[derive(Clone, Debug, Default)]
 pub struct Ahead {
     /// The states within the span.
     pub series: Series,
     /// Length of the span, s.
     pub span: f64,
-    /// By watched functional.
+    /// For each watched functional.
     heads: Vec<HeadAhead>,
-    /// By coordinate the sum of the sizes of its terms from order 2 on.
+    /// For each coordinate, the sum of the sizes of its terms of order 2 and above.
     behind: Vec<f64>,
     memory: Series,
 }
 
 impl Ahead {
-    /// Expands the states ahead of one, up to the nearest predicted event and by a time `most` at
-    /// most. `leaving` tells, by place, of which order the zero is from which a watched functional
-    /// goes, and what it passes.
+    /// Expands the states ahead of `z` up to the nearest predicted event, but at most by a time
+    /// `most`. `leaving` returns, for a watched functional, the order of its zero at the start and
+    /// the value that it crosses.
     #[inline(always)]
     pub fn find(&mut self, table: &FlowTable, z: &[f64], most: f64, leaving: impl Fn(usize) -> (usize, f64)) {
         let series = &mut self.series;
@@ -164,7 +164,7 @@ impl Ahead {
         self.heads.clear();
         for (place, w) in table.watched.iter().enumerate() {
             let (order, limit) = leaving(place);
-            // Without `map`, which the compiler makes a call of.
+            // Not by `map`, which the compiler turns into a call.
             let of = |k: usize| w.row.dot(series.term(k));
             let (value, slope, bend) = (of(0), of(1), of(2));
             self.heads.push(HeadAhead { value, slope, behind: 0.0 });
@@ -185,8 +185,8 @@ impl Ahead {
             if k + 1 == TERMS {
                 break;
             }
-            // What is left is at most the last term times q/(1 - q); it is looked at where it may
-            // be small.
+            // The remainder is at most the last term times q/(1 - q). The norm is computed only
+            // where the remainder may be small.
             if ratio < 0.9
                 && bound < 1e-8
                 && series.norm(table, k, z.len()) * ratio / (1.0 - ratio) <= REMAINDER * size
@@ -215,7 +215,7 @@ impl Ahead {
         self.heads[place]
     }
 
-    /// The power series of a functional, in parts of the span.
+    /// The power series of a functional, in the fraction of the span.
     #[inline(always)]
     pub fn way(&self, row: &Sparse) -> [f64; TERMS] {
         let mut way = [0.0; TERMS];
@@ -223,7 +223,7 @@ impl Ahead {
         way
     }
 
-    /// Number of coefficients of these series that may differ from zero.
+    /// Number of coefficients of these series that may be nonzero.
     #[inline(always)]
     pub fn coefficients(&self) -> usize {
         self.series.orders + 1
@@ -235,7 +235,7 @@ impl Ahead {
     }
 }
 
-/// When the parabola with this value below zero, slope and bend passes zero first.
+/// First zero of the parabola with this value below zero, slope and curvature at the start.
 fn passage(value: f64, slope: f64, bend: f64) -> Option<f64> {
     let square = slope * slope - 2.0 * bend * value;
     let sum = slope + square.sqrt();

@@ -1,9 +1,9 @@
 //! Forces of stiff springs and compliant stops, separate from the rest of A.
 //!
-//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that express it are
-//! rounded independently; where coordinates are far greater than the elongation, this amounts to a
-//! spurious force, equal in thousands of sub-steps. A force that is computed first and then applied
-//! to both bodies has opposite signs to the last bit.
+//! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that express it
+//! are rounded independently. If coordinates are far greater than the elongation, the result is a
+//! spurious force, equal in thousands of sub-steps. A force that is computed first and then
+//! applied to both bodies has opposite signs to the last bit.
 
 use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix};
@@ -16,11 +16,11 @@ use vibro_numerics::double_double::DoubleDouble;
 /// A = rest - Σ by ⊗ force, with separate forces.
 #[derive(Clone, Debug)]
 pub(super) struct Apart {
-    /// A without them.
+    /// A without these forces.
     pub(super) rest: Arc<SparseMatrix>,
-    /// Where there are contacts, the sizes of the terms of its entries.
+    /// Sizes of the terms of the entries of `rest`, if there are contacts.
     rest_terms: Option<SparseMatrix>,
-    /// The forces, and what a unit of each takes from z'.
+    /// The forces, each with the column that a unit of it subtracts from z'.
     pub(super) forces: Vec<(Arc<Functional>, Arc<Sparse>)>,
 }
 
@@ -30,13 +30,13 @@ impl Apart {
         Self { rest: Arc::new(rest), rest_terms, forces }
     }
 
-    /// Of a mode without held contacts.
+    /// The form of A for a mode without held contacts.
     pub(super) fn split(rest: Arc<SparseMatrix>, terms: Vec<Term>) -> Self {
         let forces = terms.into_iter().map(|term| (term.force, term.by));
         Self { rest, rest_terms: None, forces: forces.collect() }
     }
 
-    /// `to` = `factor` × A `z` in the rows from `first` on, with the forces computed first.
+    /// `to` = `factor` × A `z`, beginning with row `first`, with the forces computed first.
     #[inline(always)]
     pub(super) fn rows_times_to(&self, first: usize, z: &[f64], factor: f64, to: &mut [f64]) {
         self.rest.rows_times_to(first, z, factor, to);
@@ -46,14 +46,13 @@ impl Apart {
         }
     }
 
-    /// By entry of A without these forces: the sum of the sizes of its terms, where there are
-    /// contacts.
+    /// Sizes of the terms of each entry of A without these forces, if there are contacts.
     pub(super) fn rest_terms(&self) -> Option<&SparseMatrix> {
         self.rest_terms.as_ref()
     }
 
-    /// Adds `factor` × the sizes of what these forces add to z', in the rows from `first` on, from
-    /// the coordinates' sizes. Contacts take no share of it.
+    /// Adds `factor` × the sizes of these forces' contributions to z', beginning with row `first`,
+    /// given the coordinates' sizes. Contacts carry no share of them.
     pub(super) fn add_sizes(&self, first: usize, sizes: &[f64], factor: f64, to: &mut [f64]) {
         for (force, by) in &self.forces {
             let force = factor * force.size(sizes);
@@ -61,8 +60,8 @@ impl Apart {
         }
     }
 
-    /// A as one matrix. Each force's part of a row is rounded by itself, so that parts of opposite
-    /// sign in two rows stay opposite.
+    /// A as one matrix. Each force's part of a row is rounded separately, so that parts of
+    /// opposite sign in two rows stay opposite.
     pub(super) fn sum(&self) -> SparseMatrix {
         self.rest.less(self.forces.iter().map(|(force, by)| [by.terms(), force.terms()]))
     }
@@ -86,7 +85,7 @@ impl Apart {
     pub(super) fn numbers(&self) -> usize {
         let terms = self.rest_terms.as_ref().map_or(0, SparseMatrix::entries);
         if terms == 0 {
-            return 2 * self.forces.len(); // what the modes share
+            return 2 * self.forces.len(); // shared by the modes
         }
         let by = self.forces.iter().map(|(force, by)| force.len() + force.terms().len() + by.terms().len());
         2 * (self.rest.entries() + terms) + 2 * by.sum::<usize>()

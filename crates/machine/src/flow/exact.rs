@@ -1,6 +1,6 @@
-//! Flows in double-double arithmetic. Entries of A to which stiff springs and soft forces
-//! contribute are rounded to the last digit of the stiff part, and repeated doubling multiplies
-//! this rounding by 2^k, which disturbs slow motions on soft springs.
+//! Flows in double-double arithmetic. If stiff springs and soft forces contribute to an entry of
+//! A, it is rounded to the last digit of the stiff part. Repeated doubling multiplies this
+//! rounding error by 2^k, which disturbs slow motions on soft springs.
 
 use super::apart::Apart;
 use super::exponential::series_orders;

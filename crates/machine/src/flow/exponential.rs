@@ -4,7 +4,7 @@ use super::RADIUS;
 use crate::kernel::{ABREAST, SparseMatrix};
 use nalgebra::DMatrix;
 
-/// Relative size of a series' remainder.
+/// Bound of the remainder of a series.
 const REMAINDER: f64 = 1e-19;
 
 /// exp(A u t) for several fractions u of a time t.
@@ -74,14 +74,14 @@ pub(super) fn integral_and_change(a: &SparseMatrix, length: f64) -> [DMatrix<f64
     all
 }
 
-/// Adds `factor` × `terms`. As one list: by rows the compiler gathers single numbers of several.
+/// Adds `factor` × `terms` as flat lists: by rows, the compiler would gather single numbers.
 #[inline(always)]
 pub(super) fn add(sums: &mut [[f64; ABREAST]], factor: f64, terms: &[[f64; ABREAST]]) {
     let terms = terms.as_flattened();
     sums.as_flattened_mut().iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
 }
 
-/// Eight columns, from the one at `first` on, of a diagonal matrix with equal entries.
+/// Writes eight columns of a diagonal matrix with equal entries, beginning with column `first`.
 #[inline(always)]
 fn unit_columns(size: usize, first: usize, entry: f64, to: &mut Vec<[f64; ABREAST]>) {
     to.clear();
@@ -89,7 +89,7 @@ fn unit_columns(size: usize, first: usize, entry: f64, to: &mut Vec<[f64; ABREAS
     (0..ABREAST.min(size - first)).for_each(|i| to[first + i][i] = entry);
 }
 
-/// Writes columns to a matrix, from the one at `first` on.
+/// Writes columns into a matrix, beginning with column `first`.
 #[inline(always)]
 fn put_columns(columns: &[[f64; ABREAST]], first: usize, to: &mut DMatrix<f64>) {
     let size = columns.len();
@@ -98,11 +98,11 @@ fn put_columns(columns: &[[f64; ABREAST]], first: usize, to: &mut DMatrix<f64>) 
     }
 }
 
-/// Orders of a series of radius x whose remainder is below [`REMAINDER`].
+/// Number of orders of a series of radius x whose remainder is below [`REMAINDER`].
 pub(super) const fn series_orders(x: f64) -> usize {
     let (mut k, mut term) = (0, 1.0);
-    // The remainder is at most the next term times 1/(1 - x/(k + 1)); from k = 2x on that is at
-    // most twice the term.
+    // The remainder is at most the next term times 1/(1 - x/(k + 1)), which is at most twice the
+    // next term for k >= 2x.
     while term > 0.5 * REMAINDER || (k as f64) < 2.0 * x {
         k += 1;
         term *= x / k as f64;

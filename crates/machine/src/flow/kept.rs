@@ -7,11 +7,11 @@ use super::{ENDS, FlowTable, Group, INTERVALS, LOCAL};
 use crate::kernel::{Blocks, SparseColumns};
 
 /// Number of Taylor coefficients of the velocities within an interval, from order 1 on: the first
-/// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. The number is a multiple of
-/// the length of the processor's vectors.
+/// omitted term is below 0.375¹⁷/17! < 2e-22 of the largest coordinate. A multiple of the length
+/// of the processor's vectors.
 const WITHIN: usize = 16;
 
-/// Factors 1/(k + 1) of the integrals of powers u^k, from order 1 on.
+/// Factors 1/(k + 1) of the integrals of powers u^k, beginning with order 1.
 const INTEGRAL: [f64; WITHIN] = {
     let mut factors = [0.0; WITHIN];
     let mut k = 0;
@@ -22,7 +22,7 @@ const INTEGRAL: [f64; WITHIN] = {
     factors
 };
 
-/// The making of a mode's matrices, compiled for each kind of vectors that a computer may have.
+/// Construction of a mode's matrices, compiled for each set of vector instructions.
 struct Making<'a>(&'a FlowTable);
 
 impl pulp::WithSimd for Making<'_> {
@@ -39,8 +39,8 @@ impl pulp::WithSimd for Making<'_> {
 pub(super) struct Kept {
     /// z at the interval ends from z at the sub-step's start.
     transitions: Vec<Blocks>,
-    /// For each velocity and each state of first order: its Taylor coefficients from order 1 on,
-    /// for time in units of an interval. Each column belongs to one number of the state.
+    /// For each velocity and first-order state: its Taylor coefficients of order 1 and above, for
+    /// time in units of an interval. Each column belongs to one number of the state.
     velocities: Vec<SparseColumns<WITHIN>>,
     /// Number of coordinates.
     coordinates: usize,
@@ -89,8 +89,8 @@ impl Kept {
             + self.integral.as_ref().map_or(0, |_| size * size)
     }
 
-    /// Writes the heads of the watched functionals at a state; `sizes` is the vector from which the
-    /// bounds of their second derivatives are computed.
+    /// Writes the heads of the watched functionals at a state; the bounds of their second
+    /// derivatives are computed from the vector `sizes`.
     #[inline(always)]
     pub(super) fn heads_at(&self, z: &[f64], sizes: &[f64], to: &mut Vec<Group>) {
         to.resize(self.heads.len(), Default::default());
@@ -105,8 +105,8 @@ impl Kept {
         &self.watched[place]
     }
 
-    /// Writes the state at the end of a sub-step from that at its start and, if elastic forces are
-    /// computed separately, its first two derivatives.
+    /// Writes the state at the end of a sub-step from the state at its start and, if elastic
+    /// forces are computed separately, its first two derivatives.
     #[inline(always)]
     pub(super) fn at_end(&self, z: &[f64], [rates, second]: [&[f64]; 2], length: f64, to: &mut [f64]) {
         match &self.integral {
@@ -118,7 +118,7 @@ impl Kept {
         }
     }
 
-    /// Writes the state at the end of interval `i` from that at the sub-step's start.
+    /// Writes the state at the end of interval `i` from the state at the sub-step's start.
     #[inline(always)]
     pub(super) fn at_interval_end(&self, i: usize, z: &[f64], to: &mut [f64]) {
         self.transitions[i].times(z, to);

@@ -49,7 +49,7 @@ fn dense(row: &Sparse, size: usize) -> DVector<f64> {
 /// The flow over 2^k sub-steps.
 #[derive(Debug)]
 pub struct Rung {
-    /// Its length, s.
+    /// Length, s.
     pub length: f64,
     /// ∫ exp(A s) ds over the length.
     integral: DMatrix<f64>,
@@ -62,7 +62,7 @@ pub struct Rung {
     exact: Option<Exact>,
     /// Bounds of |exp(A s)| throughout the length.
     spread: DMatrix<f64>,
-    /// By watched functional: bounds of |row exp(A s)| throughout the length.
+    /// For each watched functional: bounds of |row exp(A s)| throughout the length.
     reaches: Vec<Vec<f64>>,
 }
 
@@ -121,7 +121,7 @@ impl Rung {
         self.reaches[place].iter().zip(second).map(|(r, x)| r * x.abs()).sum()
     }
 
-    /// Writes the state at the end from that at the start and its derivative.
+    /// Writes the state at the end from the state at the start and its derivative.
     pub fn at_end(&self, z: &[f64], rates: &[f64], to: &mut [f64]) {
         self.blocks.times(rates, to);
         to.iter_mut().zip(z).for_each(|(to, z)| *to += z);

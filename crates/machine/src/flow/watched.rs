@@ -13,23 +13,23 @@ pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 /// Stored columns of a watched functional over a sub-step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchColumns {
-    /// Throughout the sub-step |functional''| is at most Σ curvature · |z|, or Σ curvature · |z''|
-    /// where forces are separate.
+    /// Throughout the sub-step, |functional''| is at most Σ curvature · |z|, or Σ curvature ·
+    /// |z''| if forces are computed separately.
     curvature: Vec<f64>,
-    /// Values at the interval ends, by coordinate.
+    /// For each coordinate: values at the interval ends.
     samples: Vec<[f64; INTERVALS]>,
-    /// Taylor coefficients in units of an interval, by coordinate.
+    /// For each coordinate: Taylor coefficients, with time in units of an interval.
     local: Vec<[f64; LOCAL]>,
 }
 
 impl WatchColumns {
-    /// Its values at the interval ends.
+    /// Values at the interval ends.
     #[inline(always)]
     pub(super) fn samples(&self, z: &[f64]) -> [f64; INTERVALS] {
         combine(&self.samples, z)
     }
 
-    /// Its Taylor coefficients about a state, in units of an interval.
+    /// Taylor coefficients about a state, with time in units of an interval.
     #[inline(always)]
     pub(super) fn local(&self, z: &[f64]) -> [f64; LOCAL] {
         combine(&self.local, z)
@@ -39,22 +39,22 @@ impl WatchColumns {
 /// A watched functional at the start of a sub-step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Head {
-    /// Its value.
+    /// Value.
     pub value: f64,
-    /// Its time derivative.
+    /// Time derivative.
     pub slope: f64,
-    /// A bound of its second derivative throughout the sub-step.
+    /// Bound of the second derivative throughout the sub-step.
     pub bend: f64,
 }
 
-/// Functionals whose heads are computed together, one per vector lane.
+/// Number of functionals whose heads are computed together, one per vector lane.
 const GROUP: usize = 4;
 
 /// The heads of up to four functionals: values, slopes, bounds of second derivatives.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Group([[f64; GROUP]; 3]);
 
-/// The head of the functional at a place.
+/// The head of the functional with index `place`.
 #[inline(always)]
 pub fn head_of(groups: &[Group], place: usize) -> Head {
     let Group(sums) = &groups[place / GROUP];
@@ -62,13 +62,13 @@ pub fn head_of(groups: &[Group], place: usize) -> Head {
     Head { value, slope, bend }
 }
 
-/// What the heads of some functionals are found from: by coordinate the values of all, their
-/// slopes, and the bounds of their bends.
+/// Coefficients for the heads of a group of functionals. For each coordinate: values, slopes and
+/// bounds of second derivatives.
 #[derive(Clone, Debug)]
 pub(super) struct Heads(Vec<[[f64; GROUP]; 3]>);
 
 impl Heads {
-    /// Of functionals of so many coordinates, in groups.
+    /// Coefficients for all functionals of a state of `size` numbers, in groups.
     pub(super) fn of(watched: &[Arc<WatchTable>], columns: &[WatchColumns], size: usize) -> Vec<Self> {
         let column = |(group, kept): (&[Arc<WatchTable>], &[WatchColumns]), j: usize| {
             let mut column = [[0.0; GROUP]; 3];
@@ -82,7 +82,7 @@ impl Heads {
         groups.map(|group| Self((0..size).map(|j| column(group, j)).collect())).collect()
     }
 
-    /// The heads at a state `z`; `sizes` is the vector from which the bounds are computed.
+    /// The heads at a state `z`; the bounds are computed from the vector `sizes`.
     #[inline(always)]
     pub(super) fn at(&self, z: &[f64], sizes: &[f64]) -> Group {
         let mut sums = [[0.0; GROUP]; 3];
@@ -98,7 +98,7 @@ impl Heads {
     }
 }
 
-/// The Taylor coefficients of functionals in units of a time `step`, by coordinate, from the
+/// For each functional and coordinate: Taylor coefficients with time in units of `step`, from the
 /// transpose of A.
 #[inline(always)]
 pub(crate) fn taylor<const K: usize>(
@@ -122,7 +122,7 @@ pub(crate) fn taylor<const K: usize>(
     all
 }
 
-/// Up to eight rows side by side.
+/// Interleaves up to eight rows.
 #[inline(always)]
 fn side_by_side(rows: &[Vec<f64>], size: usize) -> Vec<[f64; ABREAST]> {
     let mut all = vec![[0.0; ABREAST]; size];
@@ -132,9 +132,9 @@ fn side_by_side(rows: &[Vec<f64>], size: usize) -> Vec<[f64; ABREAST]> {
     all
 }
 
-/// Number of Taylor coefficients of a functional over a sub-step: with rate times length 3 the
-/// first omitted term is below 3³⁴/34! < 6e-23 of the largest coordinate, and that of the second
-/// derivative below 7e-20.
+/// Number of Taylor coefficients of a functional over a sub-step. With rate times length 3, the
+/// first omitted term is below 3³⁴/34! < 6e-23 of the largest coordinate; for the second
+/// derivative it is below 7e-20.
 pub(super) const WHOLE: usize = 34;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].

@@ -1,14 +1,14 @@
-//! Rows by their nonzero entries.
+//! Rows, stored as their nonzero entries.
 
 use super::SLICE;
 
-/// Sorts entries by their places; entries of one place keep their order.
+/// Sorts entries by their columns; entries of one column keep their order.
 #[inline(never)]
 pub fn sort_by_place(terms: &mut [(usize, f64)]) {
     terms.sort_by_key(|term| term.0);
 }
 
-/// A row by its nonzero entries, with their places.
+/// A row, stored as its nonzero entries with their columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sparse(Vec<(usize, f64)>);
 
@@ -18,14 +18,14 @@ impl Sparse {
         Self(row.iter().copied().enumerate().filter(|&(_, x)| x != 0.0).collect())
     }
 
-    /// Of entries with their places, of which zeros are left out.
+    /// The row with these entries; zeros are left out.
     pub fn from_terms(terms: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut own = Vec::with_capacity(terms.size_hint().1.unwrap_or(0));
         own.extend(terms.filter(|&(_, x)| x != 0.0));
         Self(own)
     }
 
-    /// The row with these entries in any order. Entries of one place are added up in the order
+    /// The row with these entries in any order. Entries of one column are added up in the order
     /// given.
     pub fn summed(mut terms: Vec<(usize, f64)>) -> Self {
         sort_by_place(&mut terms);
@@ -46,8 +46,8 @@ impl Sparse {
         self.0.iter().map(|&(j, x)| x * z[j]).sum()
     }
 
-    /// The row times a vector of a given length by its entries, added up as nalgebra adds up all
-    /// products: in eight lanes, then the rest.
+    /// The row times a vector of a given length, whose entries `of` returns. The sum has the order
+    /// of nalgebra's products: eight lanes, then the rest.
     #[inline(always)]
     pub fn sum_in_lanes(&self, length: usize, of: impl Fn(usize) -> f64) -> f64 {
         let begin = length - length % SLICE;
@@ -59,7 +59,7 @@ impl Sparse {
         self.0[first..].iter().fold(sum, |sum, &(j, x)| sum + x * of(j))
     }
 
-    /// The sum of the terms' absolute values, for a vector of absolute values.
+    /// Sum of the terms' absolute values, given a vector of absolute values.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()
@@ -70,7 +70,7 @@ impl Sparse {
         Self::from_terms(self.0.iter().map(|&(j, x)| (j, factor * x)))
     }
 
-    /// The row less another.
+    /// The row minus another row.
     pub fn less(&self, other: &Self) -> Self {
         let mut left: Vec<(usize, f64)> = Vec::with_capacity(self.0.len() + other.0.len());
         let (mut own, mut others) = (self.0.iter().peekable(), other.0.iter().peekable());
@@ -85,7 +85,7 @@ impl Sparse {
         }
     }
 
-    /// The entry at a place.
+    /// The entry in column `j`.
     pub fn entry(&self, j: usize) -> f64 {
         self.0.iter().find(|term| term.0 == j).map_or(0.0, |term| term.1)
     }
@@ -97,7 +97,7 @@ impl Sparse {
         row
     }
 
-    /// The nonzero entries with their places.
+    /// The nonzero entries with their columns.
     pub fn terms(&self) -> &[(usize, f64)] {
         &self.0
     }

@@ -1,5 +1,5 @@
 //! Held contacts of a mode: closed stops and sticking frictions of its basis, which keep e'' at
-//! zero. Their forces λ and the accelerations that they leave follow group by group
+//! zero. Their forces λ and the remaining accelerations are computed group by group
 //! (docs/assembly-law.md (A5)).
 
 use crate::kernel::{Sparse, SparseMatrix};
@@ -15,7 +15,7 @@ pub(super) struct Held<'a> {
     system: &'a System,
     basis: &'a [Contact],
     groups: Vec<HeldGroup>,
-    /// By coordinate the group that holds it, and its row there.
+    /// For each coordinate: the group that holds it, and its row in the group.
     holders: Vec<Option<(usize, usize)>>,
 }
 
@@ -24,14 +24,14 @@ struct HeldGroup {
     group: Group,
     /// The directions w, as columns.
     directions: DMatrix<f64>,
-    /// L⁻¹ w of each.
+    /// L⁻¹ w of each contact, as columns.
     columns: DMatrix<f64>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W.
     triangle: DMatrix<f64>,
-    /// M⁻¹ w of each.
+    /// M⁻¹ w of each contact, as columns.
     mobility: DMatrix<f64>,
     /// The projection of velocities and accelerations past the contacts, 1 - M⁻¹ W G⁻¹ Wᵀ, with
-    /// rounding replaced by zero.
+    /// rounding errors replaced by zero.
     loose: DMatrix<f64>,
 }
 
@@ -39,14 +39,14 @@ struct HeldGroup {
 pub(super) struct Reaction {
     /// A with the contacts' forces.
     pub(super) a: SparseMatrix,
-    /// By entry of A: the sum of the sizes of its terms.
+    /// For each entry of A: the sum of the sizes of its terms.
     pub(super) terms: SparseMatrix,
     /// The contacts' forces, in the order of the basis.
     pub(super) lambda: Vec<Sparse>,
 }
 
-/// A group's part of a [`Reaction`]: rows of its coordinates' accelerations and of its forces by
-/// the entries of some columns.
+/// A group's part of a [`Reaction`]: rows of its coordinates' accelerations and of its forces,
+/// with entries in some columns.
 struct GroupReaction {
     columns: Vec<usize>,
     accelerations: DMatrix<f64>,
@@ -76,11 +76,11 @@ impl HeldGroup {
         Self { group, directions, columns, triangle, mobility, loose }
     }
 
-    /// The contacts' forces that keep e'' at zero against accelerations without them, by columns
-    /// of the augmented state; `drift` are the parts of e'' due to prescribed bodies.
+    /// Contact forces that keep e'' at zero against given accelerations, by columns of the
+    /// augmented state; `drift` holds the parts of e'' due to prescribed bodies.
     fn demand(&self, accelerations: &DMatrix<f64>, drift: &DMatrix<f64>) -> DMatrix<f64> {
         let mut demand = self.directions.tr_mul(accelerations) + drift;
-        // Sizes of the terms: their sum may be rounding, as of bodies in free fall.
+        // Sizes of the terms: the sum of the terms may be rounding, as for bodies in free fall.
         let sizes = self.directions.abs().tr_mul(&accelerations.abs()) + drift.abs();
         self.triangle.tr_solve_upper_triangular_mut(&mut demand);
         self.triangle.solve_upper_triangular_mut(&mut demand);
@@ -88,7 +88,7 @@ impl HeldGroup {
         demand
     }
 
-    /// The group's reaction in a system without its forces.
+    /// The group's reaction in a system without the group's forces.
     fn react(&self, system: &System, basis: &[Contact], a: &SparseMatrix) -> GroupReaction {
         let (n, reach) = (system.coordinates, &self.group.reach);
         let drift = |place: usize| &system.elongation_of(basis[place]).drift;
@@ -111,7 +111,7 @@ impl HeldGroup {
         let terms = accelerations.abs() + self.mobility.abs() * forces.abs();
         accelerations -= &self.mobility * &forces;
         // Coordinates that the contacts hold completely move as prescribed bodies require, without
-        // rounding of the forces that cancel.
+        // the rounding error of cancelling forces.
         let held = |row: &usize| self.loose.row(*row).iter().all(|x| *x == 0.0);
         let held: Vec<usize> = (0..reach.len()).filter(held).collect();
         let moves = !held.is_empty() && drift.iter().any(|x| *x != 0.0);
@@ -157,7 +157,7 @@ impl<'a> Held<'a> {
         Reaction { a: with(|x| x, |own| &own.accelerations), terms: with(f64::abs, |own| &own.terms), lambda }
     }
 
-    /// Absolute values of the projection past the contacts of velocities and states of first order.
+    /// Absolute values of the projection of velocities and first-order states past the contacts.
     pub(super) fn loose_sizes(&self) -> SparseMatrix {
         let mut sizes = SparseMatrix::default();
         for (k, holder) in self.holders.iter().enumerate() {
@@ -181,8 +181,8 @@ impl<'a> Held<'a> {
         e.reach.iter().any(|&k| self.holders[k].is_some())
     }
 
-    /// What a unit of an element's force takes from z', with the contacts' reaction: `loose` M⁻¹ w
-    /// in the places of the velocities, with rounding replaced by zero.
+    /// The column that a unit of an element's force subtracts from z', with contacts' reaction:
+    /// `loose` M⁻¹ w in the rows of the velocities, with rounding errors set to zero.
     pub(super) fn moved(&self, e: &Elongation) -> Sparse {
         let (n, mut groups, mut entries) = (self.system.coordinates, Vec::new(), Vec::new());
         for &k in &e.reach {
@@ -210,10 +210,10 @@ impl<'a> Held<'a> {
     }
 }
 
-/// Replaces rounding in the rows of contact forces by zero, so that a force that vanishes
-/// throughout is known to vanish. `demands` are by contact the sizes of what it holds against. A
-/// contact's force is at most of the size that contacts hold against which share coordinates with
-/// it, directly or through others.
+/// Replaces rounding errors in the rows of contact forces by zero, so that a force that vanishes
+/// throughout is exactly zero. `demands` holds the sizes of what each contact holds against. A
+/// contact's force is at most as large as the demands on contacts that share coordinates with it,
+/// directly or through others.
 fn zero_rounding(forces: &mut DMatrix<f64>, columns: &DMatrix<f64>, demands: &DMatrix<f64>) {
     let (m, size) = forces.shape();
     let norms: Vec<f64> = columns.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn closed_form_a_force_is_rounding_beside_what_its_group_holds_against() {
         // The first two contacts share a coordinate, the third has its own. Columns of demands: 1
-        // at the first contact, which counts for the second by 1/√2 and not for the third; 1 at the
+        // at the first contact (which counts for the second by 1/√2, not for the third); 1 at the
         // third, whose column has length 2; none.
         let columns = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
         let demands = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);

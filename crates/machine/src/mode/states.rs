@@ -16,18 +16,18 @@ pub enum StopState {
     Pressed,
     /// A compliant stop beyond its gap whose linear force would pull: the force is 0.
     Free,
-    /// An `ElastoGap` whose dashpot's force is limited to its spring's: the force is 2 stiffness (e
-    /// - gap).
+    /// An `ElastoGap` stop whose dashpot force is limited to its spring force: the force is 2
+    /// stiffness (e - gap).
     Capped,
-    /// A stop with the law `undamped-rebound` whose e falls: its spring's force alone.
+    /// A stop with the law `undamped-rebound` while e falls: the spring's force alone.
     Rebounding,
-    /// A part of an element whose stiffness, which steps in time, has another level.
+    /// A part of an element whose stiffness steps in time and now has another level.
     Off,
 }
 
 impl StopState {
-    /// The force of a compliant stop in this state, from the linear force of spring and dashpot and
-    /// the spring's share of it; `None` if it is zero.
+    /// The force of a compliant stop in this state, given the linear force of spring and dashpot
+    /// and the spring's share of it; `None` if the force is zero.
     pub fn force<R: Clone>(self, linear: &R, spring: &R) -> Option<R>
     where
         f64: for<'r> Mul<&'r R, Output = R>,
@@ -40,12 +40,12 @@ impl StopState {
         }
     }
 
-    /// Whether it is a compliant stop with a force.
+    /// Whether the stop is compliant and has a force.
     pub fn has_force(self) -> bool {
         matches!(self, Self::Pressed | Self::Capped | Self::Rebounding)
     }
 
-    /// Whether it is a compliant stop with e beyond the gap.
+    /// Whether the stop is compliant and e is beyond the gap.
     pub fn is_inside(self) -> bool {
         matches!(self, Self::Pressed | Self::Free | Self::Capped | Self::Rebounding)
     }
@@ -54,22 +54,22 @@ impl StopState {
 /// The state of a friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum FrictionState {
-    /// Its level is not positive.
+    /// The level is not positive.
     Off,
     /// e' > 0.
     Up,
     /// e' < 0.
     Down,
-    /// e' = 0. The force follows from the motion, or is 0 where the contact depends on others.
+    /// e' = 0. The force follows from the motion, or is 0 if the contact depends on others.
     Stuck,
-    /// e' = 0. The contact depends on others, and its share of their force is its level upwards.
+    /// e' = 0. The contact depends on others; its share of their force is its level upwards.
     HeldUp,
-    /// e' = 0. The contact depends on others, and its share of their force is its level downwards.
+    /// e' = 0. The contact depends on others; its share of their force is its level downwards.
     HeldDown,
 }
 
 impl FrictionState {
-    /// The force of a friction in this state, from its sliding and static levels; `None` if the
+    /// The force of a friction in this state, given its sliding and static levels; `None` if the
     /// state does not determine it.
     pub fn force<R: Clone>(self, level: &R, static_level: &R) -> Option<R>
     where
@@ -84,7 +84,7 @@ impl FrictionState {
         }
     }
 
-    /// The sign of e' while slipping, else 0.
+    /// Sign of e' while slipping, otherwise 0.
     pub fn direction(self) -> f64 {
         match self {
             Self::Up => 1.0,
@@ -102,16 +102,16 @@ impl FrictionState {
 /// The state of a branch: a spring in series with its partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SliderState {
-    /// The slider stands; so does that of every branch with a dashpot, which has none.
+    /// The slider is at rest. A branch with a dashpot is always in this state.
     Held,
     /// The force is at its level, and the slider follows e' > 0.
     Up,
-    /// The same downwards.
+    /// The force is at its level, and the slider follows e' < 0.
     Down,
 }
 
 impl SliderState {
-    /// The sign of e' while slipping, else 0.
+    /// Sign of e' while slipping, otherwise 0.
     pub fn direction(self) -> f64 {
         match self {
             Self::Up => 1.0,

@@ -1,5 +1,5 @@
-//! What ends a mode: functionals of the state that are negative inside it, and the event at which
-//! each passes zero.
+//! Functionals that end a mode: each is negative inside the mode, with an event at which it passes
+//! zero.
 
 use super::{Contact, ElementState};
 use crate::kernel::{Sparse, SparseMatrix};
@@ -17,7 +17,7 @@ pub enum Watch {
     Presses(usize),
     /// The force of a compliant stop falls to zero, rises from it, or meets or leaves its cap.
     Changes(usize),
-    /// A compliant stop whose force need not vanish there is left: e falls to the gap.
+    /// e of a compliant stop falls to the gap, where its force need not vanish.
     Leaves(usize),
     /// The rate of a slipping friction reaches zero.
     Stops(usize),
@@ -34,7 +34,7 @@ pub enum Watch {
 }
 
 impl Watch {
-    /// The contact whose functional it is.
+    /// The contact to which the functional belongs.
     pub fn contact(self) -> Contact {
         match self {
             Self::Meets(i)
@@ -48,7 +48,7 @@ impl Watch {
         }
     }
 
-    /// Whether its functional belongs to an element.
+    /// Whether the functional belongs to an element.
     pub fn is_of(self, element: ElementState) -> bool {
         self.contact() == element.contact()
     }
@@ -57,21 +57,21 @@ impl Watch {
 /// A watched functional of a mode.
 #[derive(Clone, Debug)]
 pub struct WatchTable {
-    /// The event at which it passes zero.
+    /// Event at which the functional passes zero.
     pub watch: Watch,
     /// The functional.
     pub row: Arc<Sparse>,
-    /// Its time derivative.
+    /// Time derivative of the functional.
     pub slope: Sparse,
 }
 
 impl WatchTable {
-    /// Of a functional of a mode, from A.
+    /// The table of a functional in a mode with matrix A.
     pub(crate) fn new(watch: Watch, row: Arc<Sparse>, a: &SparseMatrix) -> Self {
         Self { watch, slope: a.after_terms(row.terms()), row }
     }
 
-    /// In a mode with another A.
+    /// The same functional in a mode with another A.
     pub(crate) fn in_mode(&self, a: &SparseMatrix) -> Self {
         Self { watch: self.watch, slope: a.after_terms(self.row.terms()), row: self.row.clone() }
     }

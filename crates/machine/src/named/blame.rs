@@ -1,9 +1,9 @@
-//! Refusals of a changed machine by the name of the parameter that was set.
+//! Refusals of a changed machine under the names of the parameters that were set.
 
 use super::NamedParameters;
 use crate::refusal::Problem;
 
-/// Whether a problem with one name concerns the number with another: the number itself, the
+/// Whether a problem with the name `problem` concerns the number `number`: the number itself, the
 /// element that has it, or a part of it.
 fn concerns(problem: &str, number: &str) -> bool {
     let is_part = |whole: &str, part: &str| {
@@ -13,9 +13,9 @@ fn concerns(problem: &str, number: &str) -> bool {
 }
 
 impl NamedParameters {
-    /// A problem of a changed machine, under the names of the parameters that were set and from
-    /// which it follows: `ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: …`. `set` has
-    /// all numbers that were set, with their values.
+    /// A problem of a changed machine, under the names of the set parameters that cause it: `ratio
+    /// = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: …`. `set` holds all numbers that were
+    /// set, with their values.
     pub(crate) fn blame(&self, problem: Problem, set: &[(String, f64)]) -> Problem {
         if set.iter().any(|own| own.0 == problem.name) {
             return problem;
@@ -26,7 +26,7 @@ impl NamedParameters {
                 .any(|name| concerns(&problem.name, name) && self.sources_of(name).contains(&own.0.as_str()))
         };
         let mut causes: Vec<_> = set.iter().filter(is_source).collect();
-        // The machine was sound before the change.
+        // The machine was valid before the change.
         if causes.is_empty() && set.iter().all(|own| is_named(&own)) {
             causes = set.iter().collect();
         }

@@ -17,7 +17,7 @@ pub(crate) struct Expression {
 #[derive(Clone, Debug, PartialEq)]
 enum Term {
     Number(f64),
-    /// By place among the named parameters.
+    /// Index among the named parameters.
     Parameter(usize),
     Minus(Box<Term>),
     Of(Operator, Box<(Term, Term)>),
@@ -32,10 +32,10 @@ enum Operator {
 }
 
 impl Expression {
-    /// Parses the text after the `=`; `names` are those of the parameters.
+    /// Parses the text after the `=`; `names` are the names of the parameters.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A message about the first fault.
     pub fn parse<'t>(text: &'t str, names: impl Iterator<Item = &'t str> + Clone) -> Result<Self, String> {
         let text = text.trim();
         if text.len() > LONGEST {
@@ -49,31 +49,30 @@ impl Expression {
         }
     }
 
-    /// The value where the parameters have these values.
+    /// The value for given values of the parameters.
     ///
     /// # Errors
-    /// What is wrong, in words: a division by zero, or a value that is not finite.
+    /// A message about a division by zero or a value that is not finite.
     pub fn value(&self, parameters: &[f64]) -> Result<f64, String> {
         Ok(self.root.along(parameters, &|_| 0.0)?.0)
     }
 
-    /// The derivative where the parameters have these values and these derivatives; 0 where there
-    /// is no value.
+    /// The derivative for given values and derivatives of the parameters; 0 without a value.
     pub fn derivative(&self, parameters: &[f64], derivatives: &[f64]) -> f64 {
         self.root.along(parameters, &|place| derivatives[place]).map_or(0.0, |found| found.1)
     }
 
-    /// The power of length in its unit; `of` has those of the parameters.
+    /// Exponent of length in the unit; `of` holds the exponents of the parameters.
     pub fn length_power(&self, of: &[i32]) -> i32 {
         self.root.length_power(of)
     }
 
-    /// The straight line in one parameter that it is, if it is one; `of` has the parameters' lines.
+    /// The expression as a line in one parameter, if it is one; `of` holds the parameters' lines.
     pub(super) fn line(&self, of: &[Option<Line>]) -> Option<Line> {
         self.root.line(of)
     }
 
-    /// Adds the places of its parameters.
+    /// Adds the indices of its parameters.
     pub fn add_parameters(&self, to: &mut Vec<usize>) {
         self.root.add_parameters(to);
     }
@@ -113,7 +112,7 @@ impl Term {
                 match operator {
                     Operator::Times => x.saturating_add(y),
                     Operator::Over => x.saturating_sub(y),
-                    // Of a parameter and a number without a unit, the parameter's.
+                    // A parameter plus a number without a unit has the parameter's unit.
                     Operator::Plus | Operator::Minus => {
                         if x == 0 {
                             y
@@ -163,7 +162,7 @@ struct Parser<'t, N> {
     names: N,
 }
 
-/// A hint where a unit may have been meant.
+/// A hint if a unit may have been meant.
 fn no_unit(rest: &str) -> &'static str {
     let is_word = rest.starts_with(|c: char| c.is_alphabetic() || c == '°' || c == '%');
     if is_word { "; numbers in an expression are in SI, without a unit" } else { "" }

@@ -2,7 +2,7 @@
 
 use vibro_numerics::Range;
 
-/// `constant + slope · parameter`, with the parameter's place; a number without a place.
+/// `constant + slope · parameter`, with the index of the parameter; `None` for a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
     pub place: Option<usize>,

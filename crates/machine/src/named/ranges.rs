@@ -5,9 +5,9 @@ use super::{Expression, Named, NamedParameters};
 use vibro_numerics::Range;
 
 impl NamedParameters {
-    /// The range of each parameter that follows from the ranges of the numbers that are straight
-    /// lines in it alone, such as `= backlash / 2`. It contains the present value in spite of
-    /// rounding. A number of several parameters gives no range.
+    /// Range of each parameter, from the ranges of numbers that are straight lines in this
+    /// parameter alone, such as `= backlash / 2`. The range contains the present value in spite of
+    /// rounding. A number that depends on several parameters gives no range.
     pub(crate) fn ranges(&self, range_of: impl Fn(&str) -> Option<Range>) -> Vec<[f64; 2]> {
         let own = |(place, named): (usize, &Named)| {
             named.expression.is_none().then_some(Line { place: Some(place), slope: 1.0, constant: 0.0 })

@@ -8,7 +8,7 @@ use vibro_numerics::double_double::DoubleDouble;
 pub(super) struct Factor<'p>(SymmetricSparse<'p, DoubleDouble>);
 
 impl<'p> Factor<'p> {
-    /// The factors of a symmetric matrix; `None` where it is not positive definite.
+    /// The factors of a symmetric matrix; `None` if it is not positive definite.
     pub(super) fn new(a: SymmetricSparse<'p, DoubleDouble>) -> Option<Self> {
         let is_positive = |pivot: f64| pivot > 0.0 && pivot.is_finite();
         a.factor(|pivot, _| is_positive(pivot.value()).then_some(pivot)).map(Self)
@@ -19,7 +19,7 @@ impl<'p> Factor<'p> {
         self.0.solve(x);
     }
 
-    /// D^-½ L⁻¹ x, rounded, by steps of the elimination; the scalar product of two such vectors is
+    /// D^-½ L⁻¹ x, rounded, in the order of elimination; the scalar product of two such vectors is
     /// xᵀ A⁻¹ y.
     pub(super) fn half(&self, x: Vec<DoubleDouble>) -> Vec<f64> {
         let half = self.0.half(&x);

@@ -1,5 +1,5 @@
-//! Springs by points at rest. Where no line falls, the force is one line and forces between bounds,
-//! which keep the energy convex (docs/assembly-law.md (A25)).
+//! Springs with a piecewise linear force at rest. If no line falls, the force is one line plus
+//! forces between bounds, which keep the energy convex (docs/assembly-law.md (A25)).
 
 use super::{Holding, RestContact, RestSpring, direction};
 use crate::description::{Description, ForcePoint};
@@ -9,16 +9,16 @@ use crate::system::System;
 
 /// A spring whose force has several lines.
 pub(super) struct Lined<'a> {
-    /// Its place among the springs.
+    /// Index among the springs.
     pub spring: usize,
     pub points: &'a [ForcePoint],
     pub slopes: Vec<f64>,
-    /// Its elongation at q = 0.
+    /// Elongation at q = 0.
     pub e: f64,
 }
 
 impl<'a> Lined<'a> {
-    /// All of a machine with the augmented state `z` at q = 0.
+    /// All such springs of a machine with the augmented state `z` at q = 0.
     pub fn all(d: &'a Description, system: &System, z: &StateRow) -> Vec<Self> {
         let springs = d.springs.iter().enumerate().filter(|(_, spring)| spring.points.len() > 2);
         let lined = |(spring, own): (usize, &'a crate::description::Spring)| Self {
@@ -40,12 +40,12 @@ impl<'a> Lined<'a> {
         self.points[j].f + self.slopes[j] * (e - self.points[j].e)
     }
 
-    /// The line that acts at an elongation, the left one at a corner.
+    /// Index of the line that acts at an elongation; the left line at a corner.
     pub fn of(&self, e: f64) -> usize {
         self.points[1..self.points.len() - 1].iter().filter(|corner| e > corner.e).count()
     }
 
-    /// The elongations between which line `j` acts.
+    /// The range of elongations of line `j`.
     pub fn span(&self, j: usize) -> (f64, f64) {
         let below = if j == 0 { f64::NEG_INFINITY } else { self.points[j].e };
         let above = if j + 1 == self.slopes.len() { f64::INFINITY } else { self.points[j + 1].e };
@@ -54,7 +54,7 @@ impl<'a> Lined<'a> {
 }
 
 impl Holding {
-    /// Puts line `j` of a spring in the place of the first one.
+    /// Replaces the first line of a spring by a line of this stiffness, with this force at q = 0.
     pub(super) fn put_line(&mut self, system: &System, lined: &Lined, (stiffness, force): (f64, f64)) {
         let rows = &system.springs[lined.spring];
         let w = &rows.elongation.w;
@@ -67,7 +67,7 @@ impl Holding {
         }
     }
 
-    /// Puts a spring of which no line falls: its least slope, and what each line has more than it.
+    /// Adds a spring without falling lines: its least slope, and the excess slope of each line.
     pub(super) fn put_lines(&mut self, system: &System, lined: &Lined) {
         let least = lined.slopes.iter().copied().fold(f64::INFINITY, f64::min);
         let corner = lined.points[1];

@@ -1,5 +1,5 @@
-//! The equilibrium that is reached when all loads grow together from nothing, in a machine with a
-//! spring of which a line falls (docs/assembly-law.md, section 10).
+//! The equilibrium reached when all loads grow together from zero, in a machine with a spring
+//! whose characteristic has a falling line (docs/assembly-law.md, section 10).
 
 use super::lines::Lined;
 use super::{Holding, RestSpring, direction};
@@ -9,12 +9,12 @@ use crate::functional::StateRow;
 use crate::system::System;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Stiffness relative to the largest, and length or force relative to its terms, that counts as
-/// zero.
+/// Tolerance for zero: of a stiffness relative to the largest one, and of a length or a force
+/// relative to its terms.
 const ZERO: f64 = 1e-12;
-/// Most pieces of the way.
+/// Largest number of pieces of the load path.
 const PIECES: usize = 10_000;
-/// Most elements at a limit at once of which all sides are tried.
+/// Largest number of elements at a limit at once for which all sides are tried.
 const AT_ONCE: usize = 12;
 
 /// A stop at rest.
@@ -22,11 +22,11 @@ struct RestStop {
     column: DVector<f64>,
     /// e - gap at q = 0.
     excess: f64,
-    /// `None` of a rigid stop.
+    /// `None` for a rigid stop.
     stiffness: Option<f64>,
 }
 
-/// The way of the loads from nothing to all.
+/// The load path, from no load to all loads.
 pub(super) struct LoadPath<'a> {
     system: &'a System,
     lined: Vec<Lined<'a>>,
@@ -36,35 +36,35 @@ pub(super) struct LoadPath<'a> {
     force: DVector<f64>,
 }
 
-/// A point of the way. Coordinates are y = Lᵀ q with the inertia L Lᵀ.
+/// A point of the load path. Its coordinates are y = Lᵀ q, where the inertia is L Lᵀ.
 #[derive(Clone)]
 struct Point {
     load: f64,
     y: DVector<f64>,
-    /// By stop: the force of a rigid one that is closed.
+    /// For each stop: the force, if the stop is rigid and closed.
     lambda: Vec<f64>,
-    /// By lined spring: which line acts.
+    /// For each lined spring: index of the line that acts.
     lines: Vec<usize>,
-    /// By stop: whether it presses or is closed.
+    /// For each stop: whether it presses or is closed.
     bears: Vec<bool>,
 }
 
 /// An element at its limit.
 #[derive(Clone, Copy)]
 enum Limit {
-    /// A lined spring at the corner at the end of this line.
+    /// A lined spring (first index) at the corner at the end of a line (second index).
     Corner(usize, usize),
     Stop(usize),
 }
 
-/// How a point moves with the load.
+/// Derivative of a point by the load.
 struct Direction {
     y: DVector<f64>,
     lambda: Vec<f64>,
 }
 
 impl<'a> LoadPath<'a> {
-    /// Of a machine whose augmented state is `z` at q = 0; `None` without coordinates.
+    /// The path of a machine with augmented state `z` at q = 0; `None` without coordinates.
     pub fn new(d: &'a Description, system: &'a System, z: &StateRow, holding: &Holding) -> Option<Self> {
         let lined = Lined::all(d, system, z);
         if system.coordinates == 0 {
@@ -99,7 +99,7 @@ impl<'a> LoadPath<'a> {
         &self.system.springs[lined.spring].elongation.column
     }
 
-    /// Follows the way to its end, and returns the machine there with the lines that act, and its
+    /// Follows the path to its end. Returns the forces with the lines that act there, and the
     /// coordinates.
     pub fn follow(&self, d: &Description, mut holding: Holding) -> Result<(Holding, DVector<f64>), Error> {
         let mut at = Point {
@@ -127,8 +127,8 @@ impl<'a> LoadPath<'a> {
         Err(Error::GivesWay { spring, factor: at.load })
     }
 
-    /// Puts springs in the place of compliant stops that press, so that the stiffness is that of
-    /// the way's end.
+    /// Replaces compliant stops that press by springs, so that the stiffness is the stiffness at
+    /// the end of the path.
     fn press(&self, holding: &mut Holding, at: &Point) {
         let compliant = |own: &&super::RestContact| own.compliance > 0.0;
         holding.contacts.retain(|own| !compliant(&own));
@@ -143,14 +143,14 @@ impl<'a> LoadPath<'a> {
         }
     }
 
-    /// e of a lined spring, and the size of its terms.
+    /// Elongation of a lined spring, and the size of its terms.
     fn elongation(&self, own: &Lined, at: &Point) -> (f64, f64) {
         let column = self.column(own);
         (own.e + column.dot(&at.y), own.e.abs() + column.abs().dot(&at.y.abs()))
     }
 
-    /// How far a stop is beyond its limit, and the size of its terms. What a rigid one is beyond
-    /// its gap at the begin vanishes as the loads grow.
+    /// Excess of a stop beyond its limit, and the size of its terms. The initial excess of a rigid
+    /// stop vanishes as the loads grow.
     fn excess(&self, own: &RestStop, at: &Point) -> (f64, f64) {
         let begin = if own.stiffness.is_none() { (1.0 - at.load) * own.excess.max(0.0) } else { 0.0 };
         let size = own.excess.abs() + own.column.abs().dot(&at.y.abs());
@@ -176,8 +176,8 @@ impl<'a> LoadPath<'a> {
         limits
     }
 
-    /// The direction in which the loads lead, with the sides of the elements at their limits set;
-    /// `None` where the stiffness is positive on no side that they lead to.
+    /// Direction of the path after a consistent choice of sides for the elements at their limits;
+    /// `None` if no consistent choice has a positive stiffness.
     fn choose(&self, at: &mut Point, limits: &[Limit]) -> Option<Direction> {
         let limits = &limits[..limits.len().min(AT_ONCE)];
         (0..1usize << limits.len()).find_map(|sides| {
@@ -201,7 +201,7 @@ impl<'a> LoadPath<'a> {
         })
     }
 
-    /// Whether an element at its limit moves to the side on which it is taken to be.
+    /// Whether an element at its limit moves to its assumed side.
     fn leads(&self, at: &Point, direction: &Direction, limit: Limit) -> bool {
         let moved =
             |column: &DVector<f64>| (column.dot(&direction.y), ZERO * column.abs().dot(&direction.y.abs()));
@@ -223,8 +223,8 @@ impl<'a> LoadPath<'a> {
         if up { rate >= -zero } else { rate <= zero }
     }
 
-    /// How a point moves by the load while everything keeps its side; `None` where the stiffness of
-    /// what is free is not positive definite.
+    /// Derivative of a point by the load while every element keeps its side; `None` if the
+    /// stiffness of the free directions is not positive definite.
     fn direction(&self, at: &Point) -> Option<Direction> {
         let n = self.system.coordinates;
         let mut stiffness = DMatrix::zeros(n, n);
@@ -240,7 +240,7 @@ impl<'a> LoadPath<'a> {
         }
         let held = DMatrix::from_fn(n, closed.len(), |k, c| self.stops[closed[c]].column[k]);
         let begin = DVector::from_fn(closed.len(), |c, _| -self.stops[closed[c]].excess.max(0.0));
-        // y = held⁺ᵀ begin in the directions that are held; the rest by the stiffness.
+        // y = held⁺ᵀ begin in the held directions; the stiffness determines the rest.
         let largest = stiffness.amax().max(f64::MIN_POSITIVE);
         let inverse = match closed.len() {
             0 => held.transpose(),
@@ -275,7 +275,7 @@ impl<'a> LoadPath<'a> {
         all.all(|column| column.dot(along).abs() <= ZERO.sqrt() * column.norm())
     }
 
-    /// Moves a point to the next limit, or to the end of the way.
+    /// Moves a point to the next limit, or to the end of the path.
     fn advance(&self, at: &mut Point, direction: &Direction) {
         let mut length = 1.0 - at.load;
         let mut limit = |left: f64, rate: f64| {
@@ -304,8 +304,8 @@ impl<'a> LoadPath<'a> {
         at.lambda.iter_mut().zip(&direction.lambda).for_each(|(force, by)| *force += length * by);
     }
 
-    /// The spring with the most steeply falling line that acts or is met here, or else the first
-    /// with one.
+    /// The spring with the most steeply falling line among the lines that act or begin here;
+    /// otherwise the first spring with a falling line.
     fn gave_way(&self, at: &Point) -> usize {
         let limits = self.limits(at);
         let falls = |(i, own): (usize, &Lined)| {

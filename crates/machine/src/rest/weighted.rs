@@ -15,7 +15,7 @@ pub(super) struct Weighted<'p> {
 }
 
 impl Holding {
-    /// The coordinates that a spring or the inertia couples.
+    /// Pattern of the coordinates that a spring or the inertia couples.
     pub(super) fn pattern(&self, mass: &RowMatrix) -> Pattern {
         let n = self.force.len();
         let by_mass = (0..n).flat_map(|i| mass.entries(i).iter().map(move |entry| (i, entry.0)));
@@ -26,7 +26,7 @@ impl Holding {
         Pattern::of(n, by_mass.chain(self.springs.iter().flat_map(|s| of(&s.w))))
     }
 
-    /// The stiffness with a proximal weight, factored; `None` where it is not positive.
+    /// The factored stiffness with a proximal weight; `None` if it is not positive definite.
     pub(super) fn weighted<'p>(
         &self,
         weight: f64,

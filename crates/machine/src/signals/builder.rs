@@ -8,8 +8,8 @@ use crate::description::{Interpolation, Signal};
 use crate::functional::Functional;
 use crate::kernel::Sparse;
 
-/// How signals become coordinates. A motion shares what it can; derivatives by a frequency or by
-/// the rate of a prescribed body need coordinates of their own.
+/// How signals become coordinates. A motion shares coordinates where it can; derivatives by a
+/// frequency or by the rate of a prescribed body need separate coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Whether each harmonic has a cosine and a sine of its own, even where frequencies are equal.
@@ -101,7 +101,7 @@ impl Builder {
         let steps = (!signal.steps.is_empty()).then(|| Pieces::of_steps(&signal.steps, repeat));
         let table = signal.table.as_ref().map(|record| Pieces::of_record(record, record.factor(), repeat));
         let holds = signal.table.as_ref().is_some_and(|t| t.interpolation == Interpolation::Hold);
-        // A repeated staircase has a piece from each turn on, which may change nothing.
+        // A repeated staircase begins a piece at each turn, even if its value does not change.
         let knots = steps.iter().map(|steps| steps.changes(repeat.is_none()));
         for knots in knots.chain(table.iter().map(|table| table.changes(!holds))) {
             match repeat {

@@ -6,7 +6,7 @@ use vibro_numerics::double_double::DoubleDouble;
 /// Value and derivatives of orders 1 to 5.
 pub(super) type Long = [f64; 6];
 
-/// What is integrated: a sum of parts.
+/// A function to be integrated: a sum of parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Integrand {
     pub constant: f64,
@@ -31,12 +31,12 @@ impl Integrand {
         self.table.as_ref().map_or(0.0, |table| table.before[0]) + steps + self.constant
     }
 
-    /// The impulses at a time.
+    /// Sum of the impulses at a time.
     fn kick(&self, time: f64) -> f64 {
         self.kicks.iter().filter(|kick| kick.0 == time).map(|kick| kick.1).sum()
     }
 
-    /// Times at which pieces begin, time 0 among them.
+    /// Start times of pieces, including time 0.
     fn times(&self) -> Vec<f64> {
         let table = self.table.iter().flat_map(|table| &table.knots.times);
         let steps = self.steps.iter().flat_map(|steps| &steps.knots.times);
@@ -48,7 +48,7 @@ impl Integrand {
     }
 }
 
-/// The first and the second integral, of which an integral of order one has the second alone.
+/// First and second integral; an integral of order 1 uses `place` only.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     rate: DoubleDouble,
@@ -56,8 +56,8 @@ struct Sums {
 }
 
 impl Sums {
-    /// What a polynomial adds over a time `h` to the integrals of order 1 and 2, where the first is
-    /// zero at its begin.
+    /// Contribution of a polynomial over a time `h` to its first and second integral, if both are
+    /// zero at its start.
     fn over(d: &[f64; 4], h: DoubleDouble) -> Self {
         let t = h.value();
         let once = DoubleDouble::new(d[0]).plus(t * (d[1] / 2.0 + t * (d[2] / 6.0 + t * d[3] / 24.0)));
@@ -75,7 +75,7 @@ impl Sums {
         }
     }
 
-    /// Takes back what [`add`](Self::add) did.
+    /// Reverses [`add`](Self::add).
     fn take(&mut self, order: usize, other: Self, h: DoubleDouble) {
         if order == 1 {
             self.place = self.place.minus(other.rate);
@@ -93,7 +93,7 @@ impl Sums {
         }
     }
 
-    /// Value and derivatives of the integral, from those of the function.
+    /// Value and derivatives of the integral, from value and derivatives `d` of the function.
     fn with(self, order: usize, d: [f64; 4]) -> Long {
         let [a, b, c, e] = d;
         match order {
@@ -103,12 +103,12 @@ impl Sums {
     }
 }
 
-/// The integral of order 1 or 2 of a function, zero with its rate at time 0.
+/// Integral of order 1 or 2 of a function. The integral and its rate are zero at time 0.
 #[derive(Clone, Debug)]
 pub(super) struct Integral {
     order: usize,
     pieces: Pieces<6>,
-    /// What a period adds.
+    /// Increase over one period.
     gain: Sums,
 }
 
@@ -160,7 +160,7 @@ impl Integral {
             if self.order == 1 {
                 start[0] = once.plus(start[0]).value();
             } else {
-                // The rate of k turns, and the way of k turns with the rates of those before each.
+                // Rate after k turns, and displacement with the rates of all earlier turns.
                 let rate = self.gain.rate.times(turns);
                 let pairs = DoubleDouble::new(turn * (turn - 1.0) / 2.0);
                 let grown = self.gain.rate.times(DoubleDouble::new(period)).times(pairs);

@@ -1,11 +1,11 @@
-//! The phase of a sine sweep, its derivatives and those by the sweep's numbers
+//! The phase of a sine sweep, and its derivatives by time and by the sweep's parameters
 //! (docs/assembly-law.md (A48)).
 
 use crate::description::{Sweep, SweepLaw};
 use std::f64::consts::TAU;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Number of derivatives that are found, value included.
+/// Number of derivatives computed, including the value.
 pub(super) const ORDER: usize = 6;
 
 /// Value and derivatives.
@@ -14,7 +14,7 @@ pub(super) type Jet = [f64; ORDER];
 /// Sine and cosine of the phase, and their derivatives.
 pub(super) type Wave = [(f64, f64); ORDER];
 
-/// Which part of a sweep: at its ends the second derivative of the phase jumps.
+/// Position of a time relative to a sweep; at its ends the second derivative of the phase jumps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     Before,
@@ -26,11 +26,11 @@ pub(super) enum Side {
 #[derive(Clone, Debug)]
 pub(super) struct Phase {
     sweep: Sweep,
-    /// ln(to/from) of a logarithmic sweep whose frequency changes.
+    /// ln(to/from), for a logarithmic sweep with different frequencies.
     log: Option<DoubleDouble>,
 }
 
-/// Binomial coefficients up to that of order 12.
+/// Binomial coefficients up to order 12.
 const BINOMIAL: [[f64; 13]; 13] = {
     let (mut all, mut n) = ([[0.0; 13]; 13], 0);
     while n < 13 {
@@ -44,7 +44,7 @@ const BINOMIAL: [[f64; 13]; 13] = {
     all
 };
 
-/// A binomial coefficient, of n up to 12.
+/// The binomial coefficient n over k, for n up to 12.
 pub(super) fn binomial(n: usize, k: usize) -> f64 {
     BINOMIAL[n][k]
 }
@@ -58,7 +58,7 @@ fn over(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
     first.plus(second).plus(last)
 }
 
-/// exp(x) - 1, to some 30 digits, for |x| up to some hundreds: the series of a small part, doubled.
+/// exp(x) - 1, to some 30 digits, for |x| up to some hundreds: series for x/2ᵏ, then doublings.
 fn exp_minus_one(x: DoubleDouble) -> DoubleDouble {
     let doublings = (x.value().abs().max(1e-300).log2().ceil() as i32 + 6).max(0);
     let scale = (-f64::from(doublings)).exp2();
@@ -74,12 +74,12 @@ fn exp_minus_one(x: DoubleDouble) -> DoubleDouble {
     sum
 }
 
-/// ln(a/b) to some 30 digits: Newton's step from the logarithm of doubles.
+/// ln(a/b) to some 30 digits: one Newton step from the logarithm in double precision.
 fn log_of_ratio(a: f64, b: f64) -> DoubleDouble {
     let ratio = over(DoubleDouble::new(a), DoubleDouble::new(b));
     let first = DoubleDouble::new((a / b).ln());
     let off = ratio.times(exp_minus_one(DoubleDouble::default().minus(first)).plus(1.0)).plus(-1.0);
-    // ln(1 + off) where off is a rounding.
+    // ln(1 + off), where `off` is of the order of a rounding error.
     first + off.minus(off.times(off).times(DoubleDouble::new(0.5)))
 }
 
@@ -118,7 +118,7 @@ impl Phase {
         }
     }
 
-    /// Derivatives of the phase of orders 1 to 5, at order 0 nothing.
+    /// Derivatives of the phase of orders 1 to 5; entry 0 is zero.
     fn rates(&self, time: f64, side: Side) -> Jet {
         let Sweep { from, to, duration, .. } = self.sweep;
         let mut rates = [0.0; ORDER];
@@ -165,7 +165,7 @@ impl Phase {
             Some(log) => log.value().abs() * h / duration,
             None => TAU * (to - from).abs() / duration * h * h,
         };
-        // growthᵏ of logarithmic sweeps.
+        // growthᵏ, for logarithmic sweeps.
         let mut powers = [1.0; TWELVE];
         (1..TWELVE).for_each(|k| powers[k] = powers[k - 1] * growth);
         let mut bounds = [1.0; TWELVE + 1];
@@ -179,8 +179,8 @@ impl Phase {
         bounds[TWELVE]
     }
 
-    /// The derivative of the phase by the sweep's numbers in a direction, and its derivatives by
-    /// time.
+    /// The derivative of the phase in a direction of the sweep's parameters, with its derivatives
+    /// by time.
     pub fn along(&self, time: f64, side: Side, by: &Sweep) -> Jet {
         let Sweep { from, to, duration, .. } = self.sweep;
         let mut jet = [0.0; ORDER];
@@ -219,9 +219,9 @@ impl Phase {
     }
 }
 
-/// (x exp(ax) - (exp(ax) - 1)/a)/a, which is x²/2 where a vanishes.
+/// (x exp(ax) - (exp(ax) - 1)/a)/a; its limit for a = 0 is x²/2.
 fn bend_of_growth(a: f64, x: f64) -> f64 {
-    /// Below it the series of ten terms is exact.
+    /// Largest |ax| for which the series of ten terms is exact.
     const SMALL: f64 = 0.05;
     if (a * x).abs() > SMALL {
         return (x * (a * x).exp() - (a * x).exp_m1() / a) / a;

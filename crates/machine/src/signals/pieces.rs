@@ -1,13 +1,13 @@
-//! Functions of time in pieces: records and staircases, once or over and over.
+//! Piecewise functions of time: records and staircases, single or repeated.
 
 use super::shifted;
 use crate::description::{Interpolation, Record, Step};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// A knot of a repeated function: whole periods before it, and its place in the period.
+/// A knot of a repeated function: number of whole periods before it, and index in the period.
 pub(super) type Place = (f64, usize);
 
-/// Times in order, in each period where there is one. Knot i of turn k is at k·period + tᵢ, rounded
+/// Sorted times, in each period if they repeat. Knot i of turn k is at k·period + tᵢ, rounded
 /// once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Knots {
@@ -42,8 +42,8 @@ impl Knots {
         })
     }
 
-    /// The place of the last knot up to a time of knots that do not repeat. Records have knots at
-    /// equal intervals: the place that these say is looked at first.
+    /// Index of the last knot up to a time, for knots that do not repeat. The index for equally
+    /// spaced knots, as most records have them, is tried first.
     fn last_of_once(&self, time: f64) -> Option<usize> {
         let (first, last) = (*self.times.first()?, *self.times.last()?);
         let guess = ((time - first) / (last - first) * (self.times.len() - 1) as f64) as usize;
@@ -83,22 +83,22 @@ impl Knots {
     }
 }
 
-/// A function that is a polynomial from each knot to the next: value and derivatives at its begin.
+/// A function that is a polynomial from each knot to the next, by its value and derivatives there.
 #[derive(Clone, Debug)]
 pub(super) struct Pieces<const D: usize> {
     pub knots: Knots,
     pub starts: Vec<[f64; D]>,
-    /// Before the first knot.
+    /// Value and derivatives before the first knot.
     pub before: [f64; D],
 }
 
 impl<const D: usize> Pieces<D> {
-    /// The piece in which a time lies, and the time since its begin; `None` before the first.
+    /// The piece that contains a time, and the time since its start; `None` before the first.
     #[inline]
     pub fn piece(&self, time: DoubleDouble) -> Option<(Place, f64)> {
         let place = self.knots.last(time.value())?;
         let since = match self.knots.repeat {
-            // Where the knot's time is rounded the piece still begins at its exact time.
+            // The piece begins at the exact time of its knot, not at the rounded time.
             Some(_) => time.minus(self.knots.at(place)).value(),
             None => time.value() - self.knots.times[place.1],
         };
@@ -107,7 +107,7 @@ impl<const D: usize> Pieces<D> {
 }
 
 impl Pieces<4> {
-    /// A record, whose period is `repeat`.
+    /// The pieces of a record with period `repeat`.
     pub fn of_record(record: &Record, scale: f64, repeat: Option<f64>) -> Self {
         let mut knots: Vec<(f64, f64)> = record.knots.iter().map(|&(t, y)| (t, scale * y)).collect();
         if let Some(period) = repeat {
@@ -127,7 +127,7 @@ impl Pieces<4> {
     pub fn at(&self, time: DoubleDouble) -> [f64; 4] {
         match self.piece(time) {
             None => self.before,
-            // Behind the last knot it is constant.
+            // Constant after the last knot.
             Some(((_, last), _)) if self.knots.repeat.is_none() && last + 1 == self.starts.len() => {
                 self.starts[last]
             }
@@ -136,7 +136,7 @@ impl Pieces<4> {
     }
 }
 
-/// Puts the last knot of a period at its begin, if it is at its end.
+/// Moves a knot at the end of the period to time 0, unless there is a knot at time 0.
 fn close(knots: &mut Vec<(f64, f64)>, period: f64) {
     if let Some(&(last, value)) = knots.last()
         && last == period
@@ -148,8 +148,8 @@ fn close(knots: &mut Vec<(f64, f64)>, period: f64) {
     }
 }
 
-/// Slopes at the knots. In a period those at its ends are as others, with their neighbours across
-/// the turn.
+/// Slopes at the knots. At the ends of a period, the neighbouring knots are taken from the
+/// adjacent periods.
 fn slopes(knots: &[(f64, f64)], repeat: Option<f64>) -> Vec<f64> {
     let Some(period) = repeat else { return vibro_numerics::monotone::monotone_slopes(knots) };
     let (first, last) = (knots[0], knots[knots.len() - 1]);
@@ -159,7 +159,7 @@ fn slopes(knots: &[(f64, f64)], repeat: Option<f64>) -> Vec<f64> {
     vibro_numerics::monotone::monotone_slopes(&all)[1..=knots.len()].to_vec()
 }
 
-/// Value and derivatives at the begin of each piece, straight or by slopes at the knots.
+/// Value and derivatives at the start of each piece: linear, or cubic with given slopes.
 fn between(knots: &[(f64, f64)], slopes: Option<Vec<f64>>, repeat: Option<f64>) -> Vec<[f64; 4]> {
     let last = knots[knots.len() - 1];
     let piece = |i: usize| {
@@ -176,8 +176,8 @@ fn between(knots: &[(f64, f64)], slopes: Option<Vec<f64>>, repeat: Option<f64>) 
 }
 
 impl Pieces<1> {
-    /// Steps, added up in their order. In a period they begin anew at each turn, from those at time
-    /// 0 on.
+    /// Sums of steps in their order. In a period the sum restarts at each turn, with the steps at
+    /// time 0.
     pub fn of_steps(steps: &[Step], repeat: Option<f64>) -> Self {
         let mut times: Vec<f64> = steps.iter().map(|step| step.time).collect();
         let mut heights: Vec<f64> = steps.iter().map(|step| step.height).collect();
@@ -201,8 +201,8 @@ impl Pieces<1> {
 }
 
 impl<const D: usize> Pieces<D> {
-    /// The knots at which something changes: of a function that is constant in between those at
-    /// which it jumps; `all`, where each knot counts that begins no such piece by itself.
+    /// The knots at which the function changes: every knot if `all`, otherwise only knots with a
+    /// jump (for functions that are constant in between).
     pub fn changes(&self, all: bool) -> Knots {
         let count = self.starts.len();
         let jumps = |i: &usize| {

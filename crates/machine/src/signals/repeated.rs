@@ -1,5 +1,5 @@
-//! Knots of repeated signals, each by the number of knots of its signal before it: a number that
-//! tells it from others however the times of knots move.
+//! Knots of repeated signals, each identified by the number of earlier knots of its signal. The
+//! number stays the same when the times of knots move.
 
 use super::Signals;
 use super::pieces::Knots;
@@ -18,9 +18,9 @@ pub struct Repeated {
 /// A knot of one of the [`Repeated`] signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RepeatedKnot {
-    /// Place among the repeated signals.
+    /// Index among the repeated signals.
     pub of: usize,
-    /// Knots of the signal before it, from the period on that begins at time 0.
+    /// Number of earlier knots of the signal, counted from time 0.
     pub number: i64,
 }
 

@@ -1,22 +1,21 @@
-//! Sine sweeps. No finite linear system has one as its solution, so that it is followed by
-//! polynomials over short cells of time, found when they are needed (docs/assembly-law.md (A48)).
+//! Sine sweeps. No finite linear system has a sweep as its solution: polynomials over short cells
+//! of time follow it, computed when they are needed (docs/assembly-law.md (A48)).
 
 use super::phase::{Jet, ORDER, Phase, Side, Wave, binomial};
 use crate::description::Sweep;
 use std::f64::consts::TAU;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Number of coefficients of a polynomial: twice as many as derivatives that it has in common with
-/// the sweep at either end of its cell.
+/// Number of coefficients of a polynomial, which has [`ORDER`] derivatives in common with the
+/// sweep at each end of its cell.
 const COEFFICIENTS: usize = 2 * ORDER;
-/// Most orders of integration.
+/// Largest order of integration.
 const INTEGRALS: usize = 2;
 /// Largest error of a polynomial, relative to the amplitude.
 const ERROR: f64 = 5e-13;
-/// Part of a turn that a cell of a constant frequency has: 0.79 rad, with an error of 3e-14.
+/// Fraction of a turn in a cell of constant frequency: 0.79 rad, with an error of 3e-14.
 const TURN: f64 = 0.125;
-/// Most times that a sweep's duration is halved: its cells are then a billionth of it, over and
-/// over.
+/// Largest number of halvings of a sweep's duration; the cells are then 1e-15 of it.
 const HALVINGS: i32 = 50;
 
 /// Number of coordinates of a sweep that is integrated `order` times.
@@ -24,19 +23,19 @@ pub(super) const fn count(order: usize) -> usize {
     COEFFICIENTS + order
 }
 
-/// A sweep, or how it varies in a direction of its numbers.
+/// A sweep, or its derivative in a direction of its parameters.
 #[derive(Clone, Debug)]
 pub(super) struct SweepPiece {
-    /// Place of its value in the augmented state.
+    /// Index of its value in the augmented state.
     pub first: usize,
-    /// How often it is integrated.
+    /// Order of integration.
     pub order: usize,
-    /// The largest angular frequency, rad/s: derivatives are divided by its powers.
+    /// Largest angular frequency, rad/s; derivatives are divided by its powers.
     pub scale: f64,
     sweep: Sweep,
     phase: Phase,
     along: Option<Sweep>,
-    /// Of an integral: the begin of each cell of the sweep and its end, with the first and the
+    /// For an integrated sweep: start of each cell and end of the sweep, with the first and the
     /// second integral there.
     sums: Vec<(f64, [DoubleDouble; 2])>,
 }
@@ -45,7 +44,7 @@ pub(super) struct SweepPiece {
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     begin: DoubleDouble,
-    /// `None` for what stays constant.
+    /// `None` if the value stays constant.
     end: Option<DoubleDouble>,
     side: Side,
 }
@@ -56,23 +55,23 @@ impl SweepPiece {
         Self { first: 0, order, scale, sweep: *sweep, phase, along: None, sums: Vec::new() }.summed()
     }
 
-    /// The derivative along a direction of the sweep's numbers.
+    /// The derivative in a direction of the sweep's parameters.
     pub fn along(&self, by: &Sweep) -> Self {
         Self { along: Some(*by), sums: Vec::new(), ..self.clone() }.summed()
     }
 
-    /// The time from which on its frequency stays, s.
+    /// End of the sweep, s; the frequency is constant afterwards.
     pub fn end(&self) -> f64 {
         self.sweep.duration
     }
 
-    /// The end of the cell in which a time lies; `None` where the sweep stays constant.
+    /// End of the cell that contains a time; `None` if the sweep stays constant.
     pub fn next(&self, time: f64) -> Option<DoubleDouble> {
         self.cell(time).end
     }
 
-    /// The cell of a time: of the sweep a half of a half … of its duration in which the polynomial
-    /// is exact enough; before and behind it one of equal parts of a turn.
+    /// The cell that contains a time. During the sweep it is the duration halved until the
+    /// polynomial is exact enough; before and after the sweep it is a fixed fraction of a turn.
     fn cell(&self, time: f64) -> Cell {
         let duration = self.sweep.duration;
         if time < 0.0 {
@@ -81,8 +80,8 @@ impl SweepPiece {
         if time >= duration {
             return self.even_cell(time, (duration, self.sweep.to), Side::After);
         }
-        // The longer a cell, the larger the error: the longest that is exact enough is found from a
-        // guess of a radian.
+        // The error grows with the length of the cell. The search for the longest cell that is
+        // exact enough begins at one radian.
         let turns = TAU * self.phase.frequency(time) * duration;
         let mut halvings = turns.max(1.0).log2().round() as i32;
         while halvings > 0 && self.is_exact(halvings - 1, time) {
@@ -95,7 +94,7 @@ impl SweepPiece {
         Cell { begin, end: Some(end), side: Side::Within }
     }
 
-    /// The part in which a time lies where the duration is halved so often.
+    /// The part that contains a time, if the duration is halved `halvings` times.
     fn part(&self, halvings: i32, time: f64) -> [DoubleDouble; 2] {
         let (duration, parts) = (self.sweep.duration, f64::from(halvings).exp2());
         let at = |index: f64| {
@@ -112,14 +111,14 @@ impl SweepPiece {
         [at(index), at(index + 1.0)]
     }
 
-    /// Whether the polynomial of the part in which a time lies is exact enough.
+    /// Whether the polynomial of the part that contains a time is exact enough.
     fn is_exact(&self, halvings: i32, time: f64) -> bool {
         let frequencies = self.part(halvings, time).map(|end| self.phase.frequency(end.value()));
         let length = self.sweep.duration * (-f64::from(halvings)).exp2();
         remainder(self.phase.bound(frequencies[0].max(frequencies[1]), length)) <= ERROR
     }
 
-    /// The cell of a time at which the frequency is constant, counted from a time.
+    /// The cell that contains a time of constant frequency; cells are counted from `from`.
     fn even_cell(&self, time: f64, (from, frequency): (f64, f64), side: Side) -> Cell {
         if frequency == 0.0 {
             let end = (side == Side::Before).then(DoubleDouble::default);
@@ -146,7 +145,7 @@ impl SweepPiece {
         }
     }
 
-    /// The derivative of the values along a direction: a' sin φ + a cos φ ψ, with that of the
+    /// Derivative of the values in a direction: a' sin φ + a cos φ ψ, with ψ the derivative of the
     /// phase.
     fn varied(&self, wave: &Wave, phase: &Jet, by: &Sweep) -> Jet {
         std::array::from_fn(|n| {
@@ -155,8 +154,8 @@ impl SweepPiece {
         })
     }
 
-    /// The polynomial of a cell by its coefficients in the part of the cell's length, and the
-    /// length; without an end in the time.
+    /// Coefficients of a cell's polynomial in the fraction of the cell, and the cell's length.
+    /// Without an end, coefficients in time and length 1.
     fn polynomial(&self, cell: Cell) -> ([f64; COEFFICIENTS], f64) {
         let begin = self.jet(cell.begin, cell.side);
         let Some(end) = cell.end.filter(|_| cell.side != Side::Before || self.sweep.from > 0.0) else {
@@ -168,7 +167,7 @@ impl SweepPiece {
         (hermite(&taylor(&begin, h), &taylor(&self.jet(end, cell.side), h)), h)
     }
 
-    /// Finds the integrals at the cells of the sweep.
+    /// Computes the integrals at the cells of the sweep.
     fn summed(mut self) -> Self {
         let (mut sums, mut time) = ([DoubleDouble::default(); 2], 0.0);
         while self.order > 0 && time < self.sweep.duration {
@@ -189,7 +188,7 @@ impl SweepPiece {
         self
     }
 
-    /// The first and the second integral at the begin of a cell.
+    /// First and second integral at the start of a cell.
     fn integrals(&self, cell: Cell) -> [f64; 2] {
         let time = cell.begin.value();
         if cell.side == Side::Within {
@@ -205,8 +204,8 @@ impl SweepPiece {
         [sums[0].plus(once).value(), (sums[1] + sums[0].times(DoubleDouble::new(t))).plus(twice).value()]
     }
 
-    /// The integrals over a time `t` from a time on at a constant frequency: of (a + b τ) sin φ and
-    /// of cos φ likewise, with φ = θ + ω τ.
+    /// First and second integral over a time `t` from `from` on at a constant frequency. The terms
+    /// are (a + b τ) sin φ and (a + b τ) cos φ, with φ = θ + ω τ.
     fn even_integrals(&self, from: f64, cell: Cell, t: f64) -> [f64; 2] {
         let wave = |time: DoubleDouble| self.phase.wave(time, cell.side)[0];
         let [start, end] = [wave(DoubleDouble::new(from)), wave(cell.begin)];
@@ -215,7 +214,7 @@ impl SweepPiece {
             if frequency == 0.0 {
                 return [s * t * (a + 0.5 * b * t), s * t * t * (0.5 * a + b * t / 6.0)];
             }
-            // Antiderivatives of (a + b τ) sin φ, where the sine's derivative is the cosine.
+            // Antiderivatives of (a + b τ) s(φ), where c is the derivative of s.
             let omega = TAU * frequency;
             let once = |x: f64, s: f64, c: f64| (b * s / omega - x * c) / omega;
             let twice = |x: f64, s: f64, c: f64| -(x * s + 2.0 * b * c / omega) / (omega * omega);
@@ -225,7 +224,7 @@ impl SweepPiece {
         let Some(by) = &self.along else { return parts(self.sweep.amplitude, 0.0, [start, end]) };
         let phase = self.phase.along(from, cell.side, by);
         let a = self.sweep.amplitude;
-        // A cosine is the sine of an angle that is a quarter of a turn larger.
+        // A cosine is the sine of an angle that is larger by a quarter turn.
         let turned = [start, end].map(|(s, c)| (c, -s));
         let (sines, cosines) =
             (parts(by.amplitude, 0.0, [start, end]), parts(a * phase[0], a * phase[1], turned));
@@ -238,7 +237,7 @@ impl SweepPiece {
         let cell = self.cell(time.value());
         let (c, h) = self.polynomial(cell);
         let u = time.minus(cell.begin).value() / h;
-        // Derivatives of the polynomial and its integrals, by powers of its part u.
+        // Derivatives of the polynomial, whose coefficients are in the fraction u of the cell.
         let own = &mut d[self.order..];
         for (k, own) in own.iter_mut().enumerate().take(COEFFICIENTS) {
             let falling = |j: usize| (j - k + 1..=j).map(|i| i as f64).product::<f64>();
@@ -274,20 +273,20 @@ impl SweepPiece {
         }
     }
 
-    /// The places of its coordinates.
+    /// Range of its coordinates in the augmented state.
     pub fn places(&self) -> std::ops::Range<usize> {
         self.first..self.first + count(self.order)
     }
 }
 
-/// The error of the polynomial of a cell relative to the amplitude, where the derivative of order
-/// 12 times h¹² is bounded: that of Hermite's interpolation, |f⁽¹²⁾| h¹²/(12! 4⁶).
+/// Error of a cell's polynomial relative to the amplitude, given a bound of the derivative of
+/// order 12 times h¹²: error of Hermite interpolation, |f⁽¹²⁾| h¹²/(12! 4⁶).
 fn remainder(bound: f64) -> f64 {
     const FACTOR: f64 = 479_001_600.0 * 4096.0;
     bound / FACTOR
 }
 
-/// Taylor coefficients in the part of a length h.
+/// Taylor coefficients in the fraction of a length h.
 fn taylor(jet: &Jet, h: f64) -> Jet {
     let mut factor = 1.0;
     let mut c = *jet;
@@ -300,8 +299,8 @@ fn taylor(jet: &Jet, h: f64) -> Jet {
 
 /// The polynomial of degree 11 that has the Taylor coefficients of a function at 0 and at 1.
 fn hermite(begin: &Jet, end: &Jet) -> [f64; COEFFICIENTS] {
-    // p = Σ cₖ uᵏ + u⁶ q, where u⁶ q has the coefficients r at 1: with v = u - 1 is
-    // q = (1 + v)⁻⁶ Σ rₖ vᵏ up to v⁵.
+    // p = Σ cₖ uᵏ + u⁶ q, where u⁶ q has the Taylor coefficients r at u = 1. With v = u - 1, q is
+    // (1 + v)⁻⁶ Σ rₖ vᵏ up to v⁵.
     let rest: Jet = std::array::from_fn(|k| {
         let own: f64 = (k..ORDER).map(|j| binomial(j, k) * begin[j]).sum();
         end[k] - own

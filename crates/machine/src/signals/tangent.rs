@@ -9,13 +9,13 @@ use nalgebra::DVector;
 use std::f64::consts::TAU;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// The derivative of the signals by one parameter: that of each signal's row, of the coordinates at
-/// a fixed time, and of the times of knots.
+/// The derivative of the signals by one parameter: of each signal's row, of the coordinates at a
+/// fixed time, and of the times of knots.
 #[derive(Clone, Debug, Default)]
 pub struct SignalTangent {
-    /// By signal: the derivative of its row.
+    /// Derivative of each signal's row.
     pub rows: Vec<DVector<f64>>,
-    /// Place of a cosine, and the derivative of its angular frequency.
+    /// Index of each cosine that varies, with the derivative of its angular frequency.
     frequencies: Vec<(usize, f64)>,
     pieces: Vec<PieceTangent>,
     sweeps: Vec<SweepPiece>,
@@ -30,9 +30,9 @@ struct PieceTangent {
     steps: Option<Pieces<1>>,
     table: Option<Pieces<4>>,
     integral: Option<Integral>,
-    /// What is added from a time on: a place and a rate.
+    /// Start time of an added part, with the value and rate that it adds.
     carried: (f64, [f64; 2]),
-    /// Times of steps that vary, with the steps.
+    /// Times of the steps in `later`.
     knots: Knots,
     later: Vec<StepTime>,
 }
@@ -40,17 +40,17 @@ struct PieceTangent {
 /// A step whose time varies.
 #[derive(Clone, Copy, Debug)]
 pub struct StepTime {
-    /// Place of the coordinate that it changes.
+    /// Index of the coordinate that the step changes.
     pub place: usize,
-    /// By how much.
+    /// Height of the step.
     pub height: f64,
-    /// Derivative of its time.
+    /// Derivative of the step's time.
     pub later: f64,
 }
 
 impl Signals {
-    /// The derivative of `signals`, which these coordinates were laid out for, along `along`:
-    /// signals of the same parts, whose numbers are derivatives.
+    /// The derivative of `signals`, for which these coordinates were laid out. `along` is the
+    /// direction: signals with the same parts, whose numbers are derivatives.
     pub(crate) fn tangent(&self, signals: &[Course], along: &[Course]) -> SignalTangent {
         let mut tangent = SignalTangent::default();
         for (parts, (of, along)) in self.parts.iter().zip(signals.iter().zip(along)) {
@@ -66,7 +66,7 @@ impl Signals {
                 let varies = [by.amplitude, by.from, by.to, by.duration, by.phase].iter().any(|x| *x != 0.0);
                 tangent.sweeps.extend(varies.then(|| self.sweeps[i].along(by)));
             }
-            // An integral may go on from a place that its other parts would move.
+            // The piece may have to cancel changes of the integral's other parts (`go_on`).
             let is_moved = of.order > 0 && (row.amax() > 0.0 || tangent.sweeps.len() > sweeps);
             tangent.pieces.extend(piece.filter(|piece| is_moved || piece.is_needed()));
             tangent.rows.push(row);
@@ -74,7 +74,7 @@ impl Signals {
         tangent
     }
 
-    /// The derivative of a signal's row, and that of what its harmonics let grow with time.
+    /// Derivative of a signal's row, and of the rate at which its harmonics grow with time.
     fn row_tangent(&self, parts: &Parts, course: &Course, along: &Course) -> (DVector<f64>, f64) {
         let (mut row, mut growth) = (DVector::zeros(self.size), 0.0);
         row[self.one] = if course.order == 0 { along.signal.constant } else { along.s };
@@ -89,8 +89,8 @@ impl Signals {
         (row, growth)
     }
 
-    /// By coordinate of the augmented state its place in one with the signals of `other`, which has
-    /// the same parts in another layout; `None` for a coordinate that is zero there.
+    /// For each coordinate of the augmented state, its index in the augmented state of `other`,
+    /// which has the same parts in another layout; `None` for a coordinate that is zero there.
     pub(crate) fn places_in(&self, other: &Self) -> Vec<Option<usize>> {
         let mut places: Vec<Option<usize>> =
             (0..self.size).map(|j| Some(j).filter(|&j| j <= self.one)).collect();
@@ -114,8 +114,8 @@ impl Signals {
     }
 }
 
-/// The derivative of a [`harmonic`]'s integral: of its amplitudes, of what is constant and of what
-/// grows.
+/// Derivative of the integral of a [`harmonic`]: of its amplitudes, its constant part and its
+/// growing part.
 fn harmonic_by(h: &Harmonic, by: &Harmonic, order: usize) -> [f64; 4] {
     let (sine, cosine) = h.phase.sin_cos();
     let first = by.amplitude * sine + h.amplitude * cosine * by.phase;
@@ -123,7 +123,7 @@ fn harmonic_by(h: &Harmonic, by: &Harmonic, order: usize) -> [f64; 4] {
     if order == 0 {
         return [first, second, 0.0, 0.0];
     }
-    // By amplitude and phase at the same frequency, then by the powers of 1/ω.
+    // First by amplitude and phase at fixed frequency, then by frequency in powers of 1/ω.
     let turned = Harmonic { amplitude: first.hypot(second), phase: first.atan2(second), ..*h };
     let (by_size, whole) = (harmonic(&turned, order), harmonic(h, order));
     let powers = [order as f64, order as f64, order as f64, 1.0];
@@ -131,7 +131,7 @@ fn harmonic_by(h: &Harmonic, by: &Harmonic, order: usize) -> [f64; 4] {
     std::array::from_fn(|k| by_size[k] - powers[k] * relative * whole[k])
 }
 
-/// The derivative of a record by the factor of its values, in the direction `along`.
+/// Derivative of a record by its scale factor, in the direction `along`.
 fn record_by(record: Option<&Record>, along: Option<&Record>, repeat: Option<f64>) -> Option<Pieces<4>> {
     let factor = along.and_then(|along| along.scale).filter(|factor| *factor != 0.0)?;
     record.map(|record| Pieces::of_record(record, factor, repeat))
@@ -166,7 +166,7 @@ impl PieceTangent {
             later,
         };
         if order > 0 {
-            // A step that comes later by δt takes its height times δt from the first integral.
+            // Delaying a step by δt reduces the first integral by the step's height times δt.
             let kicks: Vec<_> = moved.iter().map(|(step, by)| (step.time, -step.height * by.time)).collect();
             let (steps, table) = (own.steps.take(), own.table.take());
             if by.constant != 0.0 || steps.is_some() || table.is_some() || !kicks.is_empty() {
@@ -213,27 +213,26 @@ impl SignalTangent {
         self.sweeps.iter().for_each(|sweep| sweep.fill(DoubleDouble::new(time), to));
     }
 
-    /// Lets the integral whose coordinates begin at `first` go on from where it is at a time,
-    /// however its numbers vary: takes a derivative of its place and, of order two, of its rate
-    /// back.
+    /// Makes the integral whose coordinates begin at `first` continue from its value at a time,
+    /// however the parameters vary. Subtracts a derivative of its value and, for order 2, of its
+    /// rate.
     pub(crate) fn go_on(&mut self, first: usize, time: f64, [place, rate]: [f64; 2]) {
         for piece in self.pieces.iter_mut().filter(|piece| piece.first == first) {
             piece.carried = (time, [-place, -rate]);
         }
     }
 
-    /// Whether the coordinates vary.
+    /// Whether the coordinates depend on the parameter.
     pub fn varies(&self) -> bool {
         !self.frequencies.is_empty() || self.varies_pieces()
     }
 
-    /// Whether steps, records, rates or sweeps vary.
+    /// Whether steps, records, rates or sweeps depend on the parameter.
     pub fn varies_pieces(&self) -> bool {
         !(self.pieces.is_empty() && self.sweeps.is_empty())
     }
 
-    /// The part of the derivative of the row of a signal's time derivative that comes from
-    /// frequencies.
+    /// Contribution of the frequencies to the derivative of the row of a signal's time derivative.
     pub fn turned(&self, row: &DVector<f64>) -> DVector<f64> {
         let mut rate = DVector::zeros(row.len());
         for &(cosine, omega) in &self.frequencies {
@@ -243,18 +242,18 @@ impl SignalTangent {
         rate
     }
 
-    /// The derivative of the signals' rows in z' = A z: by place, its one entry with its place.
+    /// Derivatives of the signals' rows in z' = A z: row, and column and value of its one entry.
     pub fn rates(&self) -> impl Iterator<Item = (usize, (usize, f64))> {
         let both = |&(c, omega): &(usize, f64)| [(c, (c + 1, -omega)), (c + 1, (c, omega))];
         self.frequencies.iter().flat_map(both)
     }
 
-    /// The first step at `time` whose time varies, if there is one.
+    /// The first step at `time` whose time depends on the parameter.
     pub fn later(&self, time: f64) -> Option<StepTime> {
         self.all_later(time).next()
     }
 
-    /// The steps at `time` whose times vary: several where they follow from one parameter.
+    /// All steps at `time` whose times depend on the parameter.
     pub fn all_later(&self, time: f64) -> impl Iterator<Item = StepTime> {
         self.pieces.iter().filter_map(move |piece| {
             let (turn, place) = piece.knots.last(time)?;

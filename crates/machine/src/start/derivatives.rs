@@ -8,12 +8,12 @@ use crate::refusal::{Problem, Refusal, advice};
 use std::sync::Arc;
 
 impl Start {
-    /// What names of parameters and of the start's own numbers, `start.box.s` and `start.time`, are
-    /// in a motion from this start. From another start than the machine's own the state is fixed:
-    /// no parameter moves it, and `body.box.start.s` is `start.box.s`.
+    /// Columns for names of parameters and of the start's own numbers, such as `start.box.s` and
+    /// `start.time`. If this start is not the machine's own, its state is fixed: no parameter
+    /// changes it, and `body.box.start.s` means `start.box.s`.
     ///
     /// # Errors
-    /// A [`Refusal`] for an unknown name, with the nearest one.
+    /// A [`Refusal`] for an unknown name, with the nearest known name.
     pub fn columns(&self, assembly: &Assembly, names: &[&str]) -> Result<Vec<By>, Refusal> {
         names.iter().map(|name| self.column(assembly, name)).collect()
     }
@@ -38,8 +38,8 @@ impl Start {
         Ok(own.and_then(|own| place(&own)).map_or(By::Parameter(name), By::Start))
     }
 
-    /// The motion from this start with its derivatives by [`columns`](Self::columns), and with the
-    /// events at the start reported to `observer`.
+    /// The motion from this start with its derivatives by [`columns`](Self::columns). Events at
+    /// the start are reported to `observer`.
     ///
     /// # Errors
     /// As [`motion`](Self::motion) and [`columns`](Self::columns).
@@ -53,7 +53,7 @@ impl Start {
         self.differentiated_by(assembly, &columns, observer)
     }
 
-    /// As [`differentiated`](Self::differentiated), by columns.
+    /// As [`differentiated`](Self::differentiated), with columns instead of names.
     ///
     /// # Errors
     /// As [`differentiated`](Self::differentiated).
@@ -72,9 +72,9 @@ impl Start {
         begun.map_err(|error| in_words(&assembly, self.time, error))
     }
 
-    /// The motion from this start with its derivatives by the state there: a column for each
-    /// coordinate of the machine, then for each rate. Their
-    /// [`state_derivative`](Differentiated::state_derivative)s are the transition matrix.
+    /// The motion from this start with its derivatives by the numbers of [`state`](Self::state),
+    /// one column each. The [`state_derivative`](Differentiated::state_derivative)s of the columns
+    /// form the transition matrix.
     ///
     /// # Errors
     /// As [`motion`](Self::motion).

@@ -1,16 +1,16 @@
-//! Fixed-point numbers of 384 bits, of which 256 are behind the point: 77 decimal digits.
+//! Fixed-point numbers of 384 bits, 256 of them after the point: 77 decimal digits.
 
 use vibro_numerics::double_double::DoubleDouble;
 
 const LIMBS: usize = 6;
-/// Limbs behind the point.
+/// Limbs after the point.
 const BEHIND: usize = 4;
 
-/// A number below 2^128 in size; sums are exact, products and quotients are cut at 2^-256.
+/// A number below 2^128 in size. Sums are exact; products and quotients are truncated at 2^-256.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wide {
     is_negative: bool,
-    /// The size, its lowest limb first.
+    /// The size, lowest limb first.
     size: [u64; LIMBS],
 }
 
@@ -94,7 +94,7 @@ impl Wide {
 
 #[test]
 fn closed_form_wide_numbers() {
-    // exp(1) exp(-1) = 1, by series of doubles' products and quotients.
+    // exp(1) exp(-1) = 1, by series with products and quotients by doubles.
     let series = |x: f64| {
         let (mut term, mut sum) = (Wide::new(1.0), Wide::new(1.0));
         for k in 1..70 {
