@@ -2,7 +2,7 @@
 //! friction, freewheels, links and loads.
 //!
 //! A [`Description`] is read from a file ([`crate::file`]) or built by a program;
-//! [`crate::Assembly`] is a checked description. Elements refer to bodies by their place in
+//! [`crate::Assembly`] is a checked description. Elements refer to bodies by their index in
 //! [`Description::bodies`].
 
 mod block;
@@ -354,7 +354,7 @@ pub struct Signal {
     pub harmonics: Vec<Harmonic>,
     /// Sine sweeps.
     pub sweeps: Vec<Sweep>,
-    /// Jumps at rising times.
+    /// Jumps at increasing times.
     pub steps: Vec<Step>,
     /// A tabulated function.
     pub table: Option<Record>,
@@ -448,7 +448,7 @@ pub struct Step {
 /// A tabulated function of time, constant before its first and after its last knot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// Time (s) and value of each knot: two or more, at rising times.
+    /// Time (s) and value of each knot: two or more, at increasing times.
     pub knots: Vec<(f64, f64)>,
     /// Factor of the values, in the signal's unit; the values are then dimensionless.
     pub scale: Option<f64>,
@@ -475,7 +475,7 @@ pub enum Interpolation {
     Straight,
     /// A monotone cubic.
     Cubic,
-    /// The value of the knot before, until the next one's time.
+    /// The value of the previous knot, until the next knot's time.
     Hold,
 }
 

@@ -383,10 +383,10 @@ impl FlowTable {
         w.slope.terms().iter().map(|&(i, x)| x * self.a.row_times(i, z)).sum()
     }
 
-    /// Writes the sizes of the terms that a time adds to the velocities and first-order states: Σ
-    /// |A| |z| times this time, capped at one sub-step, without the terms that contacts keep at
-    /// zero. `sizes` are those of the coordinates. A velocity under balanced forces has a rounding
-    /// error of this size. `all` is scratch memory.
+    /// Writes the sizes of the terms that a time adds to velocities and first-order states, Σ |A|
+    /// |z| times this time (at most a sub-step), without the terms that contacts keep at zero.
+    /// `sizes` are the coordinates' sizes. A velocity under balanced forces has a rounding error
+    /// of this size. `all` is scratch memory.
     #[inline(always)]
     pub fn flight_sizes(&self, sizes: &[f64], time: f64, all: &mut Vec<f64>, to: &mut [f64]) {
         let time = time.min(self.length);

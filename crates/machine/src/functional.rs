@@ -70,7 +70,7 @@ impl Functional {
         self.terms.dot(z)
     }
 
-    /// The product with a vector, equal to the bit to the product of the dense row.
+    /// The product with a vector; it has the same bits as the product of the dense row.
     #[inline]
     pub fn dot<S: Storage<f64, Dyn, U1>>(&self, z: &Vector<f64, Dyn, S>) -> f64 {
         self.terms.sum_in_lanes(z.len(), |j| z[j])

@@ -1,6 +1,6 @@
-//! Modes: the states of all stops, frictions and sliders. A mode determines a linear system z' = A
-//! z and the functionals that end it (docs/assembly-law.md (A5)). States are plain data; the rows
-//! for each state are in [`System`](crate::system::System).
+//! Modes: the states of all stops, frictions and sliders. A mode determines the linear system z' =
+//! A z and the functionals that end it (docs/assembly-law.md (A5)). States are plain data; the
+//! rows for each state are in [`System`](crate::system::System).
 
 mod states;
 mod watch;

@@ -3,7 +3,7 @@
 
 use crate::kernel::SparseMatrix;
 
-/// Lower bound of rates, 1/s, to keep sub-steps finite. Slower motion takes minutes.
+/// Lower bound of rates, 1/s, which keeps sub-steps finite. Slower motion takes minutes.
 pub(crate) const LEAST_RATE: f64 = 1e-3;
 /// Number of iterations to balance rows and columns. Each comes nearer to the least norm; any
 /// number gives a bound.
@@ -32,9 +32,9 @@ pub(crate) fn swept(a: &SparseMatrix, one: usize) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A bound of the norm of A with its weights: the maximum norm weighted by w, max_i Σ_j |a_ij| w_j
-/// / w_i. The weights of the machine's coordinates balance rows and columns; the weights of
-/// signals are so small that signals add at most a quarter.
+/// A bound of the norm of A with its weights: the maximum norm max_i Σ_j |a_ij| w_j / w_i,
+/// weighted by w. The weights of the machine's coordinates balance rows and columns; the weights
+/// of signals are so small that signals add at most a quarter.
 fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
     let size = a.len();
     let mut w = vec![1.0f64; size];
@@ -48,7 +48,8 @@ fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
             if row > 0.0 && column > 0.0 {
                 w[i] = (row / column).sqrt().clamp(1e-100, 1e100);
             } else if row > 0.0 {
-                // Nothing depends on the coordinate: its row may have the least rate.
+                // Nothing depends on the coordinate: its weight may reduce its row to the least
+                // rate.
                 w[i] = w[i].max(row / LEAST_RATE);
             }
         }

@@ -47,7 +47,7 @@ struct SignalPiece {
 struct SignalIntegral {
     order: usize,
     parts: Integral,
-    /// Index among the inputs of the contribution of earlier inputs and changes of the machine.
+    /// Index, among the inputs, of the part left by earlier inputs and changes of the machine.
     carried: usize,
 }
 

@@ -1,7 +1,7 @@
 //! Factors L D Lᵀ of sparse symmetric matrices, with an elimination order that keeps them sparse.
 //!
-//! The signs of D are the signs of the eigenvalues (Sylvester's law of inertia). The factors of K
-//! - λM therefore count the eigenvalues below λ.
+//! The signs of D are the signs of the eigenvalues (Sylvester's law of inertia). Therefore the
+//! factors of K - λM count the eigenvalues below λ.
 
 use std::collections::BTreeSet;
 

@@ -87,14 +87,14 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
-    /// Stops, followed by the corners of springs whose force has several lines, the limits of
-    /// outputs, and the freewheels.
+    /// Stops, followed by further levels of stepped stiffnesses and corners of springs, by limits
+    /// of outputs, and by freewheels.
     pub stops: Vec<StopRows>,
-    /// Index of the first corner in `stops`.
+    /// Index in `stops` of the first further level or corner.
     pub(crate) first_corner: usize,
-    /// Index of the first limit of an output in `stops`.
+    /// Index in `stops` of the first limit of an output.
     pub(crate) first_limit: usize,
-    /// Index of the first freewheel in `stops`.
+    /// Index in `stops` of the first freewheel.
     pub(crate) first_freewheel: usize,
     /// Stored energy of all lines at e = 0, which is subtracted from the stored energy.
     pub(crate) stored_at_zero: f64,

@@ -323,7 +323,8 @@ impl Powers {
         }
     }
 
-    /// First coordinate on which any power depends: the first velocity if none depends on a place.
+    /// First coordinate on which any power depends: the first velocity, unless one depends on
+    /// places.
     pub fn first(&self, coordinates: usize) -> usize {
         if self.needs_places { 0 } else { coordinates }
     }

@@ -142,7 +142,7 @@ pub struct Ahead {
     pub series: Series,
     /// Length of the span, s.
     pub span: f64,
-    /// For each watched functional.
+    /// Head of each watched functional.
     heads: Vec<HeadAhead>,
     /// For each coordinate, the sum of the sizes of its terms of order 2 and above.
     behind: Vec<f64>,
@@ -209,7 +209,7 @@ impl Ahead {
         }
     }
 
-    /// The watched functional at a place.
+    /// The head of the watched functional with index `place`.
     #[inline(always)]
     pub fn head(&self, place: usize) -> HeadAhead {
         self.heads[place]

@@ -13,9 +13,9 @@ fn concerns(problem: &str, number: &str) -> bool {
 }
 
 impl NamedParameters {
-    /// A problem of a changed machine, under the names of the set parameters that cause it: `ratio
-    /// = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: …`. `set` holds all numbers that were
-    /// set, with their values.
+    /// A problem of a changed machine, under the names of the set parameters that cause it, as
+    /// `ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: …`. `set` holds all numbers
+    /// that were set, with their values.
     pub(crate) fn blame(&self, problem: Problem, set: &[(String, f64)]) -> Problem {
         if set.iter().any(|own| own.0 == problem.name) {
             return problem;

@@ -136,7 +136,7 @@ impl Pieces<4> {
     }
 }
 
-/// Moves a knot at the end of the period to time 0, unless there is a knot at time 0.
+/// Moves a knot at the end of the period to time 0; drops it if time 0 has a knot.
 fn close(knots: &mut Vec<(f64, f64)>, period: f64) {
     if let Some(&(last, value)) = knots.last()
         && last == period

@@ -70,8 +70,8 @@ impl SweepPiece {
         self.cell(time).end
     }
 
-    /// The cell that contains a time. During the sweep it is the duration halved until the
-    /// polynomial is exact enough; before and after the sweep it is a fixed fraction of a turn.
+    /// The cell that contains a time. During the sweep, the duration is halved until the
+    /// polynomial is exact enough; before and after, the cell is a fixed fraction of a turn.
     fn cell(&self, time: f64) -> Cell {
         let duration = self.sweep.duration;
         if time < 0.0 {
@@ -118,7 +118,7 @@ impl SweepPiece {
         remainder(self.phase.bound(frequencies[0].max(frequencies[1]), length)) <= ERROR
     }
 
-    /// The cell that contains a time of constant frequency; cells are counted from `from`.
+    /// The cell that contains a time with constant frequency; cells are counted from `from`.
     fn even_cell(&self, time: f64, (from, frequency): (f64, f64), side: Side) -> Cell {
         if frequency == 0.0 {
             let end = (side == Side::Before).then(DoubleDouble::default);
