@@ -91,7 +91,7 @@ pub struct FlowTable {
     ladder: Ladder<Rung>,
     /// Watched functionals.
     pub watched: Vec<Arc<WatchTable>>,
-    /// The forces of the basis.
+    /// Contact forces of the basis, as rows.
     pub lambda: Vec<Sparse>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,

@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 pub type StateRow = DVector<f64>;
 
 /// A row on the augmented state, or a direction of the coordinates, by its nonzero terms. The
-/// dense row, to which it dereferences, is made at the first such use: a machine of thousands of
-/// bodies has no room for a dense row of each element.
+/// dense row, to which it dereferences, is made on first use: a machine of thousands of bodies has
+/// no room for a dense row of each element.
 #[derive(Clone, Debug)]
 pub struct Functional {
     length: usize,

@@ -36,7 +36,7 @@ fn gyroscopic(system: &System) -> impl Iterator<Item = Terms> {
     system.gyroscopic_forces().map(move |(_, force)| Sparse::of(force.rows(n, n).as_slice()).terms().to_vec())
 }
 
-/// The parts of the rows that blocks read for coordinates, or for velocities, from `first` on.
+/// Rows that blocks read, restricted to the coordinates or velocities that begin at `first`.
 fn read(system: &System, first: usize) -> impl Iterator<Item = Terms> {
     let inputs = system.blocks.iter().flat_map(|block| &block.inputs);
     inputs.map(move |input| Sparse::of(input.row.rows(first, system.coordinates).as_slice()).terms().to_vec())

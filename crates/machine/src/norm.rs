@@ -48,8 +48,7 @@ fn weighted(a: &SparseMatrix, one: usize) -> (f64, Vec<f64>) {
             if row > 0.0 && column > 0.0 {
                 w[i] = (row / column).sqrt().clamp(1e-100, 1e100);
             } else if row > 0.0 {
-                // Nothing depends on the coordinate: its weight may reduce its row to the least
-                // rate.
+                // Nothing depends on the coordinate: a larger weight lowers the sum of its row.
                 w[i] = w[i].max(row / LEAST_RATE);
             }
         }

@@ -155,7 +155,7 @@ impl Description {
     /// Replaces the value of a parameter, in SI.
     ///
     /// # Errors
-    /// As [`with`](Self::with); the machine then stays unchanged.
+    /// As [`with`](Self::with); the machine is then unchanged.
     pub fn replace(&mut self, name: &str, value: f64) -> Result<(), Refusal> {
         *self = self.with([(name, value)])?;
         Ok(())

@@ -100,8 +100,8 @@ impl Description {
     }
 
     /// States of a block with their names, such as `pid.x[0]`. A sampled block also has the output
-    /// that acts, `pid.u.held`, and delayed outputs, `pid.u.next[0]`. With `rates` each state is
-    /// followed by its rate.
+    /// that acts, `pid.u.held`, and delayed outputs, `pid.u.next[0]`. If `rates` is true, each
+    /// state is followed by its rate.
     pub fn quantities_of_block(&self, block: usize, rates: bool) -> Vec<NamedQuantity> {
         let elements: Vec<Element> = self.elements().collect();
         let element = elements.len() - self.blocks.len() + block;

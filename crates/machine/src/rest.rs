@@ -50,7 +50,7 @@ struct Holding {
     sizes: DVector<f64>,
 }
 
-/// Coordinates that a force acts on, with their arms.
+/// Coordinates on which a force acts, with their arms.
 type Direction = Vec<(usize, f64)>;
 
 struct RestSpring {

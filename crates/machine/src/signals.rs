@@ -56,7 +56,7 @@ struct SignalIntegral {
 pub struct Course<'a> {
     /// The signal.
     pub signal: &'a Signal,
-    /// 0 for the signal itself, 1 or 2 for its integrals from time 0 on.
+    /// 0 for the signal itself, 1 or 2 for its first or second integral from time 0.
     pub order: usize,
     /// Constant of integration; used for orders 1 and 2 only.
     pub s: f64,

@@ -8,7 +8,7 @@ use crate::refusal::Problem;
 /// Largest number of coordinates of all bodies with many coordinates.
 pub(crate) const MOST_COORDINATES: usize = 500;
 
-/// Problems of lengths and indices; the file reader can cause only too large a count.
+/// Problems of lengths and indices; in a file only the count can be wrong.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let inner = machine.bodies.iter().filter(|body| body.is_inner()).count();
     if inner > MOST_COORDINATES {

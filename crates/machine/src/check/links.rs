@@ -4,8 +4,8 @@ use crate::description::{BodyKind, Description};
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
 
-/// Relative size below which a link's row counts as zero after elimination of the earlier links;
-/// an elimination of 10,000 links leaves less rounding error.
+/// Relative tolerance for zero in a link's row after elimination of the earlier links; an
+/// elimination of 10,000 links leaves less rounding error.
 const NOTHING: f64 = 1e-11;
 
 /// Problems of the links; requires numbers within their ranges.

@@ -27,9 +27,9 @@ impl WorkIntegral {
         }
     }
 
-    /// The integral over twice the rung's length. With L = QR, L z · M z equals R z · QᵀM z, which
-    /// has as many rows as coordinates; a square is |R z|². Orthogonal factors preserve small
-    /// differences of rows, such as a dashpot's rate.
+    /// The integral over twice the rung's length. The factors L = QR turn L z · M z into R z · QᵀM
+    /// z, with one row for each coordinate, and a square into |R z|². Orthogonal factors preserve
+    /// small differences of rows, such as a dashpot's rate.
     pub(super) fn doubled(&self, rung: &Rung) -> Self {
         let both = |rows: &DMatrix<f64>| {
             let (count, later) = (rows.nrows(), rung.after(rows));

@@ -323,8 +323,7 @@ impl Powers {
         }
     }
 
-    /// First coordinate on which any power depends: the first velocity, unless one depends on
-    /// places.
+    /// First index on which any power depends: 0, or the first velocity.
     pub fn first(&self, coordinates: usize) -> usize {
         if self.needs_places { 0 } else { coordinates }
     }

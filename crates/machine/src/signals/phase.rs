@@ -142,7 +142,7 @@ impl Phase {
         let angle = TAU * self.turns(time, side).fraction().value() + self.sweep.phase;
         let rates = self.rates(time.value(), side);
         let mut wave = [angle.sin_cos(); ORDER];
-        // With F = exp(iφ): F' = iφ' F.
+        // F = exp(iφ) satisfies F' = iφ' F.
         for n in 0..ORDER - 1 {
             let (mut sine, mut cosine) = (0.0, 0.0);
             for k in 0..=n {
@@ -221,7 +221,7 @@ impl Phase {
 
 /// (x exp(ax) - (exp(ax) - 1)/a)/a; its limit for a = 0 is x²/2.
 fn bend_of_growth(a: f64, x: f64) -> f64 {
-    /// Largest |ax| for which the series of ten terms is exact.
+    /// The series of ten terms is exact up to this |ax|.
     const SMALL: f64 = 0.05;
     if (a * x).abs() > SMALL {
         return (x * (a * x).exp() - (a * x).exp_m1() / a) / a;
