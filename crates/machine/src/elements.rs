@@ -1,7 +1,7 @@
 //! All elements of a machine in one list, and all its signals in another.
 //!
-//! Columns, FMU variables, checks and sketches find here what all elements have in common (name,
-//! section of the file, elongation, quantities, signals), so that they name no kind of element.
+//! Columns, FMU variables, checks and sketches do not depend on kinds of elements. They find here
+//! what all elements have in common: name, section of the file, elongation, quantities, signals.
 //! `CONTRIBUTING.md` lists what a new kind requires.
 
 mod inputs;

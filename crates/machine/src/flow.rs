@@ -383,8 +383,8 @@ impl FlowTable {
         w.slope.terms().iter().map(|&(i, x)| x * self.a.row_times(i, z)).sum()
     }
 
-    /// Writes the sizes of the terms that a time adds to velocities and first-order states, Σ |A|
-    /// |z| times this time (at most a sub-step), without the terms that contacts keep at zero.
+    /// Writes the sizes of the terms that a time adds to velocities and first-order states: Σ |A|
+    /// |z| times this time, at most a sub-step. Terms that contacts keep at zero are left out.
     /// `sizes` are the coordinates' sizes. A velocity under balanced forces has a rounding error
     /// of this size. `all` is scratch memory.
     #[inline(always)]

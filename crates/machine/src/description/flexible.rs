@@ -3,8 +3,8 @@
 use super::{Arms, Body, BodyKind, Description, Dimension};
 use std::f64::consts::TAU;
 
-/// A body in modal coordinates: mode i has the stiffness m (2π f)² and the damping 2 ζ m 2π f, and
-/// its modal mass m is the inertia of body `first` + i (docs/assembly-law.md (A50)).
+/// A body in modal coordinates. Mode i has the stiffness m (2π f)² and the damping 2 ζ m 2π f. Its
+/// modal mass m is the inertia of body `first` + i (docs/assembly-law.md (A50)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modal {
     /// Its name, unique among the elements.
