@@ -124,7 +124,7 @@ impl Accounts {
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
 /// ½ k max(0, e - gap)² over compliant stops and corners of springs, ½ b²/k over springs in
-/// series, and the potential energy of weight. Corners count minus their energy at e = 0.
+/// series, and the potential energy of weight. For corners it counts from e = 0.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {
