@@ -40,7 +40,6 @@ struct Place {
     quote: Option<char>,
     /// Closing characters of the open brackets, innermost last.
     open: Vec<char>,
-    /// Whether the text ends in a comment.
     is_comment: bool,
 }
 
