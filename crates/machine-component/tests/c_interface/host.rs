@@ -137,7 +137,7 @@ impl<'a> Instance<'a> {
         unsafe { fmi3SetFloat64(self.c, &self.reference(name), 1, &value, 1) }
     }
 
-    /// Makes a step; returns if an event is pending, whether it ended early, and its end time.
+    /// Makes a step. Returns whether an event is pending, whether it ended early, its end time.
     pub fn step(&self, point: f64, size: f64) -> (bool, bool, f64) {
         let (mut event, mut end, mut early, mut time) = (0, 0, 0, 0.0);
         let status =
