@@ -59,7 +59,7 @@ pub struct Gradient {
     motion: Motion,
     mode: Arc<VariedMode>,
     modes: Modes,
-    /// Derivative of the initial state of each column.
+    /// Derivative of the initial state by each column.
     starts: Vec<Result<DVector<f64>, Lost>>,
     steps: Vec<Step>,
     /// Index of the step of each event; `None` for an event at the start.

@@ -87,8 +87,8 @@ impl Impulse {
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
-    /// By impact: the stops that touch and are [`tight`](Self::tight). `sizes` defines what counts
-    /// as zero. Empty if fewer than two stops touch.
+    /// Returns the touching stops of each impact that are [`tight`](Self::tight). `sizes` defines
+    /// what counts as zero. Empty if fewer than two stops touch.
     pub(super) fn all_tight(system: &System, all: &[Self], sizes: &DVector<f64>) -> Vec<Vec<usize>> {
         let Some(first) = all.first() else { return Vec::new() };
         let touches = |&stop: &usize| {

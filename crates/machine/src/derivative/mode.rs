@@ -45,7 +45,7 @@ pub(super) struct VariedMode {
     pub shared: Vec<Contact>,
     /// Derivative of the mode, by column.
     pub by: Vec<InMode>,
-    /// Contributions of all columns to their rates.
+    /// Entries of A that vary, with their derivatives by all columns.
     pub sources: Sources,
     /// Flights over 2^k parts of `length`, made on first use.
     pub flights: Ladder<Rung>,

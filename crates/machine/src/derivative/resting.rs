@@ -9,9 +9,9 @@ impl Machine {
     /// Refuses a rate that a column gives to contacts at rest, unless they come to rest again at
     /// once, on both sides.
     ///
-    /// This is so if forces λ hold all coupled contacts, with 0 < λ for stops and |λ| < F for
-    /// frictions.
-    /// their size, by impulses of the contacts alone (A38), and the derivative is the projection.
+    /// This is so if forces λ hold all coupled contacts, with 0 < λ for stops and |λ| < F (the
+    /// slip level) for frictions. The rates vanish within a time of their size, by impulses of the
+    /// contacts alone (A38), and the derivative is the projection.
     pub fn returns(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
         let contacts: Vec<Contact> = at.mode.mode.contacts().collect();
         let point = self.point(column, at);

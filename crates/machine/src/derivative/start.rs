@@ -140,8 +140,8 @@ impl Start<'_> {
         is_moved.then(|| stretch.signum())
     }
 
-    /// Whether a slider is held at its level: a start that varies its force moves it on one side
-    /// only. In a start at rest the slider has come to its level from zero, which does not count.
+    /// Whether a slider is held at its level, so that a varied force moves it on one side only. In
+    /// a start at rest the slider has come to its level from zero, which does not count.
     fn is_at_level(&self, (watch, row): &(Watch, Functional)) -> bool {
         let rests = self.given == Given::Machine && self.machine.assembly.description.starts_at_rest;
         match *watch {

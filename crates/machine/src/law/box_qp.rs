@@ -5,8 +5,8 @@
 //! inertia M = L Lᵀ, so that G = AᵀA. Find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
 //! residual r = b - Gλ is the remaining relative acceleration (or velocity). It is zero if λ_i
 //! lies inside its bounds, not positive at the lower bound and not negative at the upper one. The
-//! minimum exists unless the value is unbounded below. r is unique even if λ is not.
-//! is not.
+//! minimum exists unless the value is unbounded below along a direction. r is unique, even if λ is
+//! not.
 
 use nalgebra::{DMatrix, DVector};
 

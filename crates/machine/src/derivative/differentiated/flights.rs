@@ -95,7 +95,7 @@ impl Differentiated {
             let scale = scales.column(p).sup(&delta.abs());
             *place = machine.keep(p, &mut delta, &scale, &at).err();
             if place.is_none() && is_still {
-                // The changed motion leaves zero.
+                // A column that varies these functions leads out of the mode.
                 let still: Vec<_> = throughout(mode, motion).collect();
                 *place = machine.check(Varied { p, delta: &delta, scale: &scale }, &at, &still).err();
             }
