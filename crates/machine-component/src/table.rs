@@ -376,7 +376,7 @@ pub(crate) fn is_start(name: &str) -> bool {
 /// Whether a parameter may be set after the motion has begun. Excluded are start values, lever
 /// arms (on which the choice of coordinates depends), periods, and the course of sweeps. A
 /// frequency is excluded if its phase, which must change with it, follows from a named parameter.
-/// A named parameter is tunable if all numbers that follow from it are.
+/// A named parameter is tunable if all numbers that follow from it are, and none is a frequency.
 fn is_tunable(machine: &Description, name: &str) -> bool {
     let is_swept = |name: &str| {
         name.contains(".sweep") && [".from", ".to", ".duration"].iter().any(|end| name.ends_with(end))

@@ -57,7 +57,7 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// Returns the number of indicators of the first `count` stops and corners.
+/// Returns the number of indicators of all stops and corners, `count` in total.
 fn stops_before(machine: &Description, count: usize) -> usize {
     let compliant = |stop: &&Stop| matches!(stop.law, StopLaw::Compliant { .. });
     count + machine.stops.iter().filter(compliant).count()

@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-14;
 /// Number of neighbouring contacts over which rounding propagates.
 const NEIGHBOURS: usize = 2;
 
-/// The quadratic program of the contacts. Bounds may be infinite; both are for an equality.
+/// The quadratic program of the contacts. Bounds may be infinite; for an equality both are.
 #[derive(Clone, Debug)]
 pub struct BoxProblem {
     /// Columns L⁻¹ w_i, one for each contact.

@@ -205,7 +205,7 @@ impl Motion {
         }
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
-                // A freewheel's rate is compared with zero elsewhere.
+                // A freewheel's rate decides on its own, unless it counts as zero.
                 let near = !stop.is_freewheel
                     && stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
                 let is_closed = hybrid.mode.stops.get(i) == Some(&StopState::Closed);

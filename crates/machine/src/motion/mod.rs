@@ -215,8 +215,8 @@ impl Motion {
     /// Starts the motion from a state: the machine's coordinates, m or rad, then their rates, then
     /// the states of first order. [`System::bodies_of`](crate::system::System::bodies_of) lists
     /// the bodies. The law finds which stops are closed and which friction sticks. Signals have
-    /// their values at `time`, s. Samples of blocks at this time count as done, unless the states
-    /// of all blocks equal the machine's initial state.
+    /// their values at `time`, s. Samples of blocks at this time count as done, unless all
+    /// blocks are in the machine's initial state: then they are still due.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite and for a state of another length;

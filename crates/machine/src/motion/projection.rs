@@ -7,7 +7,7 @@ use crate::mode::{Contact, SliderState};
 use crate::system::{Elongation, System};
 
 /// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e.
-/// Beyond it, e returns to its value when the contact began to hold. The value of e itself may
+/// Beyond it, e returns to the value at which the contact began to hold. The value of e itself may
 /// have one such rounding.
 const DRIFT: f64 = 2.0;
 

@@ -180,7 +180,7 @@ impl System {
         }
     }
 
-    /// Sets the force of each branch whose slider an event has moved to its level.
+    /// Sets the force of a branch to its level if an event has moved the branch's slider.
     pub(crate) fn keep_moved(&self, [before, after]: [&[f64]; 2], variation: &mut [f64]) {
         for i in 0..self.branches.len() {
             if let Some(direction) = self.was_moved(i, before, after) {
@@ -206,7 +206,7 @@ impl System {
     }
 
     /// Reduces the stretch of each branch whose force exceeds its level until the force is at its
-    /// level. Returns the distance of each inner place.
+    /// level. Returns the distances that inner places move.
     pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
         let way = |branch: &BranchRows, z: &mut [f64]| {
             let SeriesLaw::Slider { slip } = branch.law else { return 0.0 };

@@ -63,8 +63,8 @@ impl System {
         all.chain(own.is_none().then_some(i))
     }
 
-    /// The energy, J, that steps of stiffnesses add when levels change from a mode's to an
-    /// augmented state's.
+    /// The energy, J, that steps of stiffnesses add on the way from the levels of a mode to the
+    /// levels of an augmented state.
     pub(crate) fn switched(&self, stops: &[StopState], z: &DVector<f64>) -> f64 {
         let change = |(stop, state): (&StopRows, &StopState)| match (*state == StopState::Off, stop.is_off(z))
         {

@@ -42,7 +42,7 @@ enum When {
     Always,
     Stop(usize, StopState),
     Friction(usize, FrictionState),
-    /// A friction in a state while the stop that it follows is in another.
+    /// A friction in a state while the stop that it follows is in a given state.
     Following((usize, FrictionState), (usize, StopState)),
     Slider(usize, SliderState),
 }

@@ -177,8 +177,8 @@ impl Selection<'_> {
     }
 }
 
-/// Returns the row of the acceleration along a direction w. Most directions have one or two terms,
-/// and skip the zeros.
+/// Returns the row of the acceleration along a direction w. Directions of one or two terms, as
+/// most are, skip the zeros.
 fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> StateRow {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];
