@@ -140,7 +140,7 @@ impl Weights {
     }
 
     /// Adds the derivatives by the rows of states of first order. `by_a` is the derivative by the
-    /// rows of A from the accelerations on.
+    /// rows of A, beginning with the accelerations.
     pub(super) fn add_first_order(&mut self, system: &System, mode: &Mode, by_a: &DMatrix<f64>) {
         let all = system.branches.iter().zip(&mut self.branches).enumerate();
         for (_, (rows, own)) in all.filter(|(i, _)| is_moving(system, mode, *i)) {

@@ -164,7 +164,7 @@ impl Gradient {
         self.advance_observed(end, &mut |_| ())
     }
 
-    /// Advances to a time and reports all events, which are numbered from the start on.
+    /// Advances to a time and reports all events, which are numbered from the first at the start.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].

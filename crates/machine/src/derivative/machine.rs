@@ -242,7 +242,7 @@ impl Machine {
     }
 
     /// Returns the event functions that are zero and stay zero to first order, or whose crossing
-    /// changes forces at once. With `begins`, functions that leave zero count as well.
+    /// changes forces at once. If `begins`, functions that leave zero count as well.
     pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {

@@ -18,7 +18,7 @@ const KEPT: usize = 128 << 20;
 #[derive(Clone, Default)]
 pub(super) struct Modes {
     known: HashMap<Mode, Arc<VariedMode>>,
-    /// Number of modes at which bytes are counted again, since counting takes time.
+    /// Bytes are counted again at this number of modes, since counting takes time.
     recount: usize,
 }
 

@@ -132,7 +132,7 @@ impl Instant<'_> {
         (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
     }
 
-    /// Applies the plastic impact by which freewheels remove e' > 0. After it no touching stop and
+    /// Applies the plastic impact of freewheels that removes e' > 0. After it no touching stop and
     /// no freewheel has e' > 0 (docs/assembly-law.md (A53)).
     fn catch(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
         let wheels = self.system.freewheels();

@@ -78,7 +78,7 @@ impl Sizes {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.along(&e.mobility);
         for &k in &e.reach {
-            // A coordinate's own term is no larger than itself.
+            // A coordinate's own term is at most as large as the coordinate.
             let others = all - e.w[k].abs() * self.0[first + k];
             self.0[first + k] = self.0[first + k].max(e.mobility[k].abs() / compliance * others);
         }

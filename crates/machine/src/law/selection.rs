@@ -75,7 +75,7 @@ enum Slider {
 /// Facts about a slider that its rounded values cannot show.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SliderFlag {
-    /// The direction in which the force is at its level; 0 if values decide.
+    /// Direction of the force if it is at its level; 0 if values decide.
     pub level: f64,
     /// Whether e' = 0.
     pub turns: bool,
@@ -103,7 +103,7 @@ pub struct Selection<'a> {
     acts: Vec<bool>,
     /// Whether the stop that each friction follows pulls.
     ends: Vec<bool>,
-    /// Direction in which each friction's force was at its level in its first solution, or 0.
+    /// Direction of each friction's force if it was at its level in its first solution, else 0.
     at_level: Vec<f64>,
 }
 

@@ -56,7 +56,7 @@ impl Impulse {
     fn new(system: &System, events: &[Event], group: &[(usize, f64, usize)], z: &DVector<f64>) -> Self {
         let stops: Vec<usize> = group.iter().map(|hit| hit.0).collect();
         let closes = |stop: usize| events.iter().any(|e| e.kind == EventKind::Close { stop });
-        // An impact in which a freewheel takes part is plastic.
+        // An impact with a freewheel is plastic.
         let catches = stops.iter().any(|&stop| system.stops[stop].is_freewheel);
         let closes: Vec<bool> = stops.iter().map(|&stop| catches || closes(stop)).collect();
         let own = |(&stop, closes): (&usize, &bool)| {

@@ -66,7 +66,7 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
-    /// Returns the error of a call in which events follow one another too fast for it to end.
+    /// Returns the error of a call whose events follow one another too fast for it to end.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
             "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \

@@ -15,7 +15,7 @@ const LEAST_BOUNCE: f64 = 1e-12;
 /// Lowest height of a bounce under a host's solver, in multiples of the overshoot.
 const OVERSHOOT_BOUNCES: f64 = 100.0;
 
-/// Largest multiple of the overshoot that is added for a restitution ε. It applies for ε near 1,
+/// Largest addition for a restitution ε, in multiples of the overshoot. It applies for ε near 1,
 /// and for ε = 1, where bounces decay by other losses. If these losses are smaller than the losses
 /// behind this limit, a bounce becomes so low only after about 80,000 bounces.
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;

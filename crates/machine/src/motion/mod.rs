@@ -143,7 +143,7 @@ pub struct Motion {
 struct Scratch {
     /// Values, slopes and bounds of the event functions at the start.
     heads: Vec<Group>,
-    /// The intervals in which each event function may pass zero, as bits.
+    /// Intervals where each event function may pass zero, as bits.
     near: Vec<u8>,
     /// State at the start of `interval`.
     start: DVector<f64>,
@@ -467,7 +467,7 @@ impl Motion {
         crate::signals::shifted(input, self.time() - from)
     }
 
-    /// The hybrid state, from which the motion can continue.
+    /// Returns the hybrid state, so that the motion can continue from it.
     pub fn save(&self) -> Hybrid {
         self.hybrid.clone()
     }

@@ -118,7 +118,7 @@ impl Motion {
         (actions, clocks)
     }
 
-    /// Applies the actions of sampled blocks at the present instant, by which forces may jump.
+    /// Applies the actions of sampled blocks at the present instant; forces may jump.
     pub(super) fn apply_samples(&mut self, observer: &mut Observer) -> Result<(), Error> {
         let (actions, clocks) = self.due_actions();
         if actions.is_empty() {

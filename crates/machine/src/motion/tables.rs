@@ -36,14 +36,14 @@ impl Met {
     }
 }
 
-/// The modes by index, in the order in which they were met.
+/// The modes by index, in the order of their first use.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
     /// Largest size, bytes.
     pub(super) most: usize,
-    /// Number of modes at which bytes are counted again, as counting takes time.
+    /// Bytes are counted again at this number of modes, as counting takes time.
     recount: usize,
 }
 

@@ -129,7 +129,7 @@ impl BlockRows {
         }
     }
 
-    /// Number of stored values: states, outputs that act, outputs under way.
+    /// Count of stored values: states, outputs that act, outputs under way.
     pub fn kept(&self) -> usize {
         self.states + self.sampler.as_ref().map_or(0, |own| self.outputs.len() * (1 + own.under_way))
     }

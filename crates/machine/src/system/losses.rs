@@ -1,5 +1,5 @@
 //! The powers of a machine's loads and losses, as products of two linear functions of the state,
-//! with the states of contacts in which each acts (docs/assembly-law.md (A20)).
+//! with the contact states that each requires (docs/assembly-law.md (A20)).
 
 use super::System;
 use crate::description::{SeriesLaw, StopLaw};
@@ -36,7 +36,7 @@ pub struct Power {
     pub of: [usize; 2],
 }
 
-/// States in which a power acts.
+/// Contact states that a power requires.
 #[derive(Clone, Copy, Debug)]
 enum When {
     Always,

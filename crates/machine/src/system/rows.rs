@@ -151,7 +151,7 @@ impl StopRows {
         self.is_damped() && self.may_rebound()
     }
 
-    /// The states in which a compliant stop has a force.
+    /// The states of a compliant stop that have a force.
     pub fn states_with_force(&self) -> Vec<StopState> {
         let other = match self.law {
             _ if !self.is_damped() => None,

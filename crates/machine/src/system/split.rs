@@ -31,7 +31,7 @@ pub struct Split {
     stops: Vec<[Term; 2]>,
     /// Forces of each friction and each of its levels, in the states of [`LEVELS`].
     frictions: Vec<Vec<[Term; 4]>>,
-    /// The stop that each friction follows, with the states in which it has levels.
+    /// The stop that each friction follows, with the states that give it levels.
     follows: Vec<Option<Vec<(usize, StopState)>>>,
     /// Event functions of each stop, by state.
     watched_stops: Vec<[Vec<Known>; STATES.len()]>,
@@ -65,7 +65,7 @@ struct Norm {
     rate: f64,
 }
 
-/// The states in which a friction's force is its level, in the order of [`Split::frictions`].
+/// States of a friction whose force is its level, in the order of [`Split::frictions`].
 const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
@@ -342,7 +342,7 @@ impl Norm {
     }
 
     /// Returns the largest row sum of a state of first order, with Ω = `rate` and the signals'
-    /// share, and the largest factor by which a signal exceeds its share.
+    /// share, and the largest ratio of a signal to its share.
     fn of_inner(&self, a: &SparseMatrix, rate: f64) -> (f64, f64) {
         let (n, first) = (self.scales.len(), 2 * self.scales.len());
         let one = first + self.inner.len();

@@ -164,7 +164,7 @@ impl Selection<'_> {
     }
 
     /// Adds contacts whose force lies strictly inside its bounds to the preferred contacts, in the
-    /// order in which they leave their bounds.
+    /// order of leaving their bounds.
     pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &BoxProblem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Number of places of an interval at which a polynomial is evaluated.
+/// A polynomial is evaluated at this number of places of an interval.
 const PLACES: usize = 64;
 /// Some rounding errors of a polynomial's terms, which are of order one.
 const ROUNDING: f64 = 1e-12;
