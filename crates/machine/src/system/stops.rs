@@ -1,5 +1,5 @@
-//! Stops of the law: their elements, their order and their rows. The derivative of a machine by its
-//! numbers builds the rows of its stops by the same functions.
+//! Stops of the law: their elements, their order and their rows. The derivative of a machine by
+//! its numbers builds the rows of its stops by the same functions.
 
 use super::{Elongation, Part, StopLevel, StopRows, System};
 use crate::description::{Arms, DampingLimit, Description, ForcePoint, Signal, StopLaw};
