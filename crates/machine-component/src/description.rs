@@ -12,7 +12,7 @@ use fmi_doors::description::{
 };
 use vibro_machine::system::StopRows;
 
-/// A bound of a variable's value, if there is one.
+/// Returns a bound of a variable's value, if there is one.
 fn bound(bound: f64) -> Option<f64> {
     Some(bound).filter(|bound| bound.is_finite() && bound.abs() < f64::MAX)
 }
@@ -22,7 +22,7 @@ fn variability(is_tunable: bool) -> Variability {
 }
 
 impl Plan {
-    /// The model description of this machine.
+    /// Returns the model description of this machine.
     pub fn description(&self) -> Description {
         let machine = &self.assembly.description;
         let declared =
@@ -85,7 +85,7 @@ impl Plan {
         }
     }
 
-    /// One line that describes the machine.
+    /// Returns a line that describes the machine.
     fn summary(&self) -> String {
         let machine = &self.assembly.description;
         let bodies = machine.bodies.len();
@@ -93,14 +93,14 @@ impl Plan {
         format!("{}, a machine of {bodies} with {} states", machine.name, self.nominals.len())
     }
 
-    /// The derivatives of the continuous states, with value references.
+    /// Returns the derivatives of the continuous states, with value references.
     fn rates(&self) -> impl Iterator<Item = (u32, Quantity)> {
         let quantities = self.states.iter().map(|[_, rate]| Quantity::Column(*rate));
         quantities.filter_map(|quantity| Some((self.table.reference_of(quantity)?, quantity)))
     }
 
-    /// Adds the attributes of continuous states to the variable of a quantity: whether the variable
-    /// may be reinitialized, the state whose derivative it is, and the nominal value.
+    /// Adds the attributes of continuous states to a quantity's variable: whether it may be
+    /// reinitialized, the state whose derivative it is, and the nominal value.
     fn in_exchange(&self, quantity: vibro_machine::Quantity, mut variable: Variable) -> Variable {
         let all = &self.states;
         if let Some([state, _]) = all.iter().find(|[_, rate]| *rate == quantity)
@@ -166,7 +166,7 @@ impl Plan {
         }
     }
 
-    /// The text of `modelDescription.xml` for an FMI version.
+    /// Returns the text of `modelDescription.xml` for an FMI version.
     pub fn xml(&self, version: fmi_doors::Version, date: Option<String>) -> String {
         let date = date.map(Into::into);
         description::Description { generation_date_and_time: date, ..self.description() }.xml(version)

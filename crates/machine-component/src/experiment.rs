@@ -1,5 +1,5 @@
 //! The default experiment: a stop time of many periods of the slowest motion, and a step size that
-//! resolves the fastest.
+//! resolves the fastest motion.
 
 use fmi_doors::description::Experiment;
 use std::f64::consts::{PI, TAU};
@@ -10,16 +10,16 @@ use vibro_machine::system::StopRows;
 
 /// Length of the run in periods of the slowest harmonic or natural oscillation.
 const PERIODS: f64 = 20.0;
-/// Steps per fastest period or contact.
+/// Number of steps per fastest period or contact.
 const PARTS: f64 = 10.0;
-/// Length of the run, s, of a machine without periods, contacts and flights.
+/// Length of the run of a machine without periods, contacts and flights, s.
 const DURATION: f64 = 10.0;
 /// Bounds of the number of steps, which is the number of rows of a host's result.
 const STEPS: [f64; 2] = [1000.0, 4000.0];
-/// A squared natural frequency below this fraction of the highest is the rounding of zero.
+/// A squared natural frequency below this fraction of the highest one counts as zero: rounding.
 const NONE: f64 = 1e-12;
 
-/// The default experiment of a machine.
+/// Returns the default experiment of a machine.
 pub fn experiment(assembly: &Assembly) -> Experiment {
     let machine = &assembly.description;
     let own = own_periods(assembly);
@@ -50,9 +50,9 @@ fn is_time(time: f64) -> bool {
     time.is_normal() && time > 0.0 && time < f64::MAX / PERIODS
 }
 
-/// The least number of two significant digits that is not below `time`.
+/// Returns the smallest number with two significant digits that is not below `time`.
 fn rounded(time: f64) -> f64 {
-    // A number of two digits stays in spite of its rounding.
+    // A number that has two digits already must not grow by its rounding.
     const ROUNDING: f64 = 1e-12;
     let text = format!("{:e}", time * (1.0 - ROUNDING));
     let exponent: i32 = text.split('e').nth(1).and_then(|exponent| exponent.parse().ok()).unwrap_or_default();
@@ -60,7 +60,7 @@ fn rounded(time: f64) -> f64 {
     format!("{digits}e{}", exponent - 1).parse().unwrap_or(time)
 }
 
-/// The time of the last end of a signal's sweeps, step or knot, s, which do not repeat.
+/// Returns the time of a signal's last sweep end, step or knot that does not repeat, s.
 fn last_knot(signal: &Signal) -> Option<f64> {
     let sweeps = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
     if signal.repeat.is_some() {
@@ -71,13 +71,13 @@ fn last_knot(signal: &Signal) -> Option<f64> {
     [sweeps, steps, knots].into_iter().flatten().reduce(f64::max)
 }
 
-/// The natural periods of the machine on its springs alone, undamped, s.
+/// Returns the undamped natural periods of the machine on its springs alone, s.
 fn own_periods(assembly: &Assembly) -> Vec<f64> {
     let system = assembly.system();
     let (n, factor) = (system.coordinates, system.inertia.l());
     // L⁻¹ K L⁻ᵀ, where the forces of springs are -K q.
     let mut stiffness = -system.forces.columns(0, n).into_owned();
-    // Of stiffness that steps its first level.
+    // A stepped stiffness counts at its first level.
     for level in system.stops.iter().filter(|own| own.is_gapless() && own.state_apart() == StopState::Pressed)
     {
         stiffness.ger(level.stiffness(), &level.elongation.w, &level.elongation.w, 1.0);
@@ -92,7 +92,7 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
     squares.iter().filter(|square| **square > NONE * highest).map(|square| TAU / square.sqrt()).collect()
 }
 
-/// The contact time of each compliant stop, undamped and by its own stiffness alone, s.
+/// Returns each compliant stop's contact time, undamped and by its own stiffness alone, s.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
     let system = assembly.system();
@@ -100,8 +100,8 @@ fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     stops.map(|(_, stop)| stop).filter(|stop| stop.restitution().is_none()).map(time)
 }
 
-/// The time that each stop's elongation takes from the start to its gap at constant acceleration,
-/// s; NaN where it does not reach the gap.
+/// Returns the time that each stop's elongation takes from the start to its gap at constant
+/// acceleration, s; NaN if it does not reach the gap.
 fn flights(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let (machine, system) = (&assembly.description, assembly.system());
     let mut z = 0.0 * system.forces.row(0).transpose();

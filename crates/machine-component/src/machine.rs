@@ -29,21 +29,21 @@ pub struct Machine {
     life: Life,
     /// Values of all parameters.
     values: Vec<f64>,
-    /// What is added to phases so that a change of their frequencies under way makes no jump, rad;
-    /// by parameter.
+    /// Phase added for each parameter, rad, so that a change of its frequency during the motion
+    /// makes no jump.
     phases: Vec<f64>,
-    /// Whether parameters were set under way and not yet taken over by the motion.
+    /// Whether parameters were set that the motion has not taken over.
     changed: bool,
-    /// What was set of each input and not yet taken over by the motion: value and derivatives.
+    /// Value and derivatives of each input that were set and that the motion has not taken over.
     pending: Vec<Option<Input>>,
-    /// The motion, once initialization has ended.
+    /// The motion, after initialization.
     moving: Option<Moving>,
-    /// The motion as it is with all that was set; made when it is asked for.
+    /// The motion with all pending changes; made on demand.
     ahead: Option<Moving>,
-    /// What changes at events only, as it is shown until the host has handled the events of the
+    /// Values that change only at events, shown to the host until it has handled the events of the
     /// last step.
     latched: Option<Shown>,
-    /// The last step, and its derivatives once they were asked for.
+    /// The last step, with its derivatives once they were requested.
     last_step: Option<LastStep>,
     matrices: Option<StepMatrices>,
 }
@@ -56,7 +56,7 @@ impl fmt::Debug for Machine {
 }
 
 impl Machine {
-    /// A new instance of a machine, all variables at their start.
+    /// Creates an instance of a machine, with all variables at their start.
     pub fn new(plan: Arc<Plan>, life: Life) -> Self {
         let values: Vec<f64> = plan.table.parameters.iter().map(|parameter| parameter.value).collect();
         let (phases, pending) = (vec![0.0; values.len()], vec![None; plan.table.inputs.len()]);
@@ -65,12 +65,12 @@ impl Machine {
         Self { plan, life, values, phases, changed, pending, moving, ahead, latched, last_step, matrices }
     }
 
-    /// The numbers of the machine with the parameters' present values.
+    /// Returns the machine's numbers with the parameters' present values.
     fn numbers(&self) -> Vec<f64> {
         self.values.iter().zip(&self.phases).map(|(value, phase)| value + phase).collect()
     }
 
-    /// The motion from the start, with all that was set.
+    /// Returns the motion from the start, with all values that were set.
     fn start(&self) -> Result<Moving, MachineProblem> {
         let numbers = self.numbers();
         let assembly = self.plan.machine(&numbers, false)?;
@@ -95,12 +95,12 @@ impl Machine {
         Ok(moving)
     }
 
-    /// Whether something was set that the motion has not taken over.
+    /// Whether values were set that the motion has not taken over.
     fn is_set(&self) -> bool {
         self.changed || self.pending.iter().any(Option::is_some)
     }
 
-    /// Gives what was set to a motion.
+    /// Passes pending values to a motion.
     fn give(&self, moving: &mut Moving) -> Result<(), MachineProblem> {
         if self.changed {
             let numbers = self.numbers();
@@ -109,10 +109,10 @@ impl Machine {
         Ok(moving.set_inputs(&self.pending)?)
     }
 
-    /// The motion after it has taken over what was set.
+    /// Returns the motion after it has taken over pending values.
     fn ahead_of(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
         let mut ahead = moving.clone();
-        // An event that is due comes before what was set.
+        // A pending event precedes values set at it.
         if ahead.is_on_course() {
             ahead.handle(&mut |_| ())?;
         }
@@ -120,12 +120,12 @@ impl Machine {
         Ok(ahead)
     }
 
-    /// The motion as it is with all that was set.
+    /// Returns the present motion with all pending values.
     fn present(&mut self) -> Result<&Moving, MachineProblem> {
         if self.ahead.is_none() {
             match &self.moving {
                 None => self.ahead = Some(self.start()?),
-                // An event that is due comes before what was set: both sides of it are to be seen.
+                // A pending event precedes values set at it: the host has to see both sides.
                 Some(moving) if self.is_set() && !moving.is_event_due() => {
                     self.ahead = Some(self.ahead_of(moving)?);
                 }
@@ -136,7 +136,7 @@ impl Machine {
         Ok(self.ahead.as_ref().or(self.moving.as_ref()).ok_or_else(none)?)
     }
 
-    /// The value of a quantity; what moves has been asked for by [`present`](Self::present) before.
+    /// Returns the value of a quantity; a motion needs [`present`](Self::present) before.
     fn value(&self, quantity: Quantity) -> f64 {
         let moving = self.ahead.as_ref().or(self.moving.as_ref());
         match quantity {
@@ -152,8 +152,8 @@ impl Machine {
         }
     }
 
-    /// The value of a quantity with zero unsigned; an error where it is not finite, as after a
-    /// host's solver has diverged.
+    /// Returns the value of a quantity, with zero unsigned. Error if it is not finite, for example
+    /// after a host's solver has diverged.
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
         let value = self.value(quantity) + 0.0;
         let allowed = match quantity {
@@ -163,7 +163,7 @@ impl Machine {
         if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
     }
 
-    /// A number that follows from the present values of named parameters.
+    /// Returns a number that follows from the present values of named parameters.
     fn following(&self, i: usize) -> f64 {
         let VariableTable { parameters, following, .. } = &self.plan.table;
         // Named parameters come last.
@@ -187,7 +187,7 @@ impl Machine {
         }
     }
 
-    /// Whether a value may be set now.
+    /// Checks whether a value may be set now.
     fn check(&self, reference: u32, bases: fmi_doors::Bases, value: f64) -> Result<Quantity, Problem> {
         let row = self.plan.table.row(reference, bases)?;
         let name = || row.name.clone();
@@ -228,13 +228,13 @@ impl Machine {
         Ok(row.quantity)
     }
 
-    /// The place of a quantity among the states of a host's solver, if it is one.
+    /// Returns the index of a quantity among the states of a host's solver, if it is one.
     fn state_of(&self, quantity: Quantity) -> Option<usize> {
         let Quantity::Column(quantity) = quantity else { return None };
         self.plan.states.iter().position(|[state, _]| *state == quantity)
     }
 
-    /// Takes a value over that was checked.
+    /// Takes over a checked value.
     fn put(&mut self, quantity: Quantity, value: f64) {
         let at_event = self.life.phase == Phase::Event;
         let state = self.state_of(quantity);
@@ -257,16 +257,16 @@ impl Machine {
         let before = std::mem::replace(&mut self.values[i], value);
         let Some(moving) = &self.moving else { return };
         self.changed |= before != value;
-        // A harmonic's phase stands behind its frequency in the order of the parameters. It goes on
-        // from where it is.
+        // The parameters list a harmonic's phase just after its frequency. The oscillation
+        // continues from its present phase.
         if self.plan.table.parameters[i].name.ends_with(".frequency") {
             let turns = (before - value) * moving.motion.time();
             self.phases[i + 1] = (self.phases[i + 1] + TAU * turns.fract()) % TAU;
         }
     }
 
-    /// Sets parameters under way, all or none: whether they go with one another and with the
-    /// present state shows at once.
+    /// Sets parameters during the motion, all or none; it is checked at once whether they agree
+    /// with one another and with the present state.
     fn change(&mut self, values: &[(usize, f64)]) -> Result<(), MachineProblem> {
         let before = (self.values.clone(), self.phases.clone(), self.changed);
         values.iter().for_each(|&(i, value)| self.put(Quantity::Parameter(i), value));

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Description};
 
-/// Name of the machine's file in the FMU's `resources` folder. Records stand within it: no other
-/// file is read.
+/// Name of the machine's file in the FMU's `resources` folder. Records are included in it: no
+/// other file is read.
 pub const FILE: &str = "machine.toml";
 
 /// Largest size of the file, bytes.
@@ -27,14 +27,14 @@ pub struct Plan {
     pub assembly: Arc<Assembly>,
     /// Nominal values of the continuous states.
     pub nominals: Vec<f64>,
-    /// The continuous states with their rates, in order. States and outputs of sampled blocks are
-    /// part of the assembly's state, but not continuous.
+    /// The continuous states with their rates, in order. States and outputs of sampled blocks
+    /// belong to the assembly's state, but are not continuous.
     pub states: Vec<[vibro_machine::Quantity; 2]>,
-    /// The place of each continuous state among the assembly's states.
+    /// The index of each continuous state among the assembly's states.
     pub(crate) places: Vec<usize>,
     /// The number of the assembly's states.
     pub(crate) size: usize,
-    /// Whether tunable parameters and time are knowns of derivatives, as in FMI 3.0 (FMI 3.0.2,
+    /// Whether derivatives have tunable parameters and time as knowns, as in FMI 3.0 (FMI 3.0.2,
     /// 2.4.8).
     pub(crate) knows_parameters: bool,
     token: String,
@@ -42,7 +42,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of the machine in the text of a [`FILE`]; messages call the file `file`.
+    /// Creates the plan of the machine in the text of a [`FILE`]; messages call the file `file`.
     ///
     /// # Errors
     /// [`MachineProblem::Machine`] with every problem found; [`MachineProblem::Motion`] for a
@@ -61,7 +61,7 @@ impl Plan {
         Ok(Self { table, assembly, nominals, states, places, size, knows_parameters: true, token, text })
     }
 
-    /// The plan of a description, written as a file with its records included.
+    /// Creates the plan of a description, written as a file with its records included.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -69,8 +69,8 @@ impl Plan {
         Self::new(machine.to_toml(), FILE)
     }
 
-    /// Adds the matrices of derivatives over a step. They have a model description of their own,
-    /// for FMI 3.0 only, since several importers cannot read arrays.
+    /// Adds the matrices of derivatives over a step. These need a separate model description, for
+    /// FMI 3.0 only, since several importers cannot read arrays.
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);
@@ -78,19 +78,18 @@ impl Plan {
         self
     }
 
-    /// The plan that an instantiation asks for: of the file in its resources, whose token must be
-    /// the given one.
+    /// Creates the plan for an instantiation from the file in its resources. The token must match.
     ///
     /// # Errors
-    /// [`MachineProblem::File`] where the file is neither in the host's folder nor beside the
-    /// library; [`MachineProblem::Door`] where the host names no folder; [`MachineProblem::Text`]
-    /// where the token is of another text; else as [`new`](Self::new).
+    /// [`MachineProblem::File`] if the file is neither in the host's folder nor next to the
+    /// library. [`MachineProblem::Door`] if the host names no folder. [`MachineProblem::Text`] if
+    /// the token belongs to another text. Otherwise as [`new`](Self::new).
     pub(crate) fn asked_for(request: &Instantiation<'_>) -> Result<Self, MachineProblem> {
         let places = request.resource_folders();
         let mut read = places.iter().map(|folder| folder.join(FILE)).map(|file| (read(&file), file));
         let found = read.by_ref().find_map(|(read, file)| Some((read.ok()?, file.display().to_string())));
         let Some((text, name)) = found else {
-            // The reason is that of the host's folder, or that it named none.
+            // Report the problem of the host's folder, or that the host named none.
             let file = request.resource_folder()?.join(FILE);
             let problem = self::read(&file).err().unwrap_or_default();
             return Err(MachineProblem::File { file: file.display().to_string(), problem });
@@ -106,7 +105,7 @@ impl Plan {
         Ok(Self { knows_parameters: request.version == Version::Fmi3, ..Self::new(text, &name)? })
     }
 
-    /// The instantiation token of the machine whose [`FILE`] has this text.
+    /// Returns the instantiation token of the machine whose [`FILE`] has this text.
     pub fn token_of(text: &str) -> String {
         token(text)
     }
@@ -121,7 +120,7 @@ impl Plan {
         token(&self.text)
     }
 
-    /// The continuous states among the states of an assembly, or their derivatives.
+    /// Selects the continuous states, or their derivatives, from all states of an assembly.
     pub(crate) fn continuous(&self, all: &[f64]) -> Vec<f64> {
         self.places.iter().map(|&place| all[place]).collect()
     }
@@ -131,16 +130,16 @@ impl Plan {
         &self.text
     }
 
-    /// The machine's name, also that of the model and of the library's file.
+    /// Returns the name of the machine, of the model and of the library's file.
     pub fn name(&self) -> &str {
         &self.assembly.description.name
     }
 
-    /// The machine with these values of all parameters, in the table's order. `under_way` leaves
-    /// the start values unchecked, since the motion has begun.
+    /// Returns the machine with these values of all parameters, in the table's order. `under_way`
+    /// leaves the start values unchecked, since the motion has begun.
     ///
     /// # Errors
-    /// [`MachineProblem::Machine`] and [`MachineProblem::Motion`] for values that together are no
+    /// [`MachineProblem::Machine`] and [`MachineProblem::Motion`] if the values together give no
     /// machine.
     pub(crate) fn machine(&self, values: &[f64], under_way: bool) -> Result<Arc<Assembly>, MachineProblem> {
         let start = self.table.parameters.iter().map(|parameter| parameter.value);
@@ -156,12 +155,12 @@ impl Plan {
     }
 }
 
-/// Hash of a file's text and of the library's version, on which the numbering of variables depends.
+/// Hash of a file's text and of the library's version, which determine the numbering of variables.
 fn token(text: &str) -> String {
     identifier(&format!("{} {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }
 
-/// The token of the model description with arrays.
+/// Returns the token of the model description with arrays.
 fn token_with_arrays(text: &str) -> String {
     identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }

@@ -20,7 +20,7 @@ pub enum MachineProblem {
     /// The file's text is not the one from which the model description was made.
     #[error("{place}: this is not the text of which the model description was made, {token}")]
     Text {
-        /// The file or, where its text is no machine, the refusal with its lines.
+        /// The file or, if its text is not a machine, the refusal with its lines.
         place: String,
         /// The given token and the file's.
         token: Problem,
@@ -36,7 +36,7 @@ pub enum MachineProblem {
         /// Reason.
         problem: vibro_machine::Error,
     },
-    /// The machine has no motion, or its motion cannot go on.
+    /// The machine has no motion, or its motion cannot continue.
     #[error("{0}")]
     Motion(#[from] vibro_machine::Error),
 }
@@ -51,7 +51,7 @@ impl Refusal for MachineProblem {
     }
 }
 
-/// The problem of bytes that are no saved state of this machine.
+/// The problem of bytes that are not a saved state of this machine.
 pub(crate) fn refused(what: impl Into<String>) -> Problem {
     Problem::SavedState { what: what.into().into() }
 }

@@ -2,7 +2,7 @@
 //! little-endian), then the machine's token and the state in postcard's format.
 //!
 //! The token depends on the library's version, so that the layout may change between versions. The
-//! checksum detects accidental damage and is no signature: the decoded state is checked as well.
+//! checksum detects accidental damage, not forgery: the decoded state is checked as well.
 
 use crate::machine::{SavedMoving, Shown};
 use crate::problem::refused;
@@ -20,7 +20,7 @@ pub struct SavedState {
     pub(crate) life: Life,
     /// Values of all parameters.
     pub(crate) values: Vec<f64>,
-    /// Additions to phases, by parameter.
+    /// Additional phase of each parameter.
     pub(crate) phases: Vec<f64>,
     /// Whether parameters were set and do not act yet.
     pub(crate) changed: bool,
@@ -35,7 +35,7 @@ impl SavedState {
     /// Serializes the state of the machine with this token.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] where postcard fails, which would be a bug.
+    /// [`Problem::SavedState`] if postcard fails, which would be a bug.
     pub(crate) fn to_bytes(&self, token: &str) -> Result<Vec<u8>, Problem> {
         let payload = postcard::to_stdvec(&(token, self)).map_err(|error| refused(error.to_string()))?;
         let sum = fnv1a(&payload).to_le_bytes();
@@ -45,7 +45,7 @@ impl SavedState {
     /// Deserializes a state of the machine with this token.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] for bytes that are truncated, altered or those of another machine.
+    /// [`Problem::SavedState`] for bytes that are truncated, altered or from another machine.
     pub(crate) fn from_bytes(bytes: &[u8], token: &str) -> Result<Self, Problem> {
         let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it is not of a described machine"))?;
         let (sum, payload) = rest.split_first_chunk().ok_or_else(|| refused("it ends too early"))?;

@@ -1,9 +1,9 @@
-//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8), from the machine's
-//! topology and never from its numbers, which a host may change.
+//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8). They follow from the
+//! machine's topology and never from its numbers, which a host may change.
 //!
 //! Between events every coordinate, elongation and force is linear in states and inputs, with
 //! factors that depend on the mode. Bodies that links, rigid stops or friction may hold together
-//! make a group: a force on one of them accelerates all.
+//! form a group: a force on one of them accelerates all.
 
 mod blocks;
 mod energy;
@@ -26,8 +26,8 @@ use vibro_machine::elements::Action;
 use vibro_machine::system::Part;
 use vibro_machine::{Element, Owner, What};
 
-/// Most entries of all dependency lists of one kind together, at about 10 bytes each. Beyond it the
-/// longest lists are left out, which by FMI means a dependency on every known.
+/// Largest number of entries of all dependency lists of one kind, at about 10 bytes each. Beyond
+/// it the longest lists are left out, which in FMI means a dependency on every known.
 const ENTRIES: usize = 200_000;
 
 /// The dependencies of a machine's variables.
@@ -35,13 +35,13 @@ pub(crate) struct Structure<'a> {
     plan: &'a Plan,
     machine: &'a Description,
     elements: Vec<Element<'a>>,
-    /// By section and name, such as `body.box`: value references of parameters and the rest of
-    /// their names.
+    /// Value references of the parameters of each section and name, such as `body.box`, with the
+    /// rest of their names.
     parameters: HashMap<&'a str, Vec<(u32, &'a str)>>,
     references: HashMap<Quantity, u32>,
     inputs: HashMap<&'a str, u32>,
     group_of: Vec<usize>,
-    /// By body: its group under links alone.
+    /// Group of each body under links alone.
     linked: Vec<usize>,
     groups: HashMap<usize, Group>,
 }
@@ -56,7 +56,7 @@ impl<'a> Structure<'a> {
             match row.quantity {
                 Quantity::Parameter(place) => {
                     let own = plan.table.parameters[place].name.as_str();
-                    // A named parameter stands for the numbers that follow from it.
+                    // A named parameter counts as all numbers that follow from it.
                     for name in std::iter::once(own).chain(machine.named.numbers_of(own)) {
                         let second = name.match_indices('.').nth(1).map_or(name.len(), |dot| dot.0);
                         let (section, rest) = name.split_at(second);
@@ -84,8 +84,8 @@ impl<'a> Structure<'a> {
         structure
     }
 
-    /// The dependency lists of unknowns, `initially` those of initialization; where all together
-    /// exceed [`ENTRIES`], lists longer than the share of each are left out.
+    /// Returns the dependency lists of unknowns, for initialization if `initially`. If all
+    /// together exceed [`ENTRIES`], lists longer than their share are left out.
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
             let knowns =
@@ -102,8 +102,8 @@ impl<'a> Structure<'a> {
         lists.into_iter().map(unknown).collect()
     }
 
-    /// Knowns of a solver: time replaces the states and outputs of sampled blocks, which are not
-    /// continuous states.
+    /// Returns the knowns for a solver: time replaces the states and outputs of sampled blocks,
+    /// which are not continuous states.
     fn as_of_a_solver(&self, mut knowns: Knowns) -> Knowns {
         let before = knowns.len();
         knowns.retain(|known, _| self.plan.table.rows[*known as usize - 1].role != Role::Discrete);
@@ -120,7 +120,7 @@ impl<'a> Structure<'a> {
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
-    /// The section of a body's numbers.
+    /// Returns the section of a body's numbers.
     fn section_of(&self, body: usize) -> String {
         let body = &self.machine.bodies[body];
         match body.name.split_once('.') {
@@ -136,7 +136,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of a body's coordinate (`order` 0) or rate (1).
+    /// Returns the knowns of a body's coordinate (`order` 0) or rate (1).
     fn coordinate(&self, body: usize, order: usize) -> Knowns {
         if let BodyKind::Node(_) = self.machine.bodies[body].kind {
             return self.of_node(body, |coordinate| self.coordinate(coordinate, order));
@@ -157,7 +157,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The knowns of a node's quantity by those of the coordinates behind it.
+    /// Returns the knowns of a node's quantity, from the knowns of its body's coordinates.
     fn of_node(&self, node: usize, of: impl Fn(usize) -> Knowns) -> Knowns {
         let mut knowns = Knowns::new();
         for coordinate in self.machine.behind(node) {
@@ -166,7 +166,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// Adds the knowns of the coordinate or rate of a body that follows from others by links.
+    /// Adds the knowns of the coordinate or rate of a body that links determine from other bodies.
     fn by_links(&self, body: usize, order: usize, knowns: &mut Knowns) {
         let own = self.linked[body];
         for &state in self.plan.assembly.states().iter().filter(|&&state| self.linked[state] == own) {
@@ -197,7 +197,7 @@ impl<'a> Structure<'a> {
         levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
     }
 
-    /// The knowns of an element's force.
+    /// Returns the knowns of an element's force.
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
             Action::Linear if slides(&element.series().copied()) => self.elastic(element, Discrete),
@@ -218,7 +218,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of a force that is linear in elongation and rate, with factors of a kind.
+    /// Returns the knowns of a force linear in elongation and rate, with factors of a kind.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         // The force of a damper does not depend on its elongation.
@@ -230,7 +230,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// Adds what tells the stiffness that steps, which is the time.
+    /// Adds a dependency on time if the stiffness is switched in time.
     fn steps(&self, element: Element, knowns: &mut Knowns) {
         if let Element::Spring(Spring { stepped: Some(_), .. })
         | Element::Stop(Stop { stepped: Some(_), .. }) = element
@@ -247,14 +247,14 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of the rate of an inner place: with a dashpot those of the spring's force, of a
-    /// slider those of e', which it follows where it slips.
+    /// Returns the knowns of an inner place's rate: with a dashpot, the knowns of the spring's
+    /// force; with a slider, the knowns of e', which the place follows while the slider slips.
     fn slider_rate(&self, element: Element) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         if slides(&element.series().copied()) {
             self.elongation(element, 1, &mut own);
             join(&mut knowns, &own, Discrete);
-            // They decide whether it slips.
+            // These parameters determine whether the slider slips.
             self.of_section(&element.dotted(), &mut knowns);
             return knowns;
         }
@@ -265,7 +265,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The knowns of a constraint force: those of the accelerations of the bodies on which it acts.
+    /// Returns the knowns of a constraint force: the knowns of its bodies' accelerations.
     fn holding(&self, element: Element) -> Knowns {
         let mut knowns = Knowns::new();
         for body in element.arms().into_iter().flat_map(|arms| bodies_of(self.machine, arms)) {
@@ -278,7 +278,7 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The knowns of an element's elongation, rate and force, for `order` 0, 1 and 2.
+    /// Returns the knowns of an element's elongation, rate or force, for `order` 0, 1 or 2.
     fn of_element(&self, element: Element, order: usize) -> Knowns {
         if order > 1 {
             return self.force(element);
@@ -288,12 +288,12 @@ impl<'a> Structure<'a> {
         knowns
     }
 
-    /// The i-th element that satisfies a condition.
+    /// Returns the i-th element that satisfies a condition.
     fn nth(&self, is: fn(&Element) -> bool, i: usize) -> Option<Element<'a>> {
         self.elements.iter().copied().filter(is).nth(i)
     }
 
-    /// The knowns of a variable.
+    /// Returns the knowns of a variable.
     pub(crate) fn of(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         match quantity {
@@ -371,12 +371,12 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// The inner place of an element, by its index.
+/// Returns the inner place of an element, by its index.
 fn slider_of(i: usize) -> Quantity {
     Quantity::Column(vibro_machine::Quantity::of_element(i, What::Slider))
 }
 
-/// The variables of some roles, in the table's order.
+/// Returns the variables of some roles, in the table's order.
 pub(crate) fn of_roles(plan: &Plan, roles: &[Role]) -> Vec<(u32, Quantity)> {
     let rows = (1..).zip(&plan.table.rows).filter(|(_, row)| roles.contains(&row.role));
     rows.map(|(reference, row)| (reference, row.quantity)).collect()

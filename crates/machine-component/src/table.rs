@@ -1,23 +1,23 @@
-//! The variables of a machine by value reference, in the order of its file.
+//! The variables of a machine by value reference, in the order of its file. Names by causality:
 //!
-//! | names | causality |
-//! |---|---|
-//! | `time` | independent |
-//! | dotted names of the file, such as `stop.upper.gap`; named parameters | parameter |
-//! | numbers and named parameters that follow by expressions | calculatedParameter |
-//! | `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`, `friction.NAME.static.input` | input |
-//! | `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f` | output |
-//! | `SPRING.slider`, `SPRING.slider.rate` of springs in series | output |
-//! | `STOP.state`, `FRICTION.state`, `SPRING.state` of sliders (enumerations); `STOP.impacts`, `STOP.impulse` of rigid stops | output |
-//! | `SIGNAL`, `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; of sampled blocks, discrete: `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]` | output |
-//! | `SPRING.line` of springs by points | output |
-//! | `energy.kinetic`, `.stored`, `.work`, `.lost`, `.residual` | output |
-//! | `step.transition`, `step.response`, `step.parameters`: matrices, in FMI 3.0 with arrays | local |
-//! | `STOP.indicator` or, of compliant ones, `STOP.indicator.edge`, `.force`; `FRICTION.indicator.up`, `.down`, `.level` | local |
-//! | `SPRING.indicator.points[1]` of its corners; `SPRING.indicator.up`, `.down` of sliders | local |
+//! - independent: `time`
+//! - parameter: dotted names of the file, such as `stop.upper.gap`; named parameters
+//! - calculatedParameter: numbers and named parameters that follow by expressions
+//! - input: `load.NAME.input`, `body.NAME.motion.input`, `friction.NAME.force.input`,
+//!   `friction.NAME.static.input`
+//! - output: `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f`; for springs in series
+//!   `SPRING.slider`, `SPRING.slider.rate`; the enumerations `STOP.state`, `FRICTION.state` and,
+//!   for sliders, `SPRING.state`; for rigid stops `STOP.impacts`, `STOP.impulse`; `SIGNAL`;
+//!   `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; for sampled blocks, discrete: `BLOCK.x[0]`,
+//!   `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`; for springs by points `SPRING.line`;
+//!   `energy.kinetic`, `.stored`, `.work`, `.lost`, `.switched`, `.residual`
+//! - local: the matrices `step.transition`, `step.response`, `step.parameters`, in FMI 3.0 with
+//!   arrays; `STOP.indicator` or, for compliant stops, `STOP.indicator.edge`, `.force`;
+//!   `FRICTION.indicator.up`, `.down`, `.level`; for corners `SPRING.indicator.points[1]`; for
+//!   sliders `SPRING.indicator.up`, `.down`
 //!
-//! Names of bodies are unique, so are those of elements, and the suffixes of both differ: no two
-//! variables share a name.
+//! Bodies have unique names, elements have unique names, and the suffixes of both differ. So no
+//! two variables share a name.
 
 mod indicators;
 mod quantity;
@@ -30,22 +30,22 @@ use vibro_machine::following::Following;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_machine::{Description, Element, Owner, Parameter, What};
 
-/// The role of a variable, from which causality and variability follow.
+/// The role of a variable, which determines its causality and variability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Time.
     Independent,
     /// A number of the file that may be set before the motion begins.
     Parameter,
-    /// A number of the file that may be set at events, too.
+    /// A number of the file that may also be set at events.
     Tunable,
-    /// A number that follows from named parameters by an expression, and is not set.
+    /// A number that follows from named parameters by an expression, and cannot be set.
     Calculated,
     /// An addition to a signal, set by the host.
     Input,
     /// A result of the motion that changes at any time.
     Output,
-    /// A result of the motion that changes at events only.
+    /// A result of the motion that changes only at events.
     Discrete,
     /// An event indicator, for a host's solver.
     Local,
@@ -56,24 +56,24 @@ pub enum Role {
 /// A variable.
 #[derive(Clone, Debug)]
 pub struct VariableRow {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
     /// Description.
     pub meaning: String,
-    /// SI unit; `1` of whole numbers.
+    /// SI unit; `1` for whole numbers.
     pub unit: &'static str,
-    /// Its type.
+    /// Data type.
     pub base: Base,
     /// Role.
     pub role: Role,
-    /// Source of its value.
+    /// Source of the value.
     pub quantity: Quantity,
     /// Rows and columns of a matrix; empty for a scalar.
     pub dimensions: Vec<usize>,
 }
 
 impl VariableRow {
-    /// Whether hosts may read or set it within a step (`intermediateUpdate`).
+    /// Whether hosts may read or set the variable within a step (`intermediateUpdate`).
     pub fn is_seen_within_steps(&self) -> bool {
         matches!(self.role, Role::Input | Role::Output)
     }
@@ -82,7 +82,7 @@ impl VariableRow {
 /// The variables of a machine.
 #[derive(Debug)]
 pub struct VariableTable {
-    /// The variables; the value reference is the place plus 1.
+    /// The variables; the value reference is the index plus 1.
     pub rows: Vec<VariableRow>,
     /// The parameters, in the order of their rows.
     pub parameters: Vec<Parameter>,
@@ -94,24 +94,24 @@ pub struct VariableTable {
     pub indicators: Vec<u32>,
 }
 
-/// The one of two units that belongs to a dimension.
+/// Returns the unit for a dimension.
 fn of(dimension: Dimension, units: [&'static str; 2]) -> &'static str {
     units[usize::from(dimension == Dimension::Rotation)]
 }
 
-/// Most numbers of `step.parameters`; a larger machine has none.
+/// Largest number of entries of `step.parameters`; a larger machine does not have it.
 const MOST_BY_PARAMETERS: usize = 1_000_000;
 
 /// Largest number of names in the description of a named parameter: about a line of a host's
 /// window.
 const MOST_NAMED: usize = 4;
 
-/// The unit of matrices, whose elements have different units.
+/// Unit of matrices, whose elements have different units.
 pub(crate) const NO_UNIT: &str = "";
 const IMPULSE: [&str; 2] = ["N.s", "N.m.s"];
 
 impl VariableTable {
-    /// The variables of a machine.
+    /// Creates the variables of a machine.
     pub fn new(machine: &Description) -> Self {
         let parameters = machine.parameters();
         let (following, indicators) = (machine.following(), Vec::new());
@@ -166,8 +166,8 @@ impl VariableTable {
         });
     }
 
-    /// Adds the quantities of bodies and elements, each element's followed by its state and
-    /// impacts.
+    /// Adds the quantities of bodies and elements; each element's quantities are followed by its
+    /// state and impacts.
     fn columns(&mut self, machine: &Description) {
         let mut columns = machine.named_quantities().into_iter().peekable();
         let mut push_those_of = |table: &mut Self, owner: Owner| {
@@ -230,7 +230,7 @@ impl VariableTable {
         }
     }
 
-    /// Adds a quantity; one of a sampled block is discrete.
+    /// Adds a quantity; a quantity of a sampled block is discrete.
     fn column(&mut self, machine: &Description, own: NamedQuantity) {
         let (role, meaning) = match machine.sampled_block(own.quantity) {
             Some(block) => (Role::Discrete, format!("{}{}", own.meaning, when_sampled(block))),
@@ -272,7 +272,7 @@ impl VariableTable {
         }
     }
 
-    /// Adds the matrices of derivatives over a step, for a machine with so many states.
+    /// Adds the matrices of derivatives over a step, for a machine with this number of states.
     pub(crate) fn add_matrices(&mut self, states: usize) {
         const ROWS: &str = "Derivatives of the states (coordinates, rates, inner places, in the order of the model structure) at the end of the \
                             last step";
@@ -294,7 +294,7 @@ impl VariableTable {
         push("step.parameters", meaning.into(), columns, Quantity::ByParameters);
     }
 
-    /// The tunable parameters, by place among [`parameters`](Self::parameters).
+    /// Returns the tunable parameters, by index in [`parameters`](Self::parameters).
     pub(crate) fn tunable(&self) -> impl Iterator<Item = usize> {
         self.rows.iter().filter(|row| row.role == Role::Tunable).filter_map(|row| match row.quantity {
             Quantity::Parameter(i) => Some(i),
@@ -302,28 +302,28 @@ impl VariableTable {
         })
     }
 
-    /// The value reference of a name.
+    /// Returns the value reference of a name.
     pub fn reference(&self, name: &str) -> Option<u32> {
         self.rows.iter().position(|row| row.name == name).map(|place| place as u32 + 1)
     }
 
-    /// A number that follows from named parameters, with its expression, as a sentence names it.
+    /// Names a number that follows from named parameters, with its expression, for a message.
     pub(crate) fn following_in_words(&self, i: usize) -> String {
         let Following { name, expression, .. } = &self.following[i];
         format!("{name}, which follows from named parameters by the expression `{expression}`,")
     }
 
-    /// The role of the variable with a name.
+    /// Returns the role of the variable with a name.
     pub(crate) fn role(&self, name: &str) -> Option<Role> {
         Some(self.rows[self.reference(name)? as usize - 1].role)
     }
 
-    /// The value reference of the variable with this source.
+    /// Returns the value reference of the variable with this source.
     pub(crate) fn reference_of(&self, quantity: Quantity) -> Option<u32> {
         self.rows.iter().position(|row| row.quantity == quantity).map(|place| place as u32 + 1)
     }
 
-    /// The variable of a value reference, which must have one of the types.
+    /// Returns the variable of a value reference, which must have one of the types.
     ///
     /// # Errors
     /// [`Problem::Reference`].
@@ -340,7 +340,7 @@ impl VariableTable {
     }
 }
 
-/// The numbers that follow from a named parameter, for its description; empty without any.
+/// Lists the numbers that follow from a named parameter, for its description; empty if none do.
 fn what_follows(numbers: &[&str]) -> String {
     let named = numbers.iter().take(MOST_NAMED).copied().collect::<Vec<_>>().join(", ");
     match numbers.len() {
@@ -350,7 +350,7 @@ fn what_follows(numbers: &[&str]) -> String {
     }
 }
 
-/// When a sampled block is sampled and its outputs act, for descriptions.
+/// Describes when a sampled block is sampled and when its outputs act.
 fn when_sampled(block: &Block) -> String {
     let Some(sampling) = &block.sampling else { return String::new() };
     let name = &block.name;
@@ -366,17 +366,17 @@ pub(crate) fn slides(series: &Option<Series>) -> bool {
     series.is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. }))
 }
 
-/// Whether a number is a start value: of a body, or the inner place of a spring in series.
+/// Whether a number is a start value of a body, of a block or of a spring in series.
 pub(crate) fn is_start(name: &str) -> bool {
     let is_slider = name.starts_with("spring.") && name.ends_with(".slider");
     let is_block = name.starts_with("block.") && name.contains(".start[");
     name.contains(".start.") || is_block || (is_slider && !name.contains(".arms."))
 }
 
-/// Whether a parameter may be set after the motion has begun: neither a start value nor a lever
-/// arm, on which the choice of coordinates depends, nor a period or what says the course of a
-/// sweep, nor a frequency whose phase, which goes on from where it is, follows from a named
-/// parameter. A named one where all that follows may be.
+/// Whether a parameter may be set after the motion has begun. Excluded are start values, lever
+/// arms (on which the choice of coordinates depends), periods, and the course of sweeps. A
+/// frequency is excluded if its phase, which must change with it, follows from a named parameter.
+/// A named parameter is tunable if all numbers that follow from it are, and none is a frequency.
 fn is_tunable(machine: &Description, name: &str) -> bool {
     let is_swept = |name: &str| {
         name.contains(".sweep") && [".from", ".to", ".duration"].iter().any(|end| name.ends_with(end))

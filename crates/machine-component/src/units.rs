@@ -57,16 +57,16 @@ pub(crate) const DECLARED: &[Declared] = &[
 
 const NUMBER: usize = DECLARED.len() - 2;
 
-/// Units of which the first display unit is the default.
+/// Units whose first display unit is the default.
 const SHOWN: [&str; 2] = ["m", "rad"];
 
 impl Declared {
-    /// The declaration of a unit; of an unknown unit, that of pure numbers.
+    /// Returns the declaration of a unit; for an unknown unit, the declaration of pure numbers.
     pub fn of(unit: &str) -> &'static Self {
         DECLARED.iter().find(|declared| declared.unit == unit).unwrap_or(&DECLARED[NUMBER])
     }
 
-    /// The `Unit` element; `None` for matrices, whose elements have different units.
+    /// Returns the `Unit` element; `None` for matrices, whose elements have different units.
     pub fn unit(&self) -> Option<Unit> {
         if self.unit == NO_UNIT {
             return None;
@@ -94,7 +94,7 @@ impl Declared {
     }
 }
 
-/// Names and descriptions of the states of stops; the value is the place, counted from 1.
+/// Names and descriptions of the states of stops; the value is the index, counted from 1.
 const STOP_STATES: [(&str, &str); 7] = [
     ("Open", "A rigid stop that does not touch"),
     ("Closed", "A rigid stop that is kept at its gap"),
@@ -105,7 +105,7 @@ const STOP_STATES: [(&str, &str); 7] = [
     ("Rebounding", "A compliant stop that rebounds with its spring's force alone"),
 ];
 
-/// Names and descriptions of the states of frictions; the value is the place, counted from 1.
+/// Names and descriptions of the states of frictions; the value is the index, counted from 1.
 const FRICTION_STATES: [(&str, &str); 4] = [
     ("Off", "Its level is not positive"),
     ("SlippingUp", "The elongation grows"),
@@ -113,12 +113,12 @@ const FRICTION_STATES: [(&str, &str); 4] = [
     ("Sticking", "The elongation stays"),
 ];
 
-/// The enumeration value of a stop's state.
+/// Returns the enumeration value of a stop's state.
 pub(crate) fn stop_state(state: StopState) -> f64 {
     match state {
         StopState::Open => 1.0,
         StopState::Closed => 2.0,
-        // A stop has the state of the part whose level holds.
+        // A stop has the state of its part at the present level.
         StopState::Below | StopState::Off => 3.0,
         StopState::Pressed => 4.0,
         StopState::Free => 5.0,
@@ -127,7 +127,7 @@ pub(crate) fn stop_state(state: StopState) -> f64 {
     }
 }
 
-/// The enumeration value of a friction's state.
+/// Returns the enumeration value of a friction's state.
 pub(crate) fn friction_state(state: FrictionState) -> f64 {
     match state {
         FrictionState::Off => 1.0,
@@ -137,7 +137,7 @@ pub(crate) fn friction_state(state: FrictionState) -> f64 {
     }
 }
 
-/// The enumeration value of a slider's state, among those of frictions.
+/// Returns the enumeration value of a slider's state, among the states of frictions.
 pub(crate) fn slider_state(state: SliderState) -> f64 {
     match state {
         SliderState::Up => 2.0,
@@ -151,7 +151,7 @@ pub(crate) const STOP_STATE: &str = "StopState";
 /// Type name of the states of frictions.
 pub(crate) const FRICTION_STATE: &str = "FrictionState";
 
-/// The declared enumeration types. The last state of a stop is declared where a stop may have it.
+/// Returns the declared enumeration types. `rebounds`: whether stops may have their last state.
 pub(crate) fn enumerations(rebounds: bool) -> [Type; 2] {
     let states = if rebounds { &STOP_STATES[..] } else { &STOP_STATES[..STOP_STATES.len() - 1] };
     let items = |states: &[(&'static str, &'static str)]| {
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
     use vibro_numerics::quantities::quantity_in;
 
-    /// The engine's own names of its states, and whose they are.
+    /// The states' names in the engine are the names of the enumeration.
     #[test]
     fn invariant_the_value_of_a_state_is_the_place_of_its_name() {
         let [stops, frictions] = enumerations(true).map(|declared| match declared.kind {

@@ -1,5 +1,5 @@
-//! The variables and descriptions of all example machines, and of one with every kind of element
-//! and input.
+//! The variables and descriptions of all example machines, and of a machine with every kind of
+//! element and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};
@@ -24,8 +24,8 @@ fn plans() -> Vec<Plan> {
     plans
 }
 
-/// A named parameter is a parameter of the FMU: tunable where every number that follows from it is
-/// tunable, else fixed. Numbers that follow from one are calculated.
+/// A named parameter is a parameter of the FMU: tunable if every number that follows from it is
+/// tunable, otherwise fixed. Numbers that follow from one are calculated.
 #[test]
 fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly/play_by_one_number.toml");
@@ -52,8 +52,8 @@ fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     assert_eq!(listed.count(), 1);
 }
 
-/// What says when something is, and where a body begins, is fixed; inputs have the unit of what
-/// they are added to.
+/// Numbers that determine times or where a body begins are fixed. Inputs have the unit of the
+/// signal to which they are added.
 #[test]
 fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     let plan = Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap();
@@ -75,8 +75,8 @@ fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     assert_eq!(row("body.table.motion.acceleration.input").unit, "m/s2");
 }
 
-/// Heights and times of a stiffness that steps are tunable, its period is fixed; what its steps put
-/// in is a variable of such a machine alone.
+/// Heights and times of a stepped stiffness are tunable, but its period is fixed. Only such a
+/// machine has a variable for the energy that the steps add.
 #[test]
 fn golden_stiffness_that_steps_and_what_it_puts_in() {
     let plan = Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap();
@@ -122,7 +122,7 @@ fn invariant_both_descriptions_have_every_variable_with_a_unit_that_is_defined()
     }
 }
 
-/// fmi-sim 0.7 opens no archive in which a variable itself has one of these attributes.
+/// fmi-sim 0.7 does not open archives in which a variable itself has one of these attributes.
 #[test]
 fn invariant_units_and_nominal_values_are_those_of_declared_types_in_fmi_3() {
     let mut nominals = 0;
@@ -314,7 +314,7 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
                 "{}",
                 row.name
             );
-            // Of a named parameter the range follows from its use (tests/components/named.rs).
+            // The range of a named parameter follows from its use (tests/components/named.rs).
             if !follows.is_empty() {
                 continue;
             }
@@ -327,7 +327,7 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
     }
 }
 
-/// What hosts may do with a machine: each is done in the tests of the C interface.
+/// Everything that hosts may do with a machine; the tests of the C interface do each of these.
 #[test]
 fn golden_capabilities_are_those_of_the_component() {
     let plan = Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap();
@@ -337,7 +337,7 @@ fn golden_capabilities_are_those_of_the_component() {
         let tag = &text[from..from + text[from..].find('>').unwrap()];
         let words = tag.split_whitespace().map(|word| word.trim_end_matches('/').replace('"', ""));
         let mut words: Vec<String> = words.filter(|word| word.contains('=')).collect();
-        // The library, not the machine, says the others.
+        // The library, not the machine, determines the other attributes.
         words.retain(|word| !["modelI", "canBeI", "canNot", "needsE"].contains(&&word[..6]));
         words.sort();
         words

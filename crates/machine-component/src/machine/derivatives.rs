@@ -1,5 +1,5 @@
 //! Derivatives of outputs with respect to time, states, inputs and parameters, at the present
-//! instant and in the mode in force.
+//! instant and in the present mode.
 
 use super::Machine;
 use crate::problem::MachineProblem;
@@ -16,7 +16,7 @@ pub(crate) const OUTPUT_ORDER: u32 = 3;
 struct Along {
     states: Vec<f64>,
     inputs: Vec<f64>,
-    /// By place among the parameters.
+    /// Index of each varied parameter, with its part.
     parameters: Vec<(usize, f64)>,
     time: f64,
 }
@@ -28,7 +28,7 @@ struct Partial {
 }
 
 impl Partial {
-    /// The weighted sum for a quantity; NaN where it is no number.
+    /// The weighted sum for a quantity; NaN if a derivative does not exist.
     fn of(&self, quantity: vibro_machine::Quantity) -> f64 {
         let term = |(p, weight): (usize, &f64)| match *weight {
             0.0 => 0.0,
@@ -39,7 +39,7 @@ impl Partial {
 }
 
 impl Machine {
-    /// The row of a variable whose value is linear in states and signals.
+    /// Returns the row of a variable whose value is linear in states and signals.
     fn linear(&self, reference: u32, what: &'static str) -> Result<&VariableRow, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         match row.quantity {
@@ -78,8 +78,8 @@ impl Machine {
         Ok(())
     }
 
-    /// The derivatives of unknowns along a direction of inputs, in Model Exchange states, and in
-    /// FMI 3.0 tunable parameters and time, with the states fixed.
+    /// Computes the derivatives of unknowns along a direction of inputs, in Model Exchange also of
+    /// states, and in FMI 3.0 of tunable parameters and time, with the states fixed.
     pub(super) fn derivatives_along(
         &mut self,
         unknowns: &[u32],
@@ -100,7 +100,7 @@ impl Machine {
         Ok(())
     }
 
-    /// The direction of a seed.
+    /// Returns the direction of a seed.
     fn seeded(&self, knowns: &[u32], seed: &[f64]) -> Result<Along, MachineProblem> {
         let exchange = self.life.interface == Interface::ModelExchange;
         let moves = self.plan.knows_parameters
@@ -141,8 +141,8 @@ impl Machine {
         Ok(along)
     }
 
-    /// The derivatives of a motion's values by parameters and time along a direction, each with its
-    /// weight.
+    /// Returns the derivatives of a motion's values by parameters and time along a direction, each
+    /// with its weight.
     fn partial(&self, motion: Motion, along: &Along) -> Result<Option<Partial>, MachineProblem> {
         if along.parameters.is_empty() && along.time == 0.0 {
             return Ok(None);
@@ -156,8 +156,8 @@ impl Machine {
         Ok(Some(Partial { of: Differentiated::at_fixed_state(motion, &columns)?, weights }))
     }
 
-    /// A change of a parameter at a time as changes of the machine's numbers: the phase of a
-    /// harmonic whose frequency changes goes on from where it is.
+    /// Returns the changes of the machine's numbers for a change of a parameter at a time. A
+    /// harmonic whose frequency changes continues from its present phase.
     pub(super) fn direction(&self, i: usize, time: f64) -> Vec<(&str, f64)> {
         let name = |i: usize| self.plan.table.parameters[i].name.as_str();
         match name(i).ends_with(".frequency") {
@@ -166,8 +166,8 @@ impl Machine {
         }
     }
 
-    /// What a variable that is linear in the motion reads of a derivative of the motion, which is
-    /// to be finite.
+    /// Returns the derivative of a variable that is linear in the motion, from a motion that
+    /// represents the derivative. Error if it is not finite.
     fn derivative(
         &self,
         of: &Motion,

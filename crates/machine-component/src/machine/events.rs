@@ -4,8 +4,7 @@ use fmi_doors::log::{Category, Log};
 use vibro_machine::Assembly;
 use vibro_machine::motion::{Event, EventKind};
 
-/// Tells an event where that is wanted; samples, of which there may be thousands a second, are
-/// none.
+/// Logs an event if this is requested. Samples are left out, as there may be thousands a second.
 pub(super) fn tell(machine: &Assembly, event: &Event, log: &mut dyn Log) {
     if event.is_listed() && log.wants(Category::Events) {
         log.log(Category::Events, &in_words(machine, event));

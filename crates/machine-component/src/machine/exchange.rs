@@ -18,7 +18,7 @@ impl Machine {
         Ok(())
     }
 
-    /// The motion as it is, in initialization the start with all that was set.
+    /// Returns the present motion; in initialization the start with all values that were set.
     pub(super) fn seen(&self) -> Result<Cow<'_, Moving>, MachineProblem> {
         match (&self.ahead, &self.moving) {
             (Some(ahead), _) => Ok(Cow::Borrowed(ahead)),
@@ -30,7 +30,7 @@ impl Machine {
         }
     }
 
-    /// Numbers for a host's solver, none of which is ever not finite; zeros without a sign.
+    /// Removes the signs of zeros for a host's solver. Error if a number is not finite.
     pub(super) fn finite(&self, what: &str, mut numbers: Vec<f64>) -> Result<Vec<f64>, MachineProblem> {
         numbers.iter_mut().for_each(|number| *number += 0.0);
         match numbers.iter().find(|number| !number.is_finite()) {

@@ -1,4 +1,4 @@
-//! How a described machine moves: steps, events, and the time of a host's solver.
+//! The motion of a described machine: steps, events, and the time of a host's solver.
 
 use super::Machine;
 use super::events::tell;
@@ -20,7 +20,7 @@ pub enum Undo {
     Same(f64),
 }
 
-/// Before initialization has ended there is no motion.
+/// The problem of a call before the end of initialization: the motion does not exist yet.
 fn none() -> Problem {
     Problem::Sequence { what: "the instance is not initialized".into() }
 }
@@ -76,8 +76,8 @@ impl Hybrid for Machine {
     fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, MachineProblem> {
         self.matrices = None;
         let motion = &mut self.moving.as_mut().ok_or_else(none)?.motion;
-        // The motion's time may exceed the end by the rounding that the host's time may have. Then
-        // nothing is left to do.
+        // The motion's time may exceed the end by the rounding of the host's time. Then nothing
+        // remains to be done.
         let (end, assembly) = (end.value().max(motion.time()), motion.assembly().clone());
         let mut events = 0;
         let mut observe = |event: &Event| {
@@ -156,8 +156,8 @@ impl Hybrid for Machine {
         Ok(Handled { states: states || set, nominals: false })
     }
 
-    /// In Model Exchange, values that were set at an event without an update of the discrete states
-    /// act from now on. In Co-Simulation the next step takes them over.
+    /// In Model Exchange, values set at an event without an update of the discrete states now act.
+    /// In Co-Simulation the next step takes them over.
     fn go_on(&mut self, _: Option<&mut dyn Log>) -> Result<(), MachineProblem> {
         if self.life.interface == Interface::CoSimulation {
             return Ok(());

@@ -1,5 +1,5 @@
-//! The last step, kept so that its derivatives can be had when they are asked for: a step itself
-//! takes no longer.
+//! The last step, kept so that its derivatives can be computed on demand: a step itself takes no
+//! longer.
 
 use super::Machine;
 use super::moving::Moving;
@@ -8,11 +8,11 @@ use vibro_machine::motion::{Hybrid, Reached};
 use vibro_machine::signals::Input;
 use vibro_machine::{Assembly, Differentiated, Error, Motion};
 
-/// A time is met again but for this part of it: a step that a host has ended between events makes
-/// other sub-steps.
+/// Relative tolerance within which a replay reaches the same time. If a host ended a step between
+/// events, the replay has other sub-steps.
 const SAME_TIME: f64 = 8.0 * f64::EPSILON;
 
-/// Where the last step began, what it took over there, and where it was to end.
+/// Beginning of the last step, the inputs it took over, and its intended end.
 #[derive(Clone)]
 pub(super) struct LastStep {
     pub(super) assembly: Arc<Assembly>,
@@ -21,21 +21,21 @@ pub(super) struct LastStep {
     pub(super) end: f64,
 }
 
-/// Derivatives of the states at the end of a step, each matrix row by row.
+/// Derivatives of the states at the end of a step; each matrix is stored row by row.
 #[derive(Clone, Default)]
 pub(super) struct StepMatrices {
-    /// By the states at its begin.
+    /// Derivatives by the states at the step's beginning.
     pub(super) transition: Vec<f64>,
-    /// By value and derivatives 1 to 3, at its begin, of each input in turn.
+    /// Derivatives by the value and derivatives 1 to 3 of each input, at the step's beginning.
     pub(super) response: Vec<f64>,
-    /// By the tunable parameters, once they were asked for.
+    /// Derivatives by the tunable parameters, once requested.
     by_parameters: Option<Vec<f64>>,
 }
 
 impl Machine {
-    /// The derivatives over the last step, with the law of an event at its end once that is shown.
-    /// Without a step, as before the first and after a saved state was put back, they are those of
-    /// a step of no length.
+    /// Returns the derivatives over the last step, including the law of an event at its end once
+    /// that is shown. Before the first step, and after a saved state was restored, they are the
+    /// derivatives over a step of length zero.
     pub(super) fn step_matrices(&mut self) -> &mut StepMatrices {
         let found = self.matrices.take().or_else(|| self.find_matrices());
         self.matrices.insert(found.unwrap_or_default())
@@ -57,8 +57,8 @@ impl Machine {
         Some(StepMatrices { transition, response, by_parameters: None })
     }
 
-    /// The derivatives over the last step by the tunable parameters, as they are set at its begin
-    /// with the states kept, row by row. They are zeros without a step, and where there is none.
+    /// Returns the derivatives over the last step by the tunable parameters, set at its beginning
+    /// with the states kept, row by row. Zeros without a step, and if no derivative exists.
     pub(super) fn step_by_parameters(&mut self) -> &[f64] {
         let own = self.step_matrices().by_parameters.take();
         let found = own.unwrap_or_else(|| self.find_by_parameters());
@@ -72,7 +72,7 @@ impl Machine {
         (0..states).flat_map(|i| columns.iter().map(move |column| number(column[i]))).collect()
     }
 
-    /// A column for each tunable parameter; `None` without a step.
+    /// Returns a column for each tunable parameter; `None` without a step.
     fn columns_by_parameters(&self) -> Option<Vec<Vec<f64>>> {
         let (step, reached) = (self.last_step.as_ref()?, self.moving.as_ref()?);
         let begin = step.motion(reached).ok()?;
@@ -96,13 +96,13 @@ impl Machine {
     }
 }
 
-/// A derivative as a number that a host can read: a touch may throw a variation out of range.
+/// Returns a derivative as a number that a host can read: a touch may make a variation overflow.
 fn number(x: f64) -> f64 {
     if x.is_nan() { 0.0 } else { x.clamp(f64::MIN, f64::MAX) + 0.0 }
 }
 
 impl LastStep {
-    /// The motion at the step's begin, with what it took over; `reached` may lend its tables.
+    /// Returns the motion at the step's beginning, with its inputs; may reuse tables of `reached`.
     fn motion(&self, reached: &Moving) -> Result<Motion, Error> {
         let mut motion = if Arc::ptr_eq(&self.assembly, reached.motion.assembly()) {
             let mut motion = reached.motion.clone();
@@ -119,8 +119,8 @@ impl LastStep {
     }
 }
 
-/// The derivatives at the motion's present point by parameters that change at the step's begin,
-/// through all events between.
+/// Returns the derivatives at the motion's present point by parameters that change at the step's
+/// beginning, through all events between.
 fn replay_varied(
     begin: Motion,
     parameters: &[&str],
@@ -149,8 +149,8 @@ fn replay_varied(
     Ok(varied)
 }
 
-/// The variations at the motion's present point by states and inputs at the step's begin, through
-/// all events between.
+/// Returns the variations at the motion's present point by states and inputs at the step's
+/// beginning, through all events between.
 fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
     let mut motion = step.motion(reached)?;
     let mut variations = motion.unit_variations();

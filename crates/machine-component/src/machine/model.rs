@@ -148,7 +148,7 @@ impl Model for Machine {
         self.derivatives_along(unknowns, knowns, seed, write)
     }
 
-    /// The next knot of a signal or sample of a block; impacts and the like are not known before.
+    /// The next knot of a signal or sample of a block; state events such as impacts are not known.
     fn next_event_time(&mut self) -> Option<f64> {
         let Moving { motion, course, .. } = self.moving.as_ref()?;
         if let Some(course) = course {
@@ -230,7 +230,7 @@ impl Model for Machine {
 
     fn deserialize(&self, bytes: &[u8]) -> Result<SavedState, MachineProblem> {
         let saved = SavedState::from_bytes(bytes, &self.plan.machine_token())?;
-        // Whether it fits shows when it is restored, which changes nothing where it does not.
+        // Restoring a trial instance checks whether the state fits.
         let mut trial = Self::new(self.plan.clone(), self.life);
         trial.restore(&SavedState {
             life: Life { interface: self.life.interface, ..saved.life },

@@ -1,4 +1,4 @@
-//! A motion, with what a host reads of it.
+//! A motion, with the values that a host reads from it.
 
 use crate::plan::Plan;
 use crate::problem::MachineProblem;
@@ -14,21 +14,21 @@ use vibro_machine::signals::Input;
 use vibro_machine::system::Part;
 use vibro_machine::{Assembly, Error, Motion};
 
-/// A motion, and what its energy is held against.
+/// A motion, with the reference of its energy balance.
 #[derive(Clone, Debug)]
 pub struct Moving {
     pub(super) motion: Motion,
-    /// The mechanical energy that it would have without work and losses, J. A prescribed motion
-    /// that is set anew may stretch springs at once, as may a changed parameter; what that adds is
-    /// taken into it.
+    /// The mechanical energy that the motion would have without work and losses, J. A changed
+    /// prescribed motion or parameter may stretch springs at once; the energy that this adds is
+    /// included.
     pub(super) origin: f64,
-    /// Where a host's solver has come from, in Model Exchange.
+    /// The last point of a host's solver, in Model Exchange.
     pub(super) course: Option<Course>,
-    /// The numbers of its machine, by parameter.
+    /// Values of the machine's parameters.
     numbers: Arc<Vec<f64>>,
 }
 
-/// A motion as it is saved.
+/// A motion in a saved state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedMoving {
     hybrid: Hybrid,
@@ -38,7 +38,7 @@ pub(crate) struct SavedMoving {
 }
 
 impl Moving {
-    /// A motion that begins, in a machine of these numbers.
+    /// Creates a motion that begins in a machine with these numbers.
     pub(super) fn new(motion: Motion, numbers: Vec<f64>) -> Self {
         let mut moving = Self { motion, origin: 0.0, course: None, numbers: Arc::new(numbers) };
         moving.origin = moving.unaccounted();
@@ -55,7 +55,7 @@ impl Moving {
         }
     }
 
-    /// What was saved of a motion of a plan's machine; `present` may lend its tables.
+    /// Restores a saved motion of a plan's machine; reuses the tables of `present` if possible.
     pub(super) fn resumed(
         present: Option<&Self>,
         plan: &Plan,
@@ -102,13 +102,13 @@ impl Moving {
         }
     }
 
-    /// Mechanical energy less work plus losses.
+    /// Mechanical energy minus work plus losses.
     fn unaccounted(&self) -> f64 {
         let (kinetic, stored) = self.motion.kinetic_and_stored();
         kinetic + stored - self.accounts().balance()
     }
 
-    /// Sets the inputs that were given.
+    /// Sets the given inputs.
     pub(super) fn set_inputs(&mut self, inputs: &[Option<Input>]) -> Result<(), Error> {
         if inputs.iter().all(Option::is_none) {
             return Ok(());
@@ -116,7 +116,7 @@ impl Moving {
         // Without prescribed motions no input changes the energy at once.
         let moves = self.jumps();
         let residual = if moves { self.unaccounted() - self.origin } else { 0.0 };
-        // All at once: bodies that touch may jump together.
+        // Set all at once: bodies that touch may jump together.
         let given = inputs.iter().enumerate().filter_map(|(i, input)| Some((i, (*input)?)));
         let new: Vec<(usize, Input)> = given.filter(|(i, input)| *input != self.motion.input(*i)).collect();
         match &mut self.course {
@@ -129,7 +129,7 @@ impl Moving {
         Ok(())
     }
 
-    /// Goes on in a machine of which numbers have changed.
+    /// Continues in a machine with changed numbers.
     pub(super) fn change(&mut self, assembly: Arc<Assembly>, numbers: Vec<f64>) -> Result<(), Error> {
         let residual = self.unaccounted() - self.origin;
         self.motion = match &mut self.course {
@@ -141,7 +141,7 @@ impl Moving {
         Ok(())
     }
 
-    /// Sets the states at some places among the assembly's states.
+    /// Sets the states with these indices among the assembly's states.
     pub(super) fn set_states(&mut self, places: &[usize], states: &[f64]) {
         let mut all = self.motion.states();
         if places.len() == all.len() {
@@ -160,12 +160,12 @@ impl Moving {
         self.origin = self.unaccounted() - residual;
     }
 
-    /// Accepts a point of a host's solver; whether an event was passed over.
+    /// Accepts a point of a host's solver; returns whether an event was passed.
     pub(super) fn accept(&mut self) -> bool {
         self.course.as_mut().is_some_and(|course| self.motion.accept(course))
     }
 
-    /// Whether it stands at an event whose law is still to be applied.
+    /// Whether an event is pending.
     pub(super) fn is_event_due(&self) -> bool {
         match &self.course {
             Some(course) => self.motion.is_event_due_on(course),
@@ -173,13 +173,13 @@ impl Moving {
         }
     }
 
-    /// Whether an input that is set at an event lets prescribed bodies jump, instead of a host's
-    /// solver seeing it at once.
+    /// Whether an input set at an event makes prescribed bodies jump. Otherwise a host's solver
+    /// sees the input at once.
     pub(super) fn jumps(&self) -> bool {
         self.motion.assembly().system().has_motions
     }
 
-    /// Applies the law of an event; whether a solver is to start anew.
+    /// Applies the law of an event; returns whether a solver has to restart.
     pub(super) fn handle(&mut self, observer: &mut dyn FnMut(&Event)) -> Result<bool, Error> {
         match &mut self.course {
             Some(course) => self.motion.handle_on(course, observer),
@@ -187,7 +187,7 @@ impl Moving {
         }
     }
 
-    /// The values that change at events only.
+    /// Returns the values that change only at events.
     pub(super) fn discrete(&self) -> Shown {
         let mode = self.motion.mode();
         let stop = |i: usize| {
@@ -203,14 +203,14 @@ impl Moving {
         }
     }
 
-    /// The number of corners that a spring has passed.
+    /// Returns the number of corners that a spring has passed.
     fn line(&self, spring: usize) -> f64 {
         let (system, mode) = (self.motion.assembly().system(), self.motion.mode());
         let passed = |part: &&Part| matches!(part, Part::Stop(i) if mode.stops[*i] == StopState::Pressed);
         system.parts[spring].iter().filter(passed).count() as f64
     }
 
-    /// What is read from the motion; 0 of what is not.
+    /// Returns a value that is read from the motion; 0 for other quantities.
     pub(super) fn value(&self, quantity: Quantity) -> f64 {
         let motion = &self.motion;
         match quantity {
@@ -250,23 +250,23 @@ impl Moving {
     }
 }
 
-/// What changes at events only, as a host sees it.
+/// The values that change only at events, as a host sees them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
-    /// By stop: state, impacts, last impulse.
+    /// State, number of impacts and last impulse of each stop.
     pub(super) stops: Vec<(f64, f64, f64)>,
-    /// By friction.
+    /// State of each friction.
     pub(super) frictions: Vec<f64>,
-    /// By spring: the number of corners that it has passed.
+    /// Number of corners that each spring has passed.
     pub(super) lines: Vec<f64>,
-    /// By spring in series.
+    /// State of each spring in series.
     pub(super) sliders: Vec<f64>,
     /// States and outputs of sampled blocks.
     pub(super) samples: Vec<f64>,
 }
 
 impl Shown {
-    /// Whether it is of as many stops and frictions.
+    /// Whether the numbers of all elements agree.
     pub(super) fn has_the_shape_of(&self, other: &Self) -> bool {
         let counts =
             |shown: &Self| [&shown.frictions, &shown.lines, &shown.sliders, &shown.samples].map(Vec::len);
@@ -318,7 +318,7 @@ mod tests {
         }
     }
 
-    /// The balance at a start is its own origin, whatever it is.
+    /// The balance at a start is its own origin, whatever its value.
     #[test]
     fn invariant_the_energy_of_a_start_is_no_residual() {
         let own = moving(&Plan::new(PAIR.into(), crate::plan::FILE).unwrap());

@@ -8,7 +8,7 @@ use vibro_machine::description::BlockInput;
 use vibro_machine::{Element, Quantity as Column, What};
 
 impl Structure<'_> {
-    /// The knowns of a load's force.
+    /// Returns the knowns of a load's force.
     pub(super) fn driving(&self, element: Element) -> Knowns {
         let mut knowns = self.signals(element);
         let load = self.machine.loads.iter().position(|own| own.name == element.name());
@@ -20,8 +20,8 @@ impl Structure<'_> {
         knowns
     }
 
-    /// The knowns of an output, a state or a state's rate of the block with an index among the
-    /// elements. A sample sets those of a sampled block from its states and its inputs.
+    /// Returns the knowns of an output, a state or a state's rate of a block, by its index among
+    /// the elements. A sample sets these values of a sampled block from its states and inputs.
     pub(super) fn of_block(&self, element: usize, what: What) -> Knowns {
         let mut knowns = Knowns::new();
         let own = element + self.machine.blocks.len() - self.elements.len();
@@ -39,7 +39,7 @@ impl Structure<'_> {
         knowns
     }
 
-    /// The knowns of an output as loads and other blocks see it: a sampled one is held.
+    /// Returns the knowns of an output as loads and other blocks see it: a sampled output is held.
     fn seen_output(&self, element: usize, output: usize) -> Knowns {
         let block = &self.machine.blocks[element + self.machine.blocks.len() - self.elements.len()];
         let mut knowns = Knowns::new();
@@ -55,7 +55,7 @@ impl Structure<'_> {
         put(knowns, self.references[&state], Dependent);
     }
 
-    /// Adds what a continuous block computes from: its states and parameters, and what it reads.
+    /// Adds a continuous block's states and parameters, and the knowns of its inputs.
     fn computed(&self, block: usize, seen: &mut [bool], knowns: &mut Knowns) {
         if std::mem::replace(&mut seen[block], true) {
             return;
@@ -66,7 +66,7 @@ impl Structure<'_> {
         self.read(block, seen, knowns);
     }
 
-    /// Adds what a block reads.
+    /// Adds the knowns of a block's inputs.
     fn read(&self, block: usize, seen: &mut [bool], knowns: &mut Knowns) {
         let first = self.elements.len() - self.machine.blocks.len();
         for input in &self.machine.blocks[block].inputs {
@@ -90,7 +90,7 @@ impl Structure<'_> {
         }
     }
 
-    /// Adds what the numbers of a block depend on when initialization ends: it may have been
+    /// Adds the knowns of a block's states when initialization ends: the block may have been
     /// sampled.
     pub(super) fn start_of_block(&self, knowns: &mut Knowns) {
         let all = self.parameters.values().flatten();

@@ -9,7 +9,7 @@ use vibro_machine::Element;
 use vibro_machine::description::{Arms, BodyKind, Description};
 use vibro_machine::elements::Action;
 
-/// By body: the number of its group, where each of `arms` may hold its free bodies together.
+/// Returns the group number of each body, if each of `arms` may hold its free bodies together.
 pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
     let mut group: Vec<usize> = (0..machine.bodies.len()).collect();
     for arms in arms {
@@ -23,7 +23,7 @@ pub(super) fn groups(machine: &Description, arms: &[&Arms]) -> Vec<usize> {
     group
 }
 
-/// The bodies of an elongation, where coordinates stand for the nodes on them.
+/// Returns the bodies of an elongation; nodes are replaced by their coordinates.
 pub(super) fn bodies_of(machine: &Description, arms: &Arms) -> impl Iterator<Item = usize> {
     arms.terms.iter().flat_map(|term| machine.behind(term.0))
 }
@@ -32,7 +32,7 @@ pub(super) fn is_free(machine: &Description, body: usize) -> bool {
     matches!(machine.bodies[body].kind, BodyKind::Free(_))
 }
 
-/// Whether an element may constrain its elongation or the rate of it.
+/// Whether an element may constrain its elongation or its rate.
 pub(super) fn holds(action: Action) -> bool {
     matches!(action, Action::Tying | Action::Hitting | Action::Rubbing)
 }
@@ -42,16 +42,16 @@ pub(super) fn holds(action: Action) -> bool {
 pub(super) struct Group {
     /// Knowns of the accelerations.
     pub(super) forces: Knowns,
-    /// Knowns of their jumps at events: those of prescribed bodies that they are tied to or touch.
+    /// Knowns of the bodies' jumps at events, from prescribed bodies tied to or touching them.
     pub(super) jumps: Knowns,
-    /// Whether a link ties them to a prescribed body, so that coordinates jump as well as rates.
+    /// Whether a link ties the bodies to a prescribed body, so that coordinates and rates jump.
     pub(super) is_tied: bool,
-    /// Whether a rigid stop acts on them.
+    /// Whether a rigid stop acts on the bodies.
     pub(super) hits: bool,
 }
 
 impl<'a> Structure<'a> {
-    /// The groups of the free bodies on which an element acts.
+    /// Returns the groups of the free bodies on which an element acts.
     pub(super) fn groups_of(&self, element: Element) -> Vec<usize> {
         let load =
             if let Element::Load(load) = element { self.machine.behind(load.body) } else { Vec::new() };
@@ -65,7 +65,7 @@ impl<'a> Structure<'a> {
 
     pub(super) fn find_groups(&mut self) {
         let free = (0..self.machine.bodies.len()).filter(|&body| is_free(self.machine, body));
-        // First the parameters: of the bodies, and of the elements that hold or hit them.
+        // First the parameters of the bodies, and of the elements that hold or hit them.
         let mut groups: HashMap<usize, Group> = HashMap::new();
         for body in free {
             self.of_body_section(body, &mut groups.entry(self.group_of[body]).or_default().forces);
@@ -100,10 +100,10 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// The knowns of the forces among the coordinates of one body, by group.
+    /// Returns the knowns of the forces among the coordinates of one body, by group.
     fn forces_within(&self, element: Element) -> Vec<(usize, Knowns)> {
         let coordinates = element.coordinates();
-        // Damping and gyroscopic forces may couple those of matrices.
+        // Damping and gyroscopic forces may couple the coordinates of a body with matrices.
         let couples = matches!(element, Element::Matrix(_));
         let beside = |body: usize| if couples { coordinates.clone() } else { body..body + 1 };
         let force = |body: usize| {
@@ -118,7 +118,7 @@ impl<'a> Structure<'a> {
         coordinates.clone().map(force).collect()
     }
 
-    /// The knowns of each force that acts on a group, with the group's number.
+    /// Returns the knowns of each force that acts on a group, with the group's number.
     fn forces(&self) -> Vec<(usize, Knowns)> {
         let mut forces: Vec<(usize, Knowns)> = Vec::new();
         for &element in &self.elements {

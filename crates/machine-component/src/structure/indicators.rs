@@ -9,8 +9,8 @@ use vibro_machine::elements::Action;
 use vibro_machine::{Element, What};
 
 impl<'a> Structure<'a> {
-    /// Adds the knowns of an event indicator. It is relative to the size of its functional, which
-    /// depends on all parameters and on past inputs.
+    /// Adds the knowns of an event indicator. It is relative to the size of its event function,
+    /// which depends on all parameters and on past inputs.
     pub(super) fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let of_element = |element: &Element<'a>| {
             let (count, first) = match element.action() {
@@ -37,7 +37,7 @@ impl<'a> Structure<'a> {
             return self.anything_set(knowns);
         }
         let place = if place >= first { place - limits.len() } else { place };
-        // Those of sliders stand last.
+        // Slider indicators come last.
         let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
         let rubs = |element: &&Element| element.action() == Action::Rubbing;
         let is_stop = |element: &&Element| matches!(element, Element::Stop(_));
@@ -57,7 +57,7 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// The number of indicators of stops and corners, of which there are `count`.
+/// Returns the number of indicators of all stops and corners, `count` in total.
 fn stops_before(machine: &Description, count: usize) -> usize {
     let compliant = |stop: &&Stop| matches!(stop.law, StopLaw::Compliant { .. });
     count + machine.stops.iter().filter(compliant).count()

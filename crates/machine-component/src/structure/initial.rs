@@ -1,4 +1,4 @@
-//! Dependencies in initialization, where the states follow from start values (FMI 3.0.2, 2.4.8,
+//! Dependencies in initialization, when the states follow from start values (FMI 3.0.2, 2.4.8,
 //! `InitialUnknown`).
 
 use super::Structure;
@@ -10,12 +10,12 @@ use vibro_machine::elements::Action;
 use vibro_machine::{Element, Owner, What};
 
 impl Structure<'_> {
-    /// The knowns of a variable in initialization: those of [`of`](Self::of), with each state
-    /// replaced by the knowns of its start.
+    /// Returns the knowns of a variable in initialization: its knowns by [`of`](Self::of), with
+    /// each state replaced by the knowns of its start.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         if let Quantity::Column(Column { owner: Owner::Element(i), what: What::SliderRate }) = quantity {
-            // Where it begins decides whether it slips.
+            // Its start decides whether it slips.
             self.start_of_slider(i, &mut knowns);
         }
         for (known, _) in self.of(quantity) {
@@ -44,7 +44,7 @@ impl Structure<'_> {
         let all = self.parameters.get(section.as_str()).into_iter().flatten();
         all.filter(|(_, rest)| *rest == ".slider").for_each(|(known, _)| put(knowns, *known, Dependent));
         if slides(&self.elements[i].series().copied()) {
-            // It is moved to where the force is not above its level.
+            // The slider is moved until the force does not exceed its level.
             self.of_section(&section, knowns);
             let mut of_elongation = Knowns::new();
             self.elongation(self.elements[i], 0, &mut of_elongation);
@@ -57,8 +57,8 @@ impl Structure<'_> {
         }
     }
 
-    /// Adds the knowns of a state's initial value: its start value, or equilibrium under all loads;
-    /// of a rate also the impacts of the first instant.
+    /// Adds the knowns of a state's initial value: its start value, or equilibrium under all
+    /// loads. For a rate, adds the impacts of the first instant as well.
     fn start(&self, body: usize, order: usize, knowns: &mut Knowns) {
         self.start_alone(body, order, knowns);
         let group = &self.groups[&self.group_of[body]];

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// Dependency kinds by value reference of the known.
 pub(super) type Knowns = BTreeMap<u32, DependencyKind>;
 
-/// Rank of a kind: the weaker its statement, the higher.
+/// Rank of a dependency kind: the weaker its statement, the higher its rank.
 fn rank(kind: DependencyKind) -> u8 {
     match kind {
         Constant => 0,
@@ -18,7 +18,7 @@ fn rank(kind: DependencyKind) -> u8 {
     }
 }
 
-/// Adds a known; of two kinds the weaker statement holds.
+/// Adds a known; the weaker of two kinds is kept.
 pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     let entry = into.entry(known).or_insert(kind);
     if rank(kind) > rank(*entry) {
@@ -26,7 +26,7 @@ pub(super) fn put(into: &mut Knowns, known: u32, kind: DependencyKind) {
     }
 }
 
-/// Adds knowns whose factors are multiplied by one of kind `times`.
+/// Adds knowns whose factors are multiplied by a factor of kind `times`.
 pub(super) fn join(into: &mut Knowns, from: &Knowns, times: DependencyKind) {
     for (&known, &kind) in from {
         put(into, known, if rank(times) > rank(kind) { times } else { kind });

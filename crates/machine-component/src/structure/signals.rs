@@ -8,8 +8,8 @@ use vibro_machine::Element;
 use vibro_machine::description::{BodyKind, Friction, Interpolation, Signal};
 
 impl Structure<'_> {
-    /// Adds the time and input on which a signal's time derivative of an `order` depends. Its
-    /// parameters are those of its section, which the caller adds.
+    /// Adds the time and input on which a signal's time derivative of an `order` depends. The
+    /// caller adds the signal's parameters, which are in its section.
     pub(super) fn signal(&self, signal: &Signal, rate: f64, input: &str, order: usize, into: &mut Knowns) {
         let cubic = signal.table.as_ref().is_some_and(|table| table.interpolation == Interpolation::Cubic);
         let moves = match order {
@@ -33,7 +33,7 @@ impl Structure<'_> {
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
             }
-            // An integral moves with time, and with an input since a solver's last point.
+            // An integral changes with time, and with an input since a solver's last point.
             BodyKind::Integrated(own) if order < own.level.order() => {
                 put(&mut knowns, self.references[&Quantity::Time], Dependent);
                 let input = format!("body.{name}.motion.{}.input", own.level.key());
@@ -50,7 +50,7 @@ impl Structure<'_> {
         knowns
     }
 
-    /// The knowns of an element's signals, and its parameters.
+    /// Returns the knowns of an element's signals, including its parameters.
     pub(super) fn signals(&self, element: Element) -> Knowns {
         let (mut knowns, section) = (Knowns::new(), element.dotted());
         for (key, signal) in element.signals() {

@@ -2,7 +2,7 @@
 
 use vibro_machine::{Owner, What};
 
-/// The source of a variable's value, by the places of bodies and elements in the description.
+/// The source of a variable's value, by the indices of bodies and elements in the description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time.
@@ -23,19 +23,19 @@ pub enum Quantity {
     Impulse(usize),
     /// The state of a friction.
     FrictionState(usize),
-    /// The number of corners that a spring has passed, by its place among the springs.
+    /// The number of corners that a spring has passed, by the spring's index.
     Line(usize),
-    /// The state of a slider in series with a spring, by the spring's place among those in series.
+    /// The state of a slider, by the index of its spring among the springs in series.
     SliderState(usize),
     /// A part of the energy balance.
     Energy(Energy),
     /// An event indicator, by its index.
     Indicator(usize),
-    /// Derivatives of the states at the end of the last step with respect to those at its start.
+    /// Derivatives of the states at the end of the last step by the states at its start.
     Transition,
-    /// Derivatives of the states at the end of the last step with respect to the inputs.
+    /// Derivatives of the states at the end of the last step by the inputs.
     Response,
-    /// Derivatives of the states at the end of the last step with respect to tunable parameters.
+    /// Derivatives of the states at the end of the last step by tunable parameters.
     ByParameters,
 }
 
@@ -45,7 +45,7 @@ impl Quantity {
         Self::Column(vibro_machine::Quantity::of_body(body, [What::S, What::V, What::A][order.min(2)]))
     }
 
-    /// The body and the order of a body's quantity, the inverse of [`of_body`](Self::of_body).
+    /// Returns body and order of a body's quantity, the inverse of [`of_body`](Self::of_body).
     pub fn as_body(self) -> Option<(usize, usize)> {
         let Self::Column(vibro_machine::Quantity { owner: Owner::Body(body), what }) = self else {
             return None;
@@ -65,8 +65,8 @@ pub enum Energy {
     Work,
     /// Energy lost in dashpots, stops and friction since the start.
     Lost,
-    /// What steps of stiffness have put in since the start.
+    /// Energy that steps of stiffness have added since the start.
     Switched,
-    /// Mechanical energy less its value by work and losses: rounding.
+    /// Mechanical energy minus its value from work and losses: rounding.
     Residual,
 }

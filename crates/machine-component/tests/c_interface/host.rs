@@ -41,14 +41,14 @@ impl std::ops::Deref for Messages {
     type Target = Vec<String>;
 
     fn deref(&self) -> &Vec<String> {
-        // SAFETY: the list lives as long as this, and nothing is added while it is read.
+        // SAFETY: the list lives until the drop of this value; nothing is added while it is read.
         unsafe { &*self.0 }
     }
 }
 
 impl Drop for Messages {
     fn drop(&mut self) {
-        // SAFETY: it was made of a box.
+        // SAFETY: the pointer was made from a box.
         drop(unsafe { Box::from_raw(self.0) });
     }
 }
@@ -137,7 +137,7 @@ impl<'a> Instance<'a> {
         unsafe { fmi3SetFloat64(self.c, &self.reference(name), 1, &value, 1) }
     }
 
-    /// A step; whether an event is to be handled, whether it has ended early, and the time reached.
+    /// Makes a step. Returns whether an event is pending, whether it ended early, its end time.
     pub fn step(&self, point: f64, size: f64) -> (bool, bool, f64) {
         let (mut event, mut end, mut early, mut time) = (0, 0, 0, 0.0);
         let status =
@@ -146,8 +146,8 @@ impl<'a> Instance<'a> {
         (event != 0, early != 0, time)
     }
 
-    /// Handles the events of this instant; whether something has changed, and the time of the next
-    /// event where it is known.
+    /// Handles the events of this instant. Returns whether something has changed, and the time of
+    /// the next event, if known.
     pub fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         unsafe {
@@ -170,8 +170,8 @@ pub fn native(plan: &Plan) -> Motion {
     Motion::new(plan.assembly.clone()).unwrap()
 }
 
-/// Times at which a native motion up to a time has an event, and times at which it tells of one. A
-/// compliant stop whose force has ended tells of nothing where its gap opens afterwards.
+/// Returns the times up to `end` of a native motion's events, and of the reported ones. After the
+/// end of a compliant stop's force, the opening of its gap is not reported.
 pub fn native_events(plan: &Plan, end: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut motion, mut due, mut told) = (native(plan), Vec::new(), Vec::new());
     while motion.advance_before_event(end, &mut |event| told.push(event.time)).unwrap() == Reached::Event {

@@ -1,4 +1,4 @@
-//! The machine's file in the resources: that of another machine, damaged ones and hostile ones.
+//! The machine's file in the resources: another machine's file, damaged files and hostile files.
 
 use crate::host::*;
 use crate::*;
@@ -53,7 +53,7 @@ fn a_damaged_file_is_named_with_the_line_that_is_no_machines() {
     }
 }
 
-/// A folder of resources whose file has these bytes, and its token.
+/// Writes a folder of resources whose file has these bytes; returns it with the token.
 fn hostile(folder: &str, bytes: &[u8]) -> (std::path::PathBuf, String) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -94,7 +94,7 @@ fn hostile_files_are_refused_by_name_and_quickly() {
         assert!(message.len() < 100_000, "{name}: {} bytes", message.len());
         assert!(before.elapsed().as_secs() < 20, "{name}: {:?}", before.elapsed());
     }
-    // Bytes that are no UTF-8.
+    // Bytes that are not UTF-8.
     let (folder, token) = hostile("hostile bytes", &[0xff, 0xfe, 0x00, 0x80]);
     let refused = Instance::new(&folder, &ball, &token, false);
     assert!(refused.c.is_null() && refused.messages[0].contains(FILE), "{:?}", refused.messages);

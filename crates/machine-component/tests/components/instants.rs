@@ -1,12 +1,12 @@
-//! Steps and points of a solver at times that differ from a sample's by rounding; and the force of
-//! a slipping slider over many steps.
+//! Steps and points of a solver at times that differ from a sample's time by rounding; and the
+//! force of a slipping slider over many steps.
 
 use crate::solver::{Silent, Solver, get};
 use fmi_doors::{Component, Interface, Model};
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Machine, Plan};
 
-/// Samples, and outputs that act, are farther apart than this, s; rounding is nearer.
+/// Samples, and outputs that act, are farther apart than this, s; rounding is smaller.
 const APART: f64 = 1e-9;
 
 /// A mass on a belt behind a slipping bristle, and a block that counts its samples.
@@ -37,7 +37,7 @@ fn value(machine: &mut Machine, plan: &Plan, name: &str) -> f64 {
     get(machine, place.unwrap_or_else(|| panic!("no {name}")) as u32 + 1).unwrap()
 }
 
-/// Samples of which the outputs act at a time.
+/// Number of samples whose outputs act at a time.
 fn acted(time: f64) -> f64 {
     ((time - 0.7e-3) / 2e-3 + APART).floor().max(0.0)
 }

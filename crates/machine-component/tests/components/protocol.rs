@@ -34,7 +34,7 @@ fn closed_form_an_input_holds_its_last_value_after_a_step_in_which_it_had_a_cour
     let mut sled = begun(&plan, EventHandling::default());
     let mut pieces = Pieces::begin(&sled, 0.0, 0.5).unwrap();
     assert_eq!(pieces.left(&sled), 0.5);
-    // t² + t³, of which the derivatives at the step's end are not zero.
+    // t² + t³, whose derivatives at the step's end are not zero.
     let push = |t: f64| t * t + t * t * t;
     pieces.interpolate(&mut sled, plan.table.inputs[0], [0.0, 1.0, 2.0, 3.0].map(|k| push(k / 6.0)));
     pieces.start(&mut sled, &mut Silent).unwrap();

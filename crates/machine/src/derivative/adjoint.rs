@@ -1,5 +1,5 @@
-//! The derivative of a sum by everything before it, backwards over a kept motion
-//! (docs/assembly-law.md (A39), (A40)).
+//! The adjoint method: the derivative of a sum with respect to everything before it, computed
+//! backwards over a recorded motion (docs/assembly-law.md (A39), (A40)).
 
 use super::columns::padded;
 use super::machine::Machine;
@@ -18,31 +18,31 @@ use pulp::{Arch, Simd, WithSimd};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Parts of a flight whose power series are kept at one time.
+/// Largest number of a flight's parts whose power series are kept at one time.
 const KEPT: usize = 32;
 
-/// What a motion has done, in order.
+/// A recorded step of a motion.
 pub(super) enum Step {
-    /// A flight in a mode from a state over a time.
+    /// A flight: the mode, the state at its start, and its duration in s.
     Flight(Arc<VariedMode>, DVector<f64>, f64),
-    /// An event, with the sum's derivative by its time.
+    /// An event, and the derivative of the sum with respect to its time.
     Event(Box<Passed>, f64),
-    /// A value of the sum in a mode at a state, with its factor.
+    /// A term of the sum: the mode, the state, the quantity and its factor.
     Value(Arc<VariedMode>, DVector<f64>, Quantity, f64),
 }
 
-/// The derivative of a sum: by the state at present, and by all rows of the machine.
+/// The derivative of a sum with respect to the present state and to all rows of the machine.
 pub(super) struct Adjoint<'a> {
     machine: &'a Machine,
     pub state: DVector<f64>,
     weights: Weights,
     modes: HashMap<*const VariedMode, (Arc<VariedMode>, InMode)>,
-    /// By column: what varied signals add at knots.
+    /// Contributions of varied signals at knots, by column.
     pub signals: Vec<f64>,
     series: Series,
 }
 
-/// Memory of a flight's power series: by part and order a padded vector.
+/// Buffer for a flight's power series: a padded vector for each part and order.
 #[derive(Default)]
 struct Series {
     states: Vec<f64>,
@@ -52,7 +52,7 @@ struct Series {
 }
 
 impl<'a> Adjoint<'a> {
-    /// Of a sum without terms.
+    /// The adjoint of a sum without terms.
     pub fn new(machine: &'a Machine) -> Self {
         let state = DVector::zeros(machine.system.signals.size);
         let (weights, signals) = (Weights::zeros(&machine.system), vec![0.0; machine.columns.len()]);
@@ -64,7 +64,7 @@ impl<'a> Adjoint<'a> {
         &mut self.modes.entry(Arc::as_ptr(mode)).or_insert_with(made).1
     }
 
-    /// Goes back over a step.
+    /// Propagates the adjoint backwards over a step.
     pub fn undo(&mut self, step: &Step) {
         match step {
             Step::Flight(mode, z, time) => self.fly(mode, z, *time),
@@ -73,21 +73,21 @@ impl<'a> Adjoint<'a> {
         }
     }
 
-    /// The sum's derivative by what is left in the machine's rows, along a column.
+    /// Finishes the backward pass; the result gives the derivative along any column.
     pub fn finish(self) -> Finished<'a> {
         let Self { machine, state, mut weights, modes, signals, .. } = self;
         modes.values().for_each(|(mode, own)| weights.add_mode(&machine.system, mode, own));
         Finished { machine, state, weights, signals }
     }
 
-    /// A flight: μ⁻ = exp(Aᵀ t) μ, and ∫ μ zᵀ dt by A.
+    /// Goes backwards over a flight: μ⁻ = exp(Aᵀ t) μ, and adds ∫ μ zᵀ dt, the derivative by A.
     fn fly(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, time: f64) {
         let parts = (time / mode.length).ceil().max(1.0) as usize;
         let step = time / parts as f64;
         let count = orders(RADIUS * step / mode.length);
         let mut series = std::mem::take(&mut self.series);
         let mut begins = vec![z.as_slice().to_vec()];
-        // Where not all parts are kept, the first pass finds where each block of them begins.
+        // If not all parts are kept, a first pass finds the state at the start of each block.
         for block in 0..(parts - 1) / KEPT {
             let last = series.expand(mode, &begins[block], (KEPT, step, count));
             begins.push(last);
@@ -105,7 +105,7 @@ impl<'a> Adjoint<'a> {
         self.series = series;
     }
 
-    /// An event that nothing accompanies, or a knot without a jump of velocities.
+    /// Goes backwards over an isolated event, or a knot without a jump of velocities.
     fn cross(&mut self, passed: &Passed, factor: f64) {
         let [_, after] = &passed.modes;
         self.project(after, &passed.states[1]);
@@ -129,7 +129,7 @@ impl<'a> Adjoint<'a> {
         weights.add_watched(&machine.system, (mode, own), (*watch, row), (varied, z));
     }
 
-    /// A knot: the derivatives of signals are known after it.
+    /// Goes backwards over a knot, after which the derivatives of the signals are known.
     fn knot(&mut self, passed: &Passed, factor: f64) {
         let Self { machine, state, signals, .. } = self;
         let one = machine.system.signals.one;
@@ -145,7 +145,7 @@ impl<'a> Adjoint<'a> {
         state.rows_range_mut(one..).fill(0.0);
     }
 
-    /// The projection onto what the contacts of a mode hold.
+    /// Adjoint of the projection onto the constraints that the contacts of a mode hold.
     fn project(&mut self, mode: &VariedMode, z: &DVector<f64>) {
         let (basis, system) = (&mode.mode.basis, &self.machine.system);
         let stops = basis.iter().take_while(|contact| system.keeps_place(**contact)).count();
@@ -169,7 +169,7 @@ impl<'a> Adjoint<'a> {
         }
     }
 
-    /// A value of the sum, y = ℓ z.
+    /// Adds a term of the sum, y = ℓ z.
     fn add(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, quantity: Quantity, factor: f64) {
         let machine = self.machine;
         match quantity.owner {
@@ -280,14 +280,14 @@ impl<'a> Adjoint<'a> {
     }
 }
 
-/// The row of a quantity in a mode: its derivative by the state.
+/// Returns the row of a quantity in a mode: its derivative with respect to the state.
 pub(super) fn row_of(machine: &Machine, mode: &Arc<VariedMode>, quantity: Quantity) -> StateRow {
     let mut alone = Adjoint::new(machine);
     alone.add(mode, &StateRow::zeros(machine.system.signals.size), quantity, 1.0);
     alone.state
 }
 
-/// The derivative of a sum by the state at the start and by all rows of the machine.
+/// The derivative of a sum with respect to the initial state and to all rows of the machine.
 pub(super) struct Finished<'a> {
     machine: &'a Machine,
     state: DVector<f64>,
@@ -296,7 +296,7 @@ pub(super) struct Finished<'a> {
 }
 
 impl Finished<'_> {
-    /// The derivative by column `p`, from that of the state at the start.
+    /// Returns the derivative along column `p`; `start` is this column of the initial state.
     pub fn along(&self, p: usize, start: &DVector<f64>) -> f64 {
         let tangent = &self.machine.tangents[p];
         self.state.dot(start) + self.signals[p] + self.weights.along(&self.machine.system, tangent)
@@ -304,8 +304,8 @@ impl Finished<'_> {
 }
 
 impl Series {
-    /// The coefficients of the power series of `count` orders of each of `parts` parts of a flight
-    /// of length `step`, from the state `z`; returns the state at the end.
+    /// Computes the power series, with `count` orders, of each of `parts` parts of a flight from
+    /// the state `z`. A part has the length `step`. Returns the state at the end.
     fn expand(
         &mut self,
         mode: &VariedMode,
@@ -327,8 +327,8 @@ impl Series {
         z
     }
 
-    /// Goes back over a part: the series of μ in the time before its end, and ∫ μ zᵀ dt by Gauss's
-    /// rule.
+    /// Goes backwards over a part: expands μ in powers of the time before the part's end, and
+    /// integrates ∫ μ zᵀ dt by Gauss quadrature.
     fn back(
         &mut self,
         mode: &VariedMode,
@@ -363,20 +363,20 @@ impl Series {
     }
 }
 
-/// Nodes of Gauss's rule whose values are found side by side.
+/// Gauss nodes evaluated side by side.
 const BESIDE: usize = 4;
 
-/// Adds ∫ μ zᵀ dt over a part of a flight by Gauss's rule to `sums`, from the power series of both,
-/// of which that of μ goes back from the part's end. Compiled for each kind of vectors.
+/// Adds ∫ μ zᵀ dt over a part of a flight to `sums`, by Gauss quadrature of both power series. The
+/// series of μ runs backwards from the part's end. Compiled for each vector instruction set.
 struct Integral<'a> {
     states: &'a [f64],
     own: &'a [f64],
     nodes: &'a [(f64, f64)],
     step: f64,
-    /// Memory of both values at some nodes.
+    /// Buffer for both values at some nodes.
     values: &'a mut [f64],
     size: usize,
-    /// By coordinate of z a padded vector.
+    /// A padded vector for each coordinate of z.
     sums: &'a mut [f64],
 }
 
@@ -407,7 +407,7 @@ impl WithSimd for Integral<'_> {
     }
 }
 
-/// The values of a power series at some places, one behind the other, by Horner's rule.
+/// Evaluates a power series at some places by Horner's rule; writes the values one after another.
 #[inline(always)]
 fn values_at<S: Simd>(simd: S, series: &[f64], places: [f64; BESIDE], to: &mut [f64]) {
     let (series, to) = (S::as_simd_f64s(series).0, S::as_mut_simd_f64s(to).0);

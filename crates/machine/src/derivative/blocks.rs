@@ -13,7 +13,7 @@ fn matrix(rows: &[Vec<f64>], columns: usize) -> DMatrix<f64> {
 }
 
 impl Tangent {
-    /// The derivatives of the blocks' rows; those of loads that follow outputs are set.
+    /// Computes the derivatives of the blocks' rows, and of loads that follow outputs.
     pub(super) fn put_blocks(&mut self, system: &System, d: &Description, along: &Description) {
         if d.blocks.is_empty() {
             return;
@@ -99,7 +99,7 @@ impl Tangent {
         for (j, input) in own.inputs.iter().enumerate() {
             let (factor, by) = (inputs[0][j], inputs[1][j]);
             let value = &rows.inputs[j];
-            // As rows are put together: inputs with the factor 0 have no part in limits.
+            // As in the rows themselves, inputs with the factor 0 do not contribute limits.
             let tangent = self.input_by(system, (d, along), input);
             sum.row += by * &value.row + factor * &tangent.row;
             let beyond = value.beyond.iter().zip(&tangent.beyond);
@@ -134,7 +134,7 @@ impl Tangent {
         self.blocks.outputs[block][output] = sum;
     }
 
-    /// Factors of limits without those of inputs that are not read.
+    /// Drops the factors of limits of inputs that are not read.
     fn of_read(&self, system: &System, block: usize, unread: &[usize], all: Vec<f64>) -> Vec<f64> {
         let inputs = system.blocks[block].inputs.iter().enumerate();
         let is_read = inputs.flat_map(|(j, own)| own.beyond.iter().map(move |_| !unread.contains(&j)));
@@ -166,7 +166,7 @@ impl Tangent {
         }
     }
 
-    /// Adds the derivatives of limits, which stand behind corners.
+    /// Adds the derivatives of limits, which follow corners in the order of stops.
     pub(super) fn put_limits(&mut self) {
         for (excess, w) in &self.blocks.limits {
             let zeros = StateRow::zeros(excess.len());
@@ -183,7 +183,7 @@ impl Tangent {
         }
     }
 
-    /// The derivatives of the rows of blocks' states in a mode, with their places.
+    /// Returns the derivatives of the rows of blocks' states in a mode, with their places.
     pub(super) fn rates_of_blocks(&self, system: &System, mode: &Mode) -> Vec<(usize, StateRow)> {
         let of = |(place, row, factors): &RateTangent| {
             let mut row = row.clone();
@@ -201,7 +201,7 @@ impl Tangent {
         self.blocks.rates.iter().map(of).collect()
     }
 
-    /// The derivative of a signal that blocks read, or of an output, by the index of the element.
+    /// Returns the derivative of a block's source signal or output, by the index of the element.
     pub(super) fn block_row(
         &self,
         system: &System,
@@ -220,7 +220,7 @@ impl Tangent {
         self.combination(system, (&own.beyond, &by.beyond), by.row.clone(), stops)
     }
 
-    /// The derivative of a load's force in a mode.
+    /// Returns the derivative of a load's force in a mode.
     pub(super) fn load_row(&self, system: &System, load: usize, stops: &[StopState]) -> StateRow {
         match self.blocks.loads.get(load) {
             Some(by) => {

@@ -1,4 +1,4 @@
-//! The derivative of all bodies' rows by one parameter (docs/assembly-law.md (A32)).
+//! The derivatives of all bodies' rows by one parameter (docs/assembly-law.md (A32)).
 
 use super::rows::BodyTangent;
 use crate::description::{BodyKind, Description};
@@ -7,8 +7,8 @@ use crate::signals::SignalTangent;
 use crate::system::{BodyRows, System};
 use nalgebra::{DMatrix, DVector};
 
-/// The rows of all bodies. Those of prescribed bodies follow from their signals, coordinates do not
-/// vary, and bodies that links determine obey Σ arm ds = -Σ darm s, with arms of the links.
+/// Returns the derivatives of the rows of all bodies. Prescribed bodies follow from their signals;
+/// coordinates do not vary; bodies that links determine obey Σ arm ds = -Σ darm s.
 pub(super) fn bodies(
     system: &System,
     d: &Description,
@@ -46,12 +46,12 @@ pub(super) fn bodies(
     all
 }
 
-/// The rows s, v, drift and weights, one behind the other.
+/// Concatenates the rows s, v, drift and weights.
 fn row_of(s: [&StateRow; 4]) -> impl Iterator<Item = &f64> {
     s.into_iter().flat_map(|row| row.iter())
 }
 
-/// The body, the arm and the arm's derivative of each term of a sum that is zero.
+/// Body, arm and derivative of the arm, for each term of a sum that is zero.
 type Tie = Vec<(usize, f64, f64)>;
 
 fn tie(terms: &[(usize, f64)], by: &[(usize, f64)]) -> Tie {
@@ -95,8 +95,8 @@ fn put_dependent(
             }
         }
     }
-    // Each link, and each node's row, determines one of these bodies, so that the matrix is square
-    // and regular.
+    // Each link, and each node's row, determines one of these bodies: the matrix is square and
+    // regular.
     let Some(found) = left.lu().solve(&right) else { return };
     for (place, &body) in dependent.iter().enumerate() {
         let row = found.row(place).transpose();

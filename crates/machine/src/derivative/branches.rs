@@ -27,7 +27,7 @@ impl Tangent {
                     level[system.signals.one] = slip;
                     own.rate.clone()
                 }
-                // Both are of one machine.
+                // Unreachable: both descriptions are of one machine.
                 (SeriesLaw::Slider { .. }, SeriesLaw::Dashpot { .. }) => level.clone(),
             };
             // The force of a slider depends on the mode.
@@ -40,7 +40,7 @@ impl Tangent {
         }
     }
 
-    /// The derivative of the force of a branch in a state of its slider.
+    /// Returns the derivative of a branch's force in a state of its slider.
     pub fn branch_force(&self, i: usize, state: SliderState) -> StateRow {
         let own = &self.branches[i];
         match state {
@@ -49,7 +49,7 @@ impl Tangent {
         }
     }
 
-    /// The derivatives of the rows of states of first order that move in a mode, with their places.
+    /// Returns the derivatives of the rows of states of first order that vary, with their places.
     pub(super) fn first_order(&self, system: &System, mode: &Mode) -> Vec<(usize, StateRow)> {
         let moves = |i: &usize| is_moving(system, mode, *i);
         let all = (0..system.branches.len()).filter(moves);
@@ -64,8 +64,8 @@ fn is_moving(system: &System, mode: &Mode, i: usize) -> bool {
 }
 
 impl Machine {
-    /// Puts the derivative of the force of each slider at its level that slips in a mode, or that a
-    /// jump has `moved`, by its stretch.
+    /// Sets the derivative of the stretch of each slider at its level, so that its force stays
+    /// there. Such a slider slips in the mode, or a jump has moved it (`moved`).
     pub(super) fn keep_levels(
         &self,
         p: usize,
@@ -84,7 +84,7 @@ impl Machine {
         }
     }
 
-    /// Replaces derivatives of inner places by derivatives of stretches in a derivative of given
+    /// Replaces derivatives of inner places by derivatives of stretches, in a derivative of given
     /// states.
     pub(super) fn take_given(&self, p: usize, z: &DVector<f64>, delta: &mut DVector<f64>) {
         for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
@@ -93,8 +93,8 @@ impl Machine {
         }
     }
 
-    /// Adds the derivative of what springs in series are stretched by a jump that changes the state
-    /// by `moved` and its derivative by `jump`: the inner places stay.
+    /// Stretches springs in series by a jump, keeping their inner places. The jump changes the
+    /// state by `moved` and its derivative by `jump`.
     pub(super) fn stretch(
         &self,
         p: usize,
@@ -107,8 +107,8 @@ impl Machine {
         }
     }
 
-    /// The derivatives of the given states, of which a derivative of the augmented state has the
-    /// coordinates, rates, stretches and what blocks keep.
+    /// Converts a derivative of the augmented state, with stretches, to a derivative of the given
+    /// states: coordinates, rates, inner places and states of blocks.
     pub(super) fn given(&self, p: usize, z: &DVector<f64>, delta: &DVector<f64>) -> Vec<f64> {
         let mut states = delta.as_slice()[..self.system.states()].to_vec();
         for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
@@ -119,7 +119,7 @@ impl Machine {
 }
 
 impl Weights {
-    /// Adds `factor` × `row` by the force of a branch in a state of its slider.
+    /// Adds `factor` × `row` to the derivative by the force of a branch in a state of its slider.
     pub fn add_branch_force(&mut self, i: usize, state: SliderState, factor: f64, row: &StateRow) {
         let own = &mut self.branches[i];
         match state {
@@ -128,8 +128,8 @@ impl Weights {
         }
     }
 
-    /// Adds the weights of the forces of sliders in a mode, which the weights of the forces on the
-    /// coordinates determine.
+    /// Adds the derivatives by the forces of sliders in a mode, computed from the derivatives by
+    /// the forces on the coordinates.
     pub(super) fn add_sliders(&mut self, system: &System, mode: &Mode, by_forces: &DMatrix<f64>) {
         for i in system.sliders() {
             let state = mode.sliders[i];
@@ -139,8 +139,8 @@ impl Weights {
         }
     }
 
-    /// Adds what the rows of states of first order depend on: `by_a` is by the rows of A from the
-    /// accelerations on.
+    /// Adds the derivatives by the rows of states of first order. `by_a` is the derivative by the
+    /// rows of A, beginning with the accelerations.
     pub(super) fn add_first_order(&mut self, system: &System, mode: &Mode, by_a: &DMatrix<f64>) {
         let all = system.branches.iter().zip(&mut self.branches).enumerate();
         for (_, (rows, own)) in all.filter(|(i, _)| is_moving(system, mode, *i)) {

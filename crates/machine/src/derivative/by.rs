@@ -1,4 +1,4 @@
-//! What the columns of a motion's derivatives are by.
+//! Columns of a motion's derivatives: by a parameter, an initial state or the start time.
 
 use crate::assembly::Assembly;
 use crate::description::Description;
@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::refusal::{Problem, Refusal};
 use std::fmt;
 
-/// What a motion is differentiated by: one column of its derivatives.
+/// A column of derivatives: a number with respect to which a motion is differentiated.
 ///
 /// A text is the name of a parameter: `"stop.floor.gap".into()`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -14,11 +14,11 @@ pub enum By {
     /// A number of the machine, by its name in
     /// [`Description::parameters`](crate::Description::parameters).
     Parameter(String),
-    /// A number of the state at the start, by its place: the machine's coordinates, their rates,
-    /// states of first order ([`System::bodies_of`](crate::system::System::bodies_of) has the
-    /// bodies).
+    /// A number of the initial state, by its index: coordinates, then their rates, then states of
+    /// first order. [`System::bodies_of`](crate::system::System::bodies_of) lists the bodies of
+    /// the coordinates.
     Start(usize),
-    /// The time of the start, with the state there kept.
+    /// The start time; the initial state stays the same.
     Time,
 }
 
@@ -44,8 +44,8 @@ impl fmt::Display for By {
     }
 }
 
-/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the times
-/// of samples.
+/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the
+/// sample times of blocks.
 pub fn has_derivative(d: &Description, name: &str) -> bool {
     let is_sampled = |name: &str| {
         name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))
@@ -55,7 +55,7 @@ pub fn has_derivative(d: &Description, name: &str) -> bool {
 }
 
 impl By {
-    /// Refuses what a machine does not have.
+    /// Refuses a parameter or a place that the machine does not have.
     pub(super) fn check(&self, assembly: &Assembly) -> Result<(), Error> {
         let count = assembly.system.states();
         match self {
@@ -78,7 +78,7 @@ impl By {
         }
     }
 
-    /// The same column with the usual name of its parameter, by which slots are found.
+    /// Returns the same column with its parameter's canonical name, which its numbers have.
     pub(super) fn by_usual_name(self, d: &Description) -> Result<Self, Error> {
         match self {
             Self::Parameter(name) => Ok(Self::Parameter(d.parameter(&name)?.name)),
@@ -86,7 +86,7 @@ impl By {
         }
     }
 
-    /// The parameter's name; empty for others, which change nothing in the machine.
+    /// Returns the parameter's name; empty for other columns, which do not change the machine.
     pub(super) fn parameter(&self) -> &str {
         if let Self::Parameter(name) = self { name } else { "" }
     }

@@ -1,12 +1,12 @@
-//! A state and its derivatives side by side.
+//! A state and its derivatives, stored side by side.
 
 use nalgebra::DVector;
 
-/// Numbers of a coordinate come in multiples of these, so that every kind of vectors divides them.
+/// The width of a coordinate is a multiple of this, so that vectors of every size divide it.
 const LANES: usize = 8;
 
-/// A state and the columns of its derivative, coordinate by coordinate, so that an entry of a
-/// matrix multiplies all of them at once. The state is the first number of each coordinate.
+/// A state and the columns of its derivative, stored by coordinate, so that a matrix entry
+/// multiplies all of them at once. The first number of each coordinate is the state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Columns {
     /// Numbers of each coordinate.
@@ -14,18 +14,18 @@ pub(super) struct Columns {
     pub numbers: Vec<f64>,
 }
 
-/// The length of a vector of `count` numbers that is divided into whole vectors of the processor.
+/// Rounds `count` numbers up to whole vectors of the processor.
 pub(super) fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)
 }
 
-/// The numbers of a coordinate with `count` columns beside the state.
+/// Numbers per coordinate, for `count` columns and the state.
 pub(super) fn width_of(count: usize) -> usize {
     padded(count + 1)
 }
 
 impl Columns {
-    /// Zeros of a state with `size` coordinates and `count` columns.
+    /// Zeros for a state with `size` coordinates and `count` columns.
     pub fn zeros(size: usize, count: usize) -> Self {
         let width = width_of(count);
         Self { width, numbers: vec![0.0; size * width] }
@@ -54,7 +54,7 @@ impl Columns {
         own.zip(from.iter()).for_each(|(own, x)| *own = *x);
     }
 
-    /// Becomes the largest sizes of its own numbers and of another's.
+    /// Raises each number to the size of the other's number, if that is larger.
     pub fn include(&mut self, other: &Self) {
         let all = self.numbers.iter_mut().zip(&other.numbers);
         all.for_each(|(most, x)| *most = if x.abs() > *most { x.abs() } else { *most });

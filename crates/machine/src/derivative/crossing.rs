@@ -14,19 +14,19 @@ use nalgebra::DVector;
 /// An event that a motion has passed.
 pub(super) struct Crossing<'a> {
     pub machine: &'a Machine,
-    /// The instant before the law.
+    /// The instant before the law is applied.
     pub before: Instant<'a, 'a>,
-    /// The instant after it.
+    /// The instant after the law is applied.
     pub after: Instant<'a, 'a>,
-    /// The functional that has passed zero; `None` at a knot.
+    /// The event function that has passed zero; `None` at a knot.
     pub due: Option<(Watch, &'a Functional)>,
     pub impulses: &'a [Impulse],
     pub events: &'a [Event],
     /// Earlier events of the same instant.
     pub earlier: &'a [Met],
-    /// Functionals that come to zero at this instant.
+    /// Event functions that reach zero at this instant.
     pub together: Vec<&'a (Watch, Functional)>,
-    /// Functionals that are zero throughout the mode that follows, and may vary.
+    /// Event functions that are zero throughout the mode that follows, and may vary.
     pub still: Vec<&'a (Watch, Functional)>,
 }
 
@@ -34,9 +34,9 @@ pub(super) struct Crossing<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Met {
     watch: Watch,
-    /// By parameter: the event's δt; `None` where it does not exist.
+    /// The event's δt by each parameter; `None` if it does not exist.
     later: Vec<Option<f64>>,
-    /// Functionals that came to zero together with the event's.
+    /// Event functions that reached zero together with the event's own.
     together: Vec<Watch>,
     /// Whether forces or velocities jump at the event.
     jumps: bool,
@@ -50,7 +50,7 @@ pub(super) struct Later {
 }
 
 impl Later {
-    /// The δt of all elements; `None` where they differ.
+    /// The common δt of all elements; `None` if they differ.
     pub fn only(&self) -> Option<f64> {
         Some(self.event).filter(|event| self.own.iter().all(|own| !differ(own.1, *event)))
     }
@@ -82,7 +82,7 @@ impl Crossing<'_> {
         self.events.iter().any(|event| matches!(event.kind, EventKind::Sample { .. }))
     }
 
-    /// Stops that were open and are hit, except the stop whose functional is due.
+    /// Returns the stops that were open and are hit, except the stop whose event function is due.
     fn hit(&self) -> impl Iterator<Item = usize> {
         let due = match &self.due {
             Some((Watch::Meets(i), _)) => Some(*i),
@@ -90,13 +90,13 @@ impl Crossing<'_> {
         };
         let was_open = |i: usize| self.before.mode.mode.stops[i] == StopState::Open;
         let all = self.events.iter().filter_map(|event| match event.kind {
-            // What an impact catches had no time of its own.
+            // A freewheel that an impact engages had no event time of its own.
             EventKind::Impact { stop, .. } => {
                 Some(stop).filter(|&stop| self.machine.system.keeps_place(Contact::Stop(stop)))
             }
             _ => None,
         });
-        // A stop that is redundant beside others takes no impulse, but is met all the same.
+        // A redundant stop takes no impulse, but is hit all the same.
         let met = self.together.iter().filter_map(|(watch, _)| match watch {
             Watch::Meets(i) if self.due.is_some() => Some(*i),
             _ => None,
@@ -108,8 +108,8 @@ impl Crossing<'_> {
         all.into_iter()
     }
 
-    /// Carries all columns over the event; returns by column the δt of the event and of the other
-    /// elements' events, `None` for those that are lost.
+    /// Carries all columns over the event. Returns by column the δt of the event and of the other
+    /// elements' events; `None` for a lost column.
     pub fn carry(
         &self,
         deltas: &mut Columns,
@@ -162,7 +162,7 @@ impl Crossing<'_> {
         all
     }
 
-    /// What a column's signals, contacts and functionals without a passage require after the event.
+    /// Applies a column's conditions on signals, contacts and event functions after the event.
     fn finish(
         &self,
         p: usize,
@@ -190,7 +190,7 @@ impl Crossing<'_> {
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }
 
-    /// Refuses a column that moves stops off what impacts leave undecided.
+    /// Refuses a column that moves stops off an equality at which impacts are undecided.
     fn check_tight(
         &self,
         p: usize,
@@ -214,7 +214,7 @@ impl Crossing<'_> {
         })
     }
 
-    /// Whether a functional passes zero with speed and nothing else comes to a limit.
+    /// Whether an event function passes zero with speed and nothing else comes to a limit.
     pub fn is_alone(&self) -> bool {
         let Some((watch, row)) = self.due else { return false };
         let terms: f64 = row.iter().zip(self.before.rates.iter()).map(|(a, b)| (a * b).abs()).sum();
@@ -223,14 +223,14 @@ impl Crossing<'_> {
         !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
     }
 
-    /// Whether a functional that is zero in the mode after the event does not vary, whatever the
-    /// column: the place or rate of a contact that was held before, or that has come to its limit.
+    /// Whether an event function that is zero after the event does not vary, whatever the column.
+    /// It is the place or rate of a contact that was held before, or that has come to its limit.
     pub(super) fn stays_still(&self, watch: Watch) -> bool {
         let contact = watch.contact();
         let is_due = self.due.is_some_and(|due| due.0.contact() == contact);
         let is_kept = is_due || self.before.mode.mode.contacts().any(|held| held == contact);
         match watch {
-            // A rate that has come to zero at this instant, too, leaves it again.
+            // A rate that has also come to zero at this instant leaves zero again.
             Watch::Stops(_) | Watch::Turns(_) => {
                 is_kept || self.together.iter().any(|own| own.0.contact() == contact)
             }
@@ -241,7 +241,7 @@ impl Crossing<'_> {
         }
     }
 
-    /// The δt of an event that nothing accompanies.
+    /// The δt of an isolated event.
     fn alone(&self, p: usize, row: &Functional, deltas: &Columns) -> Later {
         let (machine, before) = (self.machine, &self.before);
         let own = |&(j, h): &(usize, f64)| h * deltas.numbers[j * deltas.width + p + 1];
@@ -253,8 +253,8 @@ impl Crossing<'_> {
         Later { event: -varied / row.dot(before.rates), own: Vec::new() }
     }
 
-    /// The δt of the event and of the other elements' events by parameter `p`, and whether each of
-    /// them changes the motion by itself.
+    /// Returns the δt of the event and of the other elements' events by parameter `p`, and whether
+    /// each of these elements changes the motion separately.
     fn later(&self, p: usize, delta: &DVector<f64>, scale: &DVector<f64>) -> Result<(Later, bool), Lost> {
         let lost = |element, cause| Lost { time: self.before.time, element, cause };
         let (machine, tangent) = (self.machine, &self.machine.tangents[p]);
@@ -279,7 +279,7 @@ impl Crossing<'_> {
     }
 
     /// Compares the event with the other events of the instant. Returns their elements with their
-    /// δt, and whether they are impacts with different δt on stops that are not coupled.
+    /// δt, and whether they are impacts with different δt on uncoupled stops.
     fn others(&self, column: Varied, later: f64) -> Result<(Vec<(Contact, f64)>, bool), Lost> {
         let lost = |element, cause| Lost { time: self.before.time, element, cause };
         self.check_earlier(column.p, later)?;
@@ -331,9 +331,9 @@ impl Crossing<'_> {
         Ok(())
     }
 
-    /// Other elements that come to their limits at this instant, with their δt: at a knot all of
-    /// them, else those whose state changes in this event. Refuses an element with a different δt
-    /// if forces or velocities jump.
+    /// Returns other elements that come to their limits at this instant, with their δt: all of
+    /// them at a knot, otherwise the elements that change state. Refuses an element with a
+    /// different δt if forces or velocities jump.
     fn changed_with(&self, column: Varied, later: f64) -> Result<Vec<(Contact, f64)>, Lost> {
         let (machine, mode) = (self.machine, self.before.mode);
         let due = self.due.as_ref().map(|due| due.0.contact());
@@ -360,9 +360,9 @@ impl Crossing<'_> {
         Ok(times)
     }
 
-    /// The derivative of a reported event's time, from that of the state before where a stop
-    /// closes. A stop closes when its bounces accumulate. The
-    /// time from the last impact that is followed is 2 ε u/(a (1 - ε)).
+    /// Returns the derivative of a reported event's time; for a closing stop it uses `delta`, the
+    /// derivative of the state before. A stop closes when its bounces accumulate, at the time 2 ε
+    /// u/(a (1 - ε)) after the last impact that is simulated.
     pub fn time_of(
         &self,
         p: usize,
@@ -392,7 +392,7 @@ impl Crossing<'_> {
         Some(later + bounce * relative).filter(|time| time.is_finite())
     }
 
-    /// Record of this event for later events at the same instant; `None` at a knot.
+    /// Returns a record of this event for later events at the same instant; `None` at a knot.
     pub fn met(&self, later: Vec<Option<f64>>) -> Option<Met> {
         let (watch, _) = self.due.as_ref()?;
         let together = self.together.iter().map(|(watch, _)| *watch).collect();

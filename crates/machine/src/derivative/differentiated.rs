@@ -25,14 +25,14 @@ use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// A motion with the derivatives of its values and of its events' times by numbers of its machine
-/// and of its start, exact through impacts, contacts and sticking.
+/// A motion with the derivatives of its values and of its events' times with respect to numbers of
+/// the machine and of its start. They are exact through impacts, contacts and sticking.
 ///
-/// A column of derivatives is [`By`] a parameter, or by the start. Where a motion has no
-/// derivative, its [`derivative`](Self::derivative) is `None` from then on, and
-/// [`lost`](Self::lost) says why.
+/// A column of derivatives is [`By`] a parameter, or by the initial state or time. Once a column
+/// has no derivative, [`derivative`](Self::derivative) returns `None` for it, and
+/// [`lost`](Self::lost) gives the reason.
 ///
-/// A ball that falls from rest on a floor at the depth h meets it at √(2h/g):
+/// A ball that falls from rest onto a floor at depth h hits it at √(2h/g):
 ///
 /// ```
 /// use std::sync::Arc;
@@ -57,7 +57,7 @@ use std::sync::atomic::AtomicBool;
 /// let (time, by_gap, by_gravity) = times[0];
 /// assert!((time - 1.0).abs() < 1e-15);
 /// assert!((by_gap.unwrap() - 0.1).abs() < 1e-15 && (by_gravity.unwrap() + 0.05).abs() < 1e-15);
-/// // It has left the floor, at h, with 5 m/s; both depend on h.
+/// The ball has left the floor, at h, with 5 m/s; both depend on h.
 /// let place = ball.derivative(Quantity::of_body(0, What::S), 0).unwrap();
 /// let by_hand = 1.0 - 0.5 * (1.0 * 0.5 - 10.0 * 0.1) - 10.0 * 0.5 * 0.1;
 /// assert!((place - by_hand).abs() < 1e-14);
@@ -72,9 +72,9 @@ pub struct Differentiated {
     mode: Arc<VariedMode>,
     /// The state and its derivatives.
     deltas: Columns,
-    /// Their largest sizes so far.
+    /// Largest sizes of `deltas` so far.
     scales: Columns,
-    /// By column; its derivatives are 0 from then on.
+    /// Why each column has no derivatives, if so; its derivatives are then 0.
     lost: Vec<Option<Lost>>,
     memory: Memory,
     vectors: pulp::Arch,
@@ -82,7 +82,7 @@ pub struct Differentiated {
     met: Vec<Met>,
 }
 
-/// Where a motion begins.
+/// Where a motion starts.
 #[derive(Clone, Debug)]
 pub(super) enum Origin {
     /// At the machine's start, at time 0.
@@ -95,11 +95,11 @@ pub(super) enum Origin {
 pub type VariedObserver<'a> = dyn FnMut(&Event, &[Option<f64>]) + 'a;
 
 impl Differentiated {
-    /// The motion from the machine's start, at time 0, with its derivatives by numbers of the
-    /// machine, such as `["stop.floor.gap"]`, or of its start ([`By`]).
+    /// Starts the motion at time 0 from the machine's initial state, with derivatives by numbers
+    /// of the machine, for example `["stop.floor.gap"]`, or of its start ([`By`]).
     ///
     /// # Errors
-    /// [`Error::Refused`] for an unknown parameter, with the nearest name; as
+    /// [`Error::Refused`] for an unknown parameter, with the nearest name; otherwise as
     /// [`Motion::new`].
     pub fn new(assembly: Arc<Assembly>, columns: &[impl Into<By> + Clone]) -> Result<Self, Error> {
         Self::new_observed(assembly, columns, &mut |_, _| ())
@@ -117,12 +117,12 @@ impl Differentiated {
         Self::begin(assembly, columns, &Origin::Machine, observer)
     }
 
-    /// The motion from a state at a time, as [`Motion::from_state`], with its derivatives. No
-    /// parameter moves the state. By what moves a rigid stop that is closed there, or its gap,
-    /// there is no derivative: behind the stop is no start. A motion [under way](Self::from_motion)
-    /// follows it.
+    /// Starts the motion at a time from a given state, as [`Motion::from_state`], with its
+    /// derivatives. No parameter varies the state. A column that moves a rigid stop closed there,
+    /// or its gap, has no derivative: there is no start behind the stop. A motion [under
+    /// way](Self::from_motion) follows the stop instead.
     ///
-    /// A spring's state after a time, by its start, is the transition matrix:
+    /// The derivative of a spring's later state by its initial state is the transition matrix:
     ///
     /// ```
     /// use std::sync::Arc;
@@ -175,7 +175,7 @@ impl Differentiated {
         Self::begin(assembly, columns, &Origin::State(time, state.to_vec()), observer)
     }
 
-    /// Begins at an origin.
+    /// Starts the motion at an origin.
     pub(super) fn begin(
         assembly: Arc<Assembly>,
         columns: &[impl Into<By> + Clone],
@@ -224,7 +224,7 @@ impl Differentiated {
         Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met })
     }
 
-    /// A motion that a flag interrupts, as [`Motion::with_interruption`].
+    /// Lets a flag interrupt the motion, as [`Motion::with_interruption`].
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.motion = self.motion.with_interruption(asked);
@@ -236,47 +236,47 @@ impl Differentiated {
         &self.motion
     }
 
-    /// A column of the derivative of the augmented state, at the start.
+    /// Returns a column of the derivative of the augmented state, before the motion is advanced.
     pub(super) fn start_of(&self, p: usize) -> Result<DVector<f64>, Lost> {
         self.lost[p].clone().map_or_else(|| Ok(self.deltas.column(p)), Err)
     }
 
-    /// The machine and the motion.
+    /// Returns the machine and the motion.
     pub(super) fn into_parts(self) -> (Arc<Machine>, Motion) {
         (self.machine, self.motion)
     }
 
-    /// What the columns are by.
+    /// Returns the columns, in the order of the derivatives.
     pub fn columns(&self) -> &[By] {
         &self.machine.columns
     }
 
-    /// The columns' names: of a parameter its own, else `start[0]` or `start.time`.
+    /// Returns the columns' names: the parameter's name, `start[0]`, … or `start.time`.
     pub fn parameters(&self) -> &[String] {
         &self.names
     }
 
-    /// A column of the derivative of the machine's coordinates, then of their rates; `None` where
-    /// there is none.
+    /// Returns a column of the derivative of the state: coordinates, then rates, then states of
+    /// first order. `None` if it does not exist.
     pub fn state_derivative(&self, column: usize) -> Option<Vec<f64>> {
         let delta = self.column(column)?;
         Some(self.machine.given(column, &self.machine.widened(self.motion.state()), &delta))
     }
 
-    /// A column of the derivative of the augmented state.
+    /// Returns a column of the derivative of the augmented state.
     fn column(&self, p: usize) -> Option<DVector<f64>> {
         self.lost.get(p)?.is_none().then(|| self.deltas.column(p))
     }
 
-    /// A column of the derivative of a quantity at the present time; `None` where there is none.
-    /// The force of a contact that depends on others has none while they are held: the law
-    /// determines no more than their sum.
+    /// Returns a column of the derivative of a quantity at the present time; `None` if it does not
+    /// exist. The forces of dependent contacts have no derivative while the contacts are held: the
+    /// law determines only their sum.
     pub fn derivative(&self, quantity: Quantity, column: usize) -> Option<f64> {
         if self.is_shared(quantity) { None } else { self.derivative_in_mode(quantity, column) }
     }
 
-    /// [`derivative`](Self::derivative) with what the present mode makes of forces that the law
-    /// leaves open, as outputs have them.
+    /// Returns the [`derivative`](Self::derivative), but for forces that the law leaves
+    /// undetermined uses the values of the present mode, as outputs do.
     pub fn derivative_in_mode(&self, quantity: Quantity, column: usize) -> Option<f64> {
         let delta = &self.column(column)?;
         let z = self.machine.widened(self.motion.state());
@@ -293,12 +293,12 @@ impl Differentiated {
         Some(point.quantity(quantity) + 0.0).filter(|value| value.is_finite())
     }
 
-    /// Whether the law determines no more of this force than its sum with those of other contacts.
+    /// Whether the law determines this force only in sum with the forces of other contacts.
     pub(super) fn is_shared(&self, quantity: Quantity) -> bool {
         self.mode.is_shared(&self.machine.system, quantity)
     }
 
-    /// Why a column has no derivatives any more.
+    /// Returns why a column no longer has derivatives.
     pub fn lost(&self, column: usize) -> Option<&Lost> {
         self.lost.get(column)?.as_ref()
     }
@@ -311,8 +311,7 @@ impl Differentiated {
         self.advance_observed(end, &mut |_, _| ())
     }
 
-    /// Advances to a time and reports all events, each with the derivatives of its time by
-    /// parameter.
+    /// Advances to a time and reports all events, each with the derivatives of its time by column.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -320,8 +319,8 @@ impl Differentiated {
         self.advance_with_extremes(end, &mut [], observer)
     }
 
-    /// As [`advance_observed`](Self::advance_observed), and takes the extreme values of quantities
-    /// on the way into account.
+    /// As [`advance_observed`](Self::advance_observed); also updates the extreme values of
+    /// quantities on the way.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -343,7 +342,7 @@ impl Differentiated {
         }
     }
 
-    /// Takes the present values into account.
+    /// Updates the extreme values with the present values.
     fn look(&self, extremes: &mut [Extremes]) {
         let now = (self.motion.time(), &self.deltas, &self.lost[..]);
         extremes.iter_mut().for_each(|own| own.at(&self.machine, &self.mode, now));

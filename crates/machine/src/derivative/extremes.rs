@@ -1,4 +1,4 @@
-//! The lowest and the highest value of a quantity over a motion, with their derivatives.
+//! The lowest and highest value of a quantity over a motion, with their derivatives.
 
 use super::adjoint::row_of;
 use super::columns::Columns;
@@ -15,52 +15,52 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_numerics::events::turns;
 
-/// Values that differ by less than this part of their terms' sizes are equal: rounding of a motion.
+/// Values count as equal up to this fraction of their terms' sizes, the rounding of a motion.
 const EQUAL: f64 = 1e-11;
 
 /// An extreme value of a quantity.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// SI.
+    /// Value, in SI units.
     pub value: f64,
-    /// By column its derivative, or why there is none.
+    /// Derivative of each column, or the reason why it does not exist.
     pub by: Vec<Result<f64, Lost>>,
 }
 
-/// A derivative with the sum of the sizes of its terms, or why there is none.
+/// A derivative and the sum of the sizes of its terms, or the reason why it does not exist.
 type Sized = Result<(f64, f64), Lost>;
 
-/// The lowest and the highest value of a quantity over a motion, with their derivatives: for
+/// The lowest and highest value of a quantity over a motion, with their derivatives. Used by
 /// [`Differentiated::advance_with_extremes`](super::Differentiated::advance_with_extremes).
 ///
-/// Where the quantity turns, its derivative is that at this time. At an event, where it or its rate
-/// may jump, the event's time counts as well. The times at which an advance begins and ends do not
-/// vary. An extreme value that is there at several times, which do not move alike, has no
-/// derivative.
+/// At a turning point, the derivative is the quantity's derivative at this time. At an event,
+/// where the quantity or its rate may jump, the variation of the event's time counts as well. The
+/// times at which an advance begins and ends do not vary. An extreme value that is reached at
+/// several times with different derivatives has no derivative.
 #[derive(Clone)]
 pub struct Extremes {
     quantity: Quantity,
-    /// Lowest and highest.
+    /// Lowest and highest value.
     found: [Option<Extreme>; 2],
     /// The largest sum of the sizes of a value's terms.
     size: f64,
-    /// By column the largest sum of the sizes of a derivative's terms.
+    /// Largest sum of the sizes of a derivative's terms, by column.
     sizes: Vec<f64>,
     rows: HashMap<*const VariedMode, Arc<InMode>>,
 }
 
 /// The quantity and its rate in a mode.
 struct InMode {
-    /// So that the key stays its own.
+    /// Kept alive so that its address stays a unique key.
     mode: Arc<VariedMode>,
     row: StateRow,
     /// Taylor coefficients of the rate over an interval, by coordinate.
     rate: Vec<[f64; LOCAL]>,
 }
 
-/// A value that may be an extreme one.
+/// A value that may be an extreme.
 struct Candidate {
     time: f64,
     value: f64,
@@ -68,22 +68,22 @@ struct Candidate {
 }
 
 impl Extremes {
-    /// Of a quantity, before the motion begins.
+    /// Creates the extremes of a quantity, before the motion begins.
     pub fn new(quantity: Quantity) -> Self {
         Self { quantity, found: [None, None], size: 0.0, sizes: Vec::new(), rows: HashMap::new() }
     }
 
-    /// The quantity.
+    /// Returns the quantity.
     pub fn quantity(&self) -> Quantity {
         self.quantity
     }
 
-    /// The lowest value so far; `None` before the motion advances.
+    /// Returns the lowest value so far; `None` before the motion advances.
     pub fn lowest(&self) -> Option<&Extreme> {
         self.found[0].as_ref()
     }
 
-    /// The highest value so far.
+    /// Returns the highest value so far; `None` before the motion advances.
     pub fn highest(&self) -> Option<&Extreme> {
         self.found[1].as_ref()
     }
@@ -99,7 +99,7 @@ impl Extremes {
         self.rows.entry(Arc::as_ptr(mode)).or_insert_with(made).clone()
     }
 
-    /// Takes the value at a state into account, with the derivatives by `by`.
+    /// Updates the extremes with a value; `by` computes its derivatives if they are needed.
     fn consider(&mut self, name: &dyn Fn() -> String, candidate: &Candidate, by: &dyn Fn() -> Vec<Sized>) {
         let Candidate { time, value, size } = *candidate;
         self.size = self.size.max(size);
@@ -121,7 +121,7 @@ impl Extremes {
         }
     }
 
-    /// Whether a value may be the lowest or the highest so far.
+    /// Whether a value may be the lowest or highest so far.
     fn may_be(&self, candidate: &Candidate) -> bool {
         let equal = EQUAL * self.size.max(candidate.size);
         let off = |own: &Extreme, sign: f64| sign * (candidate.value - own.value) < -equal;
@@ -130,7 +130,7 @@ impl Extremes {
             || !highest.as_ref().is_some_and(|own| off(own, 1.0))
     }
 
-    /// The value and its derivatives at a state in a mode, at a time that does not vary.
+    /// Considers the value and its derivatives at a state in a mode, at a fixed time.
     pub(super) fn at(&mut self, machine: &Machine, mode: &Arc<VariedMode>, (time, deltas, lost): Moment) {
         let own = self.in_mode(machine, mode);
         let (quantity, z) = (self.quantity, deltas.state());
@@ -143,7 +143,7 @@ impl Extremes {
         self.consider(&|| name_of(machine, quantity), &candidate, &|| (0..lost.len()).map(by).collect());
     }
 
-    /// The turning points of a flight over a time from a moment.
+    /// Considers the turning points of a flight of length `span` from a moment.
     pub(super) fn fly(
         &mut self,
         machine: &Machine,
@@ -177,7 +177,7 @@ impl Extremes {
         }
     }
 
-    /// The values before and after an event, whose derivatives before it are `before`.
+    /// Considers the values before and after an event.
     pub(super) fn cross(
         &mut self,
         machine: &Machine,
@@ -208,11 +208,11 @@ impl Extremes {
     }
 }
 
-/// A time, the state there with its derivatives, and the columns that have none.
+/// A time, the state there with its derivatives, and by column why it has none.
 pub(super) type Moment<'a> = (f64, &'a Columns, &'a [Option<Lost>]);
 
 impl Extreme {
-    /// The value is there at another time, too, with these derivatives.
+    /// Compares the derivatives with the derivatives at another time where the value is reached.
     fn meet(
         &mut self,
         time: f64,
@@ -231,7 +231,7 @@ impl Extreme {
 }
 
 impl InMode {
-    /// The derivative of the quantity by column `p` at a state, with a share by the time.
+    /// Returns the quantity's derivative by column `p` at a state, plus `by_time`, and its size.
     fn derivative(
         &self,
         machine: &Machine,
@@ -253,7 +253,7 @@ impl InMode {
     }
 }
 
-/// Why a force that the law does not determine has no derivative.
+/// Returns the reason why a force that the law does not determine has no derivative.
 pub(super) fn shared(machine: &Machine, quantity: Quantity, time: f64) -> Lost {
     Lost { time, element: name_of(machine, quantity), cause: Cause::Shared }
 }

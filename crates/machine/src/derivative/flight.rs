@@ -8,23 +8,23 @@ use crate::kernel::Entries;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::atomic::Ordering;
 
-/// Orders beyond those of the state's own series: a term of a derivative is that of the state times
-/// its order.
+/// Extra orders of the derivatives' series beyond the state's series: a term of a derivative is
+/// the state's term times its order.
 const MORE: usize = 2;
-/// Shortest flight by a rung, as a part of the length of a series.
+/// Shortest flight by a rung, as a fraction of the length of a series.
 const PART: f64 = 0.125;
-/// Work of an order of a power series for each coordinate, in the unit of an entry's: sums are
-/// scaled and added.
+/// Work per coordinate for one order of a power series, for scaling and adding sums. The unit is
+/// the work for one matrix entry.
 const ORDER: usize = 3;
 
-/// Memory of a flight.
+/// Buffers of a flight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Memory {
     term: Vec<f64>,
     next: Vec<f64>,
 }
 
-/// `sums` += `factor` × `terms`, in whole vectors.
+/// Computes `sums` += `factor` × `terms` by whole vectors.
 #[inline(always)]
 fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     let (sums, terms, factor) =
@@ -34,8 +34,8 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     }
 }
 
-/// The sums of a row of a matrix and of what varies in it, for the `B` vectors from `first` on of
-/// the `each` that a coordinate has.
+/// Multiplies a row of a matrix and of its variation. Computes `B` vectors, from `first` on, of
+/// the `each` vectors of a coordinate.
 #[inline(always)]
 fn row_at<S: Simd, const B: usize>(
     simd: S,
@@ -60,7 +60,7 @@ fn row_at<S: Simd, const B: usize>(
     sums
 }
 
-/// The flow over one part of the length of a series.
+/// Computes the flow over one part of the length of a series.
 #[inline(always)]
 fn first<S: Simd>(simd: S, mode: &VariedMode, width: usize) -> Rung {
     let size = mode.a.len();
@@ -98,7 +98,7 @@ fn first<S: Simd>(simd: S, mode: &VariedMode, width: usize) -> Rung {
     rung
 }
 
-/// The flow over twice the length: D₂ = 2 D + D², E₂ = 2 E + D E + E D.
+/// Computes the flow over twice the length: D₂ = 2 D + D², E₂ = 2 E + D E + E D.
 #[inline(always)]
 fn doubled<S: Simd>(simd: S, rung: &Rung, width: usize) -> Rung {
     let size = rung.ends.len();
@@ -123,7 +123,7 @@ fn doubled<S: Simd>(simd: S, rung: &Rung, width: usize) -> Rung {
     twice
 }
 
-/// A flight over a time, by a rung or by one power series, compiled for each kind of vectors.
+/// A flight over a time, by a rung or a power series; compiled for each vector instruction set.
 struct Flight<'a> {
     mode: &'a VariedMode,
     z: &'a mut Columns,
@@ -137,7 +137,7 @@ impl WithSimd for Flight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        // Entries are read once for the vectors that are found side by side.
+        // Each entry is read once for all vectors that are computed side by side.
         match self.z.width / S::F64_LANES {
             1 => self.in_blocks::<S, 1>(simd),
             each if each % 4 == 0 => self.in_blocks::<S, 4>(simd),
@@ -149,8 +149,8 @@ impl WithSimd for Flight<'_> {
 }
 
 impl Flight<'_> {
-    /// The flight with `B` vectors of each coordinate side by side, of which their number is a
-    /// multiple.
+    /// Computes the flight with `B` vectors of each coordinate side by side. Their number is a
+    /// multiple of `B`.
     #[inline(always)]
     fn in_blocks<S: Simd, const B: usize>(self, simd: S) {
         let Self { mode, z, memory: Memory { term, next }, rung, time } = self;
@@ -193,7 +193,7 @@ impl Flight<'_> {
     }
 }
 
-/// A rung that is made from the one below it, if there is one, compiled for each kind of vectors.
+/// Makes a rung, from the rung below it if there is one; compiled for each vector instruction set.
 struct Make<'a> {
     mode: &'a VariedMode,
     below: Option<&'a Rung>,
@@ -233,8 +233,8 @@ impl VariedMode {
         }
     }
 
-    /// Whether a flight is one by rungs: where that takes less work, once the work that they would
-    /// have saved so far is that of making them.
+    /// Whether to fly by rungs: they must take less work than series, and the work that they would
+    /// have saved so far must exceed the work of making them.
     fn is_by_rungs(&self, time: f64) -> bool {
         let (size, parts) = (self.a.len(), time / (PART * self.length));
         if parts < 1.0 {
@@ -258,7 +258,7 @@ impl VariedMode {
         saved >= (missing * size.pow(3)) as f64
     }
 
-    /// The flow over 2^`k` parts of a length.
+    /// Returns the flow over 2^`k` parts of the length of a series.
     fn rung(&self, arch: Arch, k: usize, width: usize) -> &Rung {
         self.flights.at(k).get_or_init(|| {
             let below = k.checked_sub(1).map(|below| self.rung(arch, below, width));

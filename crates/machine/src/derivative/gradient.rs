@@ -1,4 +1,4 @@
-//! The gradient of a sum over a motion, backwards from its end.
+//! The gradient of a sum over a motion, computed backwards from its end.
 
 use super::adjoint::{Adjoint, Step};
 use super::by::By;
@@ -16,12 +16,12 @@ use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// The gradient of a sum Σ cₖ yₖ of a motion's values, at any times, and of its events' times, by
-/// many numbers of the machine and of its start. It goes once forwards and once backwards, whatever
-/// the count of these, so that it suits sums of squares, with cₖ = 2 × residual.
+/// The gradient of a sum Σ cₖ yₖ of a motion's values at any times, and of its events' times, by
+/// many numbers of the machine and of its start. It takes one forward and one backward pass,
+/// however many these numbers are, and so suits sums of squares, with cₖ = 2 × residual.
 ///
-/// Where the order of events at one instant is in doubt, the sum is differentiated by columns
-/// ([`Differentiated`]): the result is as exact, and takes longer.
+/// If the order of events at one instant is in doubt, the sum is differentiated by columns
+/// ([`Differentiated`]). The result is equally exact, but takes longer.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -47,7 +47,8 @@ use std::sync::atomic::AtomicBool;
 /// // s = cos ωt with ω = √k.
 /// let [by_stiffness, by_start] = sum.gradient()?.try_into().unwrap();
 /// let residuals = [(0.3, 0.6f64.cos() - 0.8), (0.7, 1.4f64.cos() - 0.1)];
-/// let exact = |f: &dyn Fn(f64) -> f64| residuals.iter().map(|(t, r)| 2.0 * r * f(*t)).sum::<f64>();
+/// let exact =
+///     |f: &dyn Fn(f64) -> f64| residuals.iter().map(|(t, r)| 2.0 * r * f(*t)).sum::<f64>();
 /// assert!((by_stiffness.unwrap() - exact(&|t| -0.25 * t * (2.0 * t).sin())).abs() < 1e-14);
 /// assert!((by_start.unwrap() - exact(&|t| (2.0 * t).cos())).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -58,21 +59,21 @@ pub struct Gradient {
     motion: Motion,
     mode: Arc<VariedMode>,
     modes: Modes,
-    /// By column: the derivative of the state at the start.
+    /// Derivative of the initial state by each column.
     starts: Vec<Result<DVector<f64>, Lost>>,
     steps: Vec<Step>,
-    /// By event: its step, `None` at the start.
+    /// Index of the step of each event; `None` for an event at the start.
     events: Vec<Option<usize>>,
-    /// Sum of the factors of the times of events at the start.
+    /// Sum of the factors of event times at the start.
     at_start: f64,
     calls: Vec<Call>,
     /// Whether an event has happened at the present instant.
     is_recent: bool,
-    /// Whether columns decide on derivatives.
+    /// Whether derivatives have to be computed by columns.
     is_doubtful: bool,
 }
 
-/// What was asked for, in order, to be repeated by columns.
+/// A recorded call, to be repeated by columns if necessary.
 enum Call {
     Advance(f64),
     Value(Quantity, f64),
@@ -80,8 +81,7 @@ enum Call {
 }
 
 impl Gradient {
-    /// The motion from the machine's start, at time 0, and an empty sum, to be differentiated by
-    /// columns.
+    /// Starts the motion at time 0 from the machine's initial state, with an empty sum.
     ///
     /// # Errors
     /// As [`Differentiated::new`].
@@ -89,8 +89,8 @@ impl Gradient {
         Self::begin(assembly, columns, Origin::Machine, &mut |_| ())
     }
 
-    /// As [`new`](Self::new) from a state at a time, as [`Differentiated::from_state`]. The events
-    /// at the start are reported to `observer`.
+    /// As [`new`](Self::new), but from a state at a time, as [`Differentiated::from_state`]. The
+    /// events at the start are reported to `observer`.
     ///
     /// # Errors
     /// As [`Differentiated::from_state`].
@@ -139,7 +139,7 @@ impl Gradient {
         })
     }
 
-    /// A motion that a flag interrupts, as [`Motion::with_interruption`].
+    /// Lets a flag interrupt the motion, as [`Motion::with_interruption`].
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.motion = self.motion.with_interruption(asked);
@@ -151,7 +151,7 @@ impl Gradient {
         &self.motion
     }
 
-    /// What the gradient is by.
+    /// Returns the columns of the gradient.
     pub fn columns(&self) -> &[By] {
         &self.machine.columns
     }
@@ -164,7 +164,7 @@ impl Gradient {
         self.advance_observed(end, &mut |_| ())
     }
 
-    /// Advances to a time and reports all events. These are counted from the start's on.
+    /// Advances to a time and reports all events, which are numbered from the first at the start.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -196,7 +196,7 @@ impl Gradient {
         self.keep(|own| Step::Value(own.mode.clone(), z, quantity, factor));
     }
 
-    /// Adds `factor` × the time of an event to the sum, by its number among all that were reported.
+    /// Adds `factor` × the time of an event to the sum, by its number among all reported events.
     pub fn add_time(&mut self, event: usize, factor: f64) {
         self.calls.push(Call::Time(event, factor));
         match self.events.get(event) {
@@ -213,12 +213,12 @@ impl Gradient {
         }
     }
 
-    /// Whether columns decide, which takes longer.
+    /// Whether the gradient is computed by columns, which takes longer.
     pub fn is_by_columns(&self) -> bool {
         self.is_doubtful
     }
 
-    /// Keeps a step, unless columns decide.
+    /// Records a step, unless derivatives are computed by columns.
     fn keep(&mut self, step: impl FnOnce(&Self) -> Step) {
         if self.is_doubtful {
             self.steps.clear();
@@ -244,7 +244,7 @@ impl Gradient {
         Ok(())
     }
 
-    /// A stop that is hit with restitution 0 has no derivative by it.
+    /// Ends columns that vary the restitution of a stop hit with restitution 0.
     fn lose(&mut self, passed: &Passed) {
         let Self { machine, starts, .. } = self;
         for impulse in passed.impulses.iter().filter(|impulse| impulse.is_plastic(&machine.system)) {
@@ -259,10 +259,10 @@ impl Gradient {
         }
     }
 
-    /// The derivative of the sum by each column, or why there is none.
+    /// Returns the derivative of the sum by each column, or the reason why it does not exist.
     ///
     /// # Errors
-    /// Those of the motion, where columns decide.
+    /// Errors of the motion, if derivatives are computed by columns.
     pub fn gradient(&self) -> Result<Vec<Result<f64, Lost>>, Error> {
         if self.is_doubtful {
             return self.by_columns();
@@ -313,8 +313,8 @@ impl Gradient {
     }
 }
 
-/// Whether an event has a derivative by all columns, whatever these are: nothing else comes to a
-/// limit, no contact depends on others, and at a knot nothing jumps but forces.
+/// Whether an event has a derivative by any column: nothing else comes to a limit, no contact
+/// depends on others, and at a knot only forces jump.
 fn is_plain(machine: &Machine, passed: &Passed) -> bool {
     let crossing = passed.crossing(machine, &[]);
     let signals = &machine.system.signals;

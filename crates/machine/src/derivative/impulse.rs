@@ -10,11 +10,11 @@ use crate::system::System;
 use nalgebra::DVector;
 
 impl Impulse {
-    /// Carries columns of the derivative of the state over it, of which each has a tangent.
+    /// Carries columns of the state's derivative over the impact; each column has a tangent.
     pub(super) fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
         let (width, n) = (deltas.width, system.coordinates);
         let elongation = |k: usize| &system.stops[self.stops[k]].elongation;
-        // By stop and column: (1 + ε) e'·δ, and what the column changes in it by itself.
+        // (1 + ε) e'·δ, and the column's direct change of this demand, by stop and column.
         let mut demands = vec![0.0; self.stops.len() * width];
         for (k, demand) in demands.chunks_exact_mut(width).enumerate() {
             for &(j, x) in elongation(k).rate.terms() {
@@ -50,7 +50,7 @@ impl Impulse {
         }
     }
 
-    /// The derivative of M⁻¹ W at the impulses P, times P; `None` where a column does not vary it.
+    /// The derivative of M⁻¹ W at the impulses P, times P; `None` if the column does not vary it.
     fn kick(&self, system: &System, tangent: &Tangent) -> Option<DVector<f64>> {
         let own = |k: usize| &tangent.stops[self.stops[k]].elongation.w;
         let turns = (0..self.stops.len()).any(|k| own(k).iter().any(|x| *x != 0.0));
@@ -75,7 +75,7 @@ impl Impulse {
         self.impulses.iter().enumerate().map(one).sum()
     }
 
-    /// ė'·(z⁺ + ε z⁻) + ε' u of a stop.
+    /// Returns ė'·(z⁺ + ε z⁻) + ε' u of a stop.
     fn own_demand(&self, system: &System, tangent: &Tangent, k: usize) -> f64 {
         let [before, after] = &self.states;
         let (by, drate) = (&tangent.stops[self.stops[k]], &tangent.stops[self.stops[k]].elongation.rate);
@@ -87,8 +87,8 @@ impl Impulse {
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
-    /// By impact: the stops that touch there and are [`tight`](Self::tight), by the sizes of what
-    /// counts as zero; nothing where one stop alone touches.
+    /// Returns the touching stops of each impact that are [`tight`](Self::tight). `sizes` defines
+    /// what counts as zero. Empty if fewer than two stops touch.
     pub(super) fn all_tight(system: &System, all: &[Self], sizes: &DVector<f64>) -> Vec<Vec<usize>> {
         let Some(first) = all.first() else { return Vec::new() };
         let touches = |&stop: &usize| {
@@ -103,11 +103,11 @@ impl Impulse {
         all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
     }
 
-    /// Of stops that touch, those whose condition u⁺ ≤ -ε u is an equality without their impulse,
-    /// or beside other impulses: a column that moves them off it has derivatives on one side only.
+    /// Returns the touching stops whose condition u⁺ ≤ -ε u is an equality without their impulse,
+    /// or next to other impulses. A column that moves them off it has one-sided derivatives only.
     fn tight(&self, system: &System, touching: &[usize]) -> Vec<usize> {
         let [before, after] = &self.states;
-        // A body that is pressed from both sides has the rounding of what presses it.
+        // The rate of a body pressed from both sides has the rounding error of these stops.
         let rates = |z: &DVector<f64>| z.rows(system.coordinates, system.coordinates).amax();
         let largest = rates(before) + rates(after);
         let reaches = |stop: usize| {
@@ -132,11 +132,11 @@ impl Impulse {
         own.map_or_else(|| system.stops[stop].restitution().unwrap_or(0.0), |k| self.restitution[k])
     }
 
-    /// Carries one column over impacts of one instant, with what [`all_tight`](Self::all_tight) has
-    /// found. `scale` has the column's largest sizes so far.
+    /// Carries one column over the impacts of one instant, with the result of
+    /// [`all_tight`](Self::all_tight). `scale` has the column's largest sizes so far.
     ///
     /// # Errors
-    /// A stop that the column moves off its equality.
+    /// The stop that the column moves off its equality.
     pub(super) fn carry_one(
         system: &System,
         tangent: &Tangent,
@@ -160,8 +160,8 @@ impl Impulse {
         Ok(delta)
     }
 
-    /// Whether a column moves a stop of [`tight`](Self::tight) off its equality, from the
-    /// derivative of the state before and after the impact.
+    /// Whether a column moves a [`tight`](Self::tight) stop off its equality. Uses the derivative
+    /// of the state before and after the impact.
     fn moves(
         &self,
         system: &System,
@@ -188,8 +188,8 @@ impl Impulse {
         (is + e * was + de * u).abs() > STILL * size || (is_still && was.abs() > STILL * size)
     }
 
-    /// Goes back over it: `state` is the derivative of a number by the state after it, and becomes
-    /// that by the state before (docs/assembly-law.md (A41)).
+    /// Goes backwards over the impact: `state` is the derivative of a number by the state after
+    /// it, and becomes its derivative by the state before (docs/assembly-law.md (A41)).
     pub(super) fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
         let (n, [before, after]) = (system.coordinates, &self.states);
         let rows = |k: usize| &system.stops[self.stops[k]].elongation;
@@ -223,8 +223,8 @@ impl Impulse {
         self.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0))
     }
 
-    /// The stop that was hit with restitution 0 although this parameter varies it: the derivative
-    /// is one-sided there.
+    /// Returns the stop that was hit with restitution 0 although this parameter varies its
+    /// restitution: the derivative is one-sided there.
     pub(super) fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
         let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
         self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)

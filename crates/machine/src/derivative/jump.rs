@@ -1,5 +1,5 @@
-//! What bodies that links tie to prescribed ones share of their jumps, and its derivative
-//! (docs/assembly-law.md, section 3, Jumps, and (A35)).
+//! How bodies that links tie to prescribed bodies share the jumps of these bodies, and the
+//! derivative of this share (docs/assembly-law.md, section 3, Jumps, and (A35)).
 
 use super::tangent::Tangent;
 use crate::functional::StateRow;
@@ -11,7 +11,7 @@ fn of_signals(system: &System, row: &StateRow, z: &DVector<f64>) -> f64 {
     row.rows_range(system.signals.one..).dot(&z.rows_range(system.signals.one..))
 }
 
-/// -Bᵀ m D Δp of a jump of the places (`first` 0) or of the rates.
+/// Returns -Bᵀ m D Δp for a jump of the places (`first` is 0) or of the rates.
 fn pull(system: &System, first: usize, jump: &DVector<f64>) -> DVector<f64> {
     let mut pull = DVector::zeros(system.coordinates);
     for (rows, m) in system.bodies.iter().zip(&system.inertias) {
@@ -21,8 +21,8 @@ fn pull(system: &System, first: usize, jump: &DVector<f64>) -> DVector<f64> {
     pull
 }
 
-/// The state after a jump of the signals, before impacts: signals as `after`, all else as `before`
-/// but for its share.
+/// Returns the state after a jump of the signals, before impacts: signals from `after`, everything
+/// else from `before` plus its share of the jump.
 pub(super) fn jumped(system: &System, before: &DVector<f64>, after: &DVector<f64>) -> DVector<f64> {
     let (n, one, mut z) = (system.coordinates, system.signals.one, after.clone());
     z.rows_mut(0, one).copy_from(&before.rows(0, one));
@@ -36,8 +36,8 @@ pub(super) fn jumped(system: &System, before: &DVector<f64>, after: &DVector<f64
     z
 }
 
-/// Changes a derivative by that of the share, M Δq = -Bᵀ m D Δp and so for rates. `jump` and `step`
-/// are the change of the state and of its derivative, at the event's own time; their signals count.
+/// Adds the derivative of the share M Δq = -Bᵀ m D Δp, and likewise for rates. `jump` and `step`
+/// are the changes of the state and its derivative at the event; only their signals count.
 pub(super) fn share(
     system: &System,
     tangent: &Tangent,

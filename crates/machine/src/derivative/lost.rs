@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-/// The instant from which on a motion has no derivative by a parameter.
+/// The instant at which a motion loses its derivative by a parameter, and the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lost {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// The element, such as `stop.NAME`, or the parameter of a step.
     pub element: String,
@@ -14,7 +14,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Of a value that is not finite.
+    /// The loss of a derivative whose value is not finite.
     pub(super) fn unknown(time: f64) -> Self {
         Self { time, element: "a value".into(), cause: Cause::Limit }
     }
@@ -23,15 +23,15 @@ impl Lost {
 /// The reason why a derivative does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// A limit is met without speed, so that the changed motion may not meet it.
+    /// A limit is touched without speed, so that the changed motion may not reach it.
     Touch,
-    /// Two events at one instant, whose order the change decides and whose order matters.
+    /// Two events at one instant: their order depends on the change, and matters.
     Together,
-    /// An extreme value that is there at several times.
+    /// An extreme value that is reached at several times.
     Equal,
-    /// A force that the law divides between dependent contacts as it likes.
+    /// A force that the law may divide between dependent contacts in any way.
     Shared,
-    /// A value at its limit, so that the changed motion follows another law on either side.
+    /// A value at its limit, so that the changed motion follows another law on each side.
     Limit,
 }
 

@@ -1,4 +1,4 @@
-//! A machine with its derivatives by some parameters.
+//! A machine and its derivatives with respect to some parameters.
 
 use super::by::By;
 use super::lost::{Cause, Lost};
@@ -19,20 +19,20 @@ use std::borrow::Cow;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A varied value counts as zero up to this part of its terms' sizes: far above rounding, far below
-/// what a parameter that matters makes.
+/// A varied value counts as zero up to this fraction of the sum of its terms' sizes. It is far
+/// above rounding, and far below the effect of a parameter that matters.
 pub(super) const STILL: f64 = 1e-9;
-/// Relative rate of a passage, by the sizes of its terms, under which it is a touch.
+/// A crossing slower than this fraction of the sizes of its rate's terms is a touch.
 pub(super) const TOUCH: f64 = 1e-12;
-/// Multiples of what counts as zero up to which a functional is at its limit beside an event.
+/// Next to an event, a value counts as zero up to this multiple of the usual zero tolerance.
 pub(super) const BESIDE: f64 = 4.0;
 
 /// The matrices of a machine, with a coordinate for everything that may vary.
 #[derive(Clone, Debug)]
 pub(super) enum Matrices {
-    /// Those of the assembly have them.
+    /// The assembly's matrices already have these coordinates.
     Known(Arc<Assembly>),
-    /// Of another layout; by coordinate its place in the assembly's augmented state.
+    /// Matrices of another layout; by coordinate: its index in the assembly's augmented state.
     Own(Box<System>, Vec<Option<usize>>),
 }
 
@@ -52,18 +52,18 @@ impl Deref for Matrices {
 pub(super) struct Machine {
     pub assembly: Arc<Assembly>,
     pub system: Matrices,
-    /// What the columns of derivatives are by.
+    /// The columns of derivatives.
     pub columns: Vec<By>,
-    /// By column.
+    /// Derivatives of the matrices, by column.
     pub tangents: Vec<Tangent>,
 }
 
-/// Whether a row's value counts as zero in a state with some sizes.
+/// Whether a row's value counts as zero; `sizes` has the sizes of the state.
 fn is_zero(row: &Functional, z: &DVector<f64>, sizes: &DVector<f64>) -> bool {
     row.at(z.as_slice()).abs() <= BESIDE * ZERO * row.size(sizes.as_slice())
 }
 
-/// What is known at one instant of a mode: state, its derivative by time, and sizes.
+/// The mode, state, time derivative of the state, and sizes at one instant.
 pub(super) struct Instant<'m, 'a> {
     pub mode: &'m VariedMode,
     pub z: &'a DVector<f64>,
@@ -72,12 +72,12 @@ pub(super) struct Instant<'m, 'a> {
     pub time: f64,
 }
 
-/// The derivative of a state by parameter `p`.
+/// The derivative of a state with respect to parameter `p`.
 #[derive(Clone, Copy)]
 pub(super) struct Varied<'a> {
     pub p: usize,
     pub delta: &'a DVector<f64>,
-    /// Its largest sizes so far, by which rounding is told from a variation.
+    /// Largest sizes of `delta` so far, which distinguish rounding from a variation.
     pub scale: &'a DVector<f64>,
 }
 
@@ -102,8 +102,8 @@ impl Machine {
         Ok(Self { assembly, system, columns, tangents })
     }
 
-    /// The machine whose numbers vary from a time on: prescribed integrals go on from where they
-    /// are.
+    /// Returns the machine whose parameters vary from `time` on. The integrals of prescribed
+    /// motions continue from their present values.
     pub fn under_way(mut self, time: f64, z: &DVector<f64>) -> Self {
         let bodies = self.assembly.description.bodies.iter().enumerate();
         let prescribed = bodies.filter(|(_, body)| body.kind.is_prescribed()).map(|(i, _)| i).enumerate();
@@ -123,7 +123,7 @@ impl Machine {
         self
     }
 
-    /// A vector of the assembly's augmented state in the coordinates of `system`.
+    /// Converts a vector from the assembly's augmented state to the coordinates of `system`.
     pub fn widened<'a>(&self, z: &'a DVector<f64>) -> Cow<'a, DVector<f64>> {
         match &self.system {
             Matrices::Known(_) => Cow::Borrowed(z),
@@ -134,7 +134,7 @@ impl Machine {
         }
     }
 
-    /// The present mode of a motion, with its derivatives by all columns or by none.
+    /// Returns the present mode of a motion; if `varied`, with its derivatives by all columns.
     pub fn mode_of(&self, motion: &Motion, varied: bool) -> VariedMode {
         let parts = match &self.system {
             Matrices::Known(_) => Parts::from(motion.flow_of_mode()),
@@ -144,12 +144,12 @@ impl Machine {
         VariedMode::new(&self.system, tangents, motion.mode(), parts)
     }
 
-    /// An element's elongation with its derivative, by a watched functional.
+    /// Returns the elongation of a watched element, with its derivative by parameter `p`.
     pub fn elongation(&self, watch: Watch, p: usize) -> (&Elongation, &ElongationTangent) {
         self.contact(watch.contact(), p)
     }
 
-    /// A contact's elongation with its derivative by parameter `p`.
+    /// Returns a contact's elongation with its derivative by parameter `p`.
     pub fn contact(&self, contact: Contact, p: usize) -> (&Elongation, &ElongationTangent) {
         (self.system.elongation_of(contact), self.tangents[p].elongation_of(contact))
     }
@@ -160,13 +160,13 @@ impl Machine {
         self.tangents[p].signals.fill(one, time, z.as_slice(), delta.as_mut_slice());
     }
 
-    /// Whether knots of signals leave all columns as they are while no contact is held and no
-    /// functional is zero.
+    /// Whether knots of signals leave all columns unchanged while no contact is held and no event
+    /// function is zero.
     pub fn is_fixed_at_knots(&self) -> bool {
         !self.varies_signals() && !self.system.has_motions && self.system.branches.is_empty()
     }
 
-    /// Whether the value of each watched functional differs from zero by more than rounding.
+    /// Whether the value of each event function differs from zero by more than rounding.
     pub fn is_clear(&self, mode: &VariedMode, z: &DVector<f64>, sizes: &DVector<f64>) -> bool {
         !mode.watched.iter().any(|(_, row)| is_zero(row, z, sizes))
     }
@@ -180,8 +180,8 @@ impl Machine {
         self.assembly.name_of_contact(contact)
     }
 
-    /// What a unit impulse of an element changes in the velocities, with the reaction of the
-    /// contacts that are held.
+    /// Returns the change of the velocities after a unit impulse of an element, with the reaction
+    /// of the held contacts.
     fn response(&self, mode: &VariedMode, e: &Elongation) -> DVector<f64> {
         let basis = &mode.mode.basis;
         let mut response = (*e.mobility).clone();
@@ -196,8 +196,8 @@ impl Machine {
         response
     }
 
-    /// Whether what one of two elements does at an instant changes how the other comes to its
-    /// limit: an impulse of one moves the other, or the rate of one exerts a force on the other.
+    /// Whether an event of one of two elements changes how the other comes to its limit: an
+    /// impulse of one moves the other, or the rate of one exerts a force on the other.
     pub fn are_coupled(&self, mode: &VariedMode, a: &Elongation, b: &Elongation) -> bool {
         let n = self.system.coordinates;
         let couples = |a: &Elongation, b: &Elongation| {
@@ -212,8 +212,8 @@ impl Machine {
         couples(a, b) || couples(b, a)
     }
 
-    /// The time by which a functional passes zero later in the changed motion: δt = -(h·δ + dh·z) /
-    /// (h·z'). `Err` for a touch whose value varies.
+    /// Returns the delay with which an event function passes zero in the changed motion: δt =
+    /// -(h·δ + dh·z) / (h·z'). `Err` if the function only touches zero and its value varies.
     pub fn later(&self, column: Varied, at: &Instant, (row, by): (&StateRow, &StateRow)) -> Result<f64, ()> {
         let point = self.point(column, at);
         let (varied, speed) = (point.of(row, by), row.dot(at.rates));
@@ -224,7 +224,7 @@ impl Machine {
         if varied.abs() <= STILL * point.size(row, by) { Ok(0.0) } else { Err(()) }
     }
 
-    /// The instant with the derivative of its state.
+    /// Combines the instant with the derivative of its state.
     pub fn point<'a>(&'a self, column: Varied<'a>, at: &Instant<'a, 'a>) -> Point<'a> {
         let Varied { p, delta, scale } = column;
         Point { system: &self.system, tangent: &self.tangents[p], mode: at.mode, p, z: at.z, delta, scale }
@@ -235,14 +235,14 @@ impl Machine {
         is_zero(row, at.z, at.sizes)
     }
 
-    /// The watched functionals that come to zero at this instant.
+    /// Returns the event functions that reach zero at this instant.
     pub fn approaching<'m>(&self, at: &Instant<'m, '_>) -> Vec<&'m (Watch, Functional)> {
         let comes = |row: &StateRow| row.dot(at.rates) > TOUCH * self.speed_size(row, at);
         at.mode.watched.iter().filter(|(_, row)| self.is_zero(row, at) && comes(row)).collect()
     }
 
-    /// The watched functionals that are zero and stay zero to first order, or whose passage changes
-    /// forces at once. With `begins`, those that leave zero count as well.
+    /// Returns the event functions that are zero and stay zero to first order, or whose crossing
+    /// changes forces at once. If `begins`, functions that leave zero count as well.
     pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
@@ -253,7 +253,7 @@ impl Machine {
         all.filter(|(watch, row)| self.is_zero(row, at) && counts(*watch, row)).collect()
     }
 
-    /// The sum of the sizes of the terms of a functional's time derivative.
+    /// The sum of the sizes of the terms of an event function's time derivative.
     pub fn speed_size(&self, row: &StateRow, at: &Instant) -> f64 {
         self.terms_of(row, at.rates)
     }
@@ -263,8 +263,8 @@ impl Machine {
         row.iter().zip(z.iter()).map(|(a, b)| (a * b).abs()).sum()
     }
 
-    /// Projects a derivative onto what the contacts of the mode hold: h·δ = -dh·z of their gaps and
-    /// rates. A contact that depends on these and does not follow has derivatives on one side only.
+    /// Projects a derivative onto the contacts' constraints, h·δ = -dh·z for gaps and rates. Fails
+    /// if a dependent contact does not follow: its derivatives exist on one side only.
     pub fn keep(
         &self,
         p: usize,
@@ -293,8 +293,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Whether a contact that depends on a basis is varied in its direction otherwise than these,
-    /// so that it does not depend on them in the changed machine.
+    /// Whether a contact that depends on a basis varies its direction differently from the basis.
+    /// It is then independent in the changed machine.
     fn turns_away(&self, p: usize, mode: &VariedMode, contact: Contact) -> bool {
         let (own, by) = self.contact(contact, p);
         let shares = mode.mode.basis.iter().map(|&c| self.contact(c, p).0.w.dot(&own.mobility));
@@ -308,7 +308,7 @@ impl Machine {
         left.amax() > STILL * size
     }
 
-    /// The row that a contact keeps at zero: e - gap of a stop, or e', with its derivative.
+    /// Returns the row that a contact keeps at zero, e - gap of a stop or e', with its derivative.
     pub(super) fn held_row(&self, contact: Contact, rates: bool, p: usize) -> (&StateRow, &StateRow) {
         match contact {
             Contact::Stop(i) if !rates => (&self.system.stops[i].excess, &self.tangents[p].stops[i].excess),
@@ -337,8 +337,8 @@ impl Machine {
         }
     }
 
-    /// Whether one of the functionals `still`, which are zero throughout the mode, varies: then the
-    /// changed motion has another mode on one side.
+    /// Checks that none of the event functions `still`, which are zero throughout the mode,
+    /// varies: otherwise the changed motion has another mode on one side.
     pub fn check(&self, column: Varied, at: &Instant, still: &[&(Watch, Functional)]) -> Result<(), Lost> {
         for (watch, row) in still {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
@@ -351,7 +351,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Whether the force of a contact that has not moved jumps where this functional passes zero.
+    /// Whether the force of an unmoved contact jumps where this event function passes zero.
     fn is_sharp(&self, watch: Watch) -> bool {
         match watch {
             Watch::Stops(_) => true,
@@ -360,9 +360,9 @@ impl Machine {
         }
     }
 
-    /// Whether a touch of this functional matters: the changed motion passes zero for a time of the
-    /// order √δ, and an impact or a force that jumps there changes rates by as much, or by δ. What
-    /// is continuous changes them by δ√δ.
+    /// Whether a touch of this event function matters. The changed motion passes zero for a time
+    /// of the order √δ. An impact or a force that jumps there changes rates by the order √δ or δ;
+    /// a continuous force changes rates by δ√δ.
     pub fn is_touchy(&self, watch: Watch) -> bool {
         match watch {
             Watch::Meets(_) => true,
@@ -372,8 +372,8 @@ impl Machine {
         }
     }
 
-    /// Refuses a column that moves a functional which touches zero at this instant, or its rate: of
-    /// what moves the time of a touch alone it depends on the next order whether zero is passed.
+    /// Refuses a column that varies an event function which touches zero at this instant, or its
+    /// rate. If only the time of the touch varies, the next order decides whether zero is passed.
     pub fn check_touch(&self, column: Varied, at: &Instant, place: usize) -> Result<(), Lost> {
         let (watch, row) = &at.mode.watched[place];
         let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
@@ -389,8 +389,8 @@ impl Machine {
         Err(Lost { time: at.time, element: self.assembly.name_of(*watch), cause: Cause::Touch })
     }
 
-    /// Whether the force is continuous where this functional passes zero: that of a stop without
-    /// damping, or without it there, or of a branch with a slider.
+    /// Whether the force is continuous where this event function passes zero: for a branch with a
+    /// slider and for a stop that has no damping, or none there.
     pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
             Watch::Turns(_) | Watch::Yields(..) | Watch::Reverses(_) => true,

@@ -1,5 +1,5 @@
-//! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of watched
-//! functionals (docs/assembly-law.md (A34)).
+//! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of event
+//! functions (docs/assembly-law.md (A34)).
 
 use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;
@@ -17,13 +17,13 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// Events count as being at one instant within this part of the time, and of the time in which the
-/// mode's fastest motion changes.
+/// Events count as simultaneous within this fraction of the time plus the time in which the mode's
+/// fastest motion changes.
 const INSTANT: f64 = 1e-13;
 
-/// What one parameter changes in a mode.
+/// The derivative of a mode by one parameter.
 pub(super) struct InMode {
-    /// Rows of the derivative of A that are not zero, by place.
+    /// Rows of the derivative of A that are not zero, with their index.
     pub a: Vec<(usize, Sparse)>,
     /// Derivatives of the forces of the mode's basis.
     pub lambda: Vec<StateRow>,
@@ -36,25 +36,24 @@ pub(super) struct VariedMode {
     pub a: SparseMatrix,
     /// The longest time of one power series, s.
     pub length: f64,
-    /// Forces of the basis.
+    /// Forces of the basis's contacts.
     pub lambda: Vec<StateRow>,
     pub watched: Vec<(Watch, Functional)>,
     /// The upper triangle R with RᵀR = WᵀM⁻¹W of the basis.
     pub triangle: Triangle,
-    /// Contacts whose forces depend on one another, so that the law does not determine each of
-    /// them.
+    /// Contacts whose forces depend on one another, so that the law does not determine each force.
     pub shared: Vec<Contact>,
-    /// By column.
+    /// Derivative of the mode, by column.
     pub by: Vec<InMode>,
-    /// What all columns add to their rates.
+    /// Entries of A that vary, with their derivatives by all columns.
     pub sources: Sources,
     /// Flights over 2^k parts of `length`, made on first use.
     pub flights: Ladder<Rung>,
-    /// Work that these would have saved so far.
+    /// Work that `flights` would have saved so far.
     pub saved: AtomicU64,
 }
 
-/// What of the linear system of a mode derivatives need.
+/// The parts of a mode's linear system that derivatives need.
 pub(super) struct Parts {
     a: SparseMatrix,
     lambda: Vec<Sparse>,
@@ -80,10 +79,10 @@ impl From<&FlowTable> for Parts {
     }
 }
 
-/// Share of a contact's direction under which it does not depend on another.
+/// Below this share of its direction, a contact does not depend on another.
 const SHARE: f64 = 1e-9;
 
-/// The contacts of a mode that depend on others, and these others.
+/// Returns the contacts of a mode that depend on others, and these others.
 fn shared(system: &System, mode: &Mode, triangle: &Triangle) -> Vec<Contact> {
     let mut all = Vec::new();
     for contact in mode.contacts().filter(|contact| !mode.basis.contains(contact)) {
@@ -126,7 +125,7 @@ impl VariedMode {
         made
     }
 
-    /// Numbers that are kept of it, approximately: an entry counts as two.
+    /// Approximate number of stored numbers; a sparse entry counts as two.
     pub fn numbers(&self) -> usize {
         let rows = |rows: &[StateRow]| rows.iter().map(|row| row.len()).sum::<usize>();
         let in_column =
@@ -137,12 +136,12 @@ impl VariedMode {
         2 * self.a.entries() + rows(&self.lambda) + watched + columns + self.sources.0.numbers() + rungs
     }
 
-    /// Whether a flight over a time parts the events at its ends into two instants.
+    /// Whether a flight over a time separates the events at its ends into two instants.
     pub fn parts_instants(&self, time: f64, span: f64) -> bool {
         span > INSTANT * (time.abs() + self.length)
     }
 
-    /// Whether a quantity is a force of which the law determines no more than a sum with others.
+    /// Whether a quantity is a force that the law determines only in sum with others.
     pub fn is_shared(&self, system: &System, quantity: Quantity) -> bool {
         let Quantity { owner: Owner::Element(i), what: What::F } = quantity else { return false };
         system.parts[i].iter().any(|part| match *part {
@@ -152,7 +151,7 @@ impl VariedMode {
         })
     }
 
-    /// The state after a time of at most the length of a series.
+    /// Returns the state after a time of at most `length`.
     pub fn after(&self, z: &DVector<f64>, time: f64) -> DVector<f64> {
         let (mut sum, mut term, mut next) = (z.clone(), z.clone(), z.clone());
         for k in 1..=orders(RADIUS * time / self.length) {
@@ -163,19 +162,19 @@ impl VariedMode {
         sum
     }
 
-    /// z' at a state.
+    /// Returns z' at a state.
     pub fn rates(&self, z: &DVector<f64>) -> DVector<f64> {
         self.a.rows_times(0..z.len(), z.as_slice())
     }
 
-    /// The derivative of z' at a state and its derivative `delta` by parameter `p`.
+    /// Returns the derivative of z' at a state with the derivative `delta` by parameter `p`.
     pub fn rates_by(&self, p: usize, z: &DVector<f64>, delta: &DVector<f64>) -> DVector<f64> {
         let mut rates = self.rates(delta);
         self.by[p].a.iter().for_each(|(i, row)| rates[*i] += row.dot(z.as_slice()));
         rates
     }
 
-    /// The derivative of a watched functional by parameter `p`.
+    /// Returns the derivative of an event function by parameter `p`.
     pub fn row_by<'t>(
         &self,
         system: &System,
@@ -243,8 +242,8 @@ impl VariedMode {
         }
     }
 
-    /// The derivatives of accelerations a and contact forces λ, by differentiating
-    /// M a + W λ = F z and Wᵀ a + drift z = 0.
+    /// Returns the derivatives of the accelerations a and contact forces λ, by differentiating M a
+    /// + W λ = F z and Wᵀ a + drift z = 0.
     fn vary(&self, system: &System, tangent: &Tangent, acceleration: &DMatrix<f64>) -> InMode {
         let (n, basis) = (system.coordinates, &self.mode.basis);
         if tangent.is_zero {

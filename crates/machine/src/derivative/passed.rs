@@ -1,4 +1,4 @@
-//! An event that a motion has passed, for carrying derivatives over it.
+//! An event that a motion has passed, over which derivatives can be carried.
 
 use super::crossing::{Crossing, Met};
 use super::jump::jumped;
@@ -11,14 +11,14 @@ use nalgebra::DVector;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Size of the modes that are kept, bytes; beyond it all are dropped, and made again when needed.
+/// Largest size of the kept modes, bytes. Beyond it all are dropped, and made again when needed.
 const KEPT: usize = 128 << 20;
 
-/// The modes that a motion has met, made with their derivatives by some columns.
+/// The modes that a motion has met, with their derivatives by some columns.
 #[derive(Clone, Default)]
 pub(super) struct Modes {
     known: HashMap<Mode, Arc<VariedMode>>,
-    /// Number of modes at which bytes are counted again, which takes time in proportion to it.
+    /// Bytes are counted again at this number of modes, since counting takes time.
     recount: usize,
 }
 
@@ -34,7 +34,7 @@ impl Modes {
         made
     }
 
-    /// Drops all modes where they take more than `most` bytes.
+    /// Drops all modes if they take more than `most` bytes.
     fn make_room(&mut self, most: usize) {
         let count = self.known.len();
         if count < self.recount {
@@ -48,22 +48,21 @@ impl Modes {
     }
 }
 
-/// An event: the mode, the state and z' before and after its law, and what has happened.
+/// An event: the mode, the state and z' before and after its law, and the events that happened.
 pub(super) struct Passed {
     pub time: f64,
     pub modes: [Arc<VariedMode>; 2],
     pub states: [DVector<f64>; 2],
     pub rates: [DVector<f64>; 2],
     sizes: DVector<f64>,
-    /// Place among the functionals of the mode before of the one that has passed zero; `None` at a
-    /// knot.
+    /// Index, in the mode before, of the event function that has passed zero; `None` at a knot.
     pub due: Option<usize>,
     pub impulses: Vec<Impulse>,
     pub events: Vec<Event>,
 }
 
 impl Passed {
-    /// Applies the law of the pending event of a motion in a mode; `enter` finds the mode that
+    /// Applies the law of the pending event of a motion in a mode. `enter` returns the mode that
     /// follows.
     pub fn new(
         machine: &Machine,
@@ -72,7 +71,7 @@ impl Passed {
         enter: impl FnOnce(&Motion) -> Arc<VariedMode>,
     ) -> Result<Self, Error> {
         let z = machine.widened(motion.state()).into_owned();
-        // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
+        // An `ElastoGap` has two event functions with the same `watch`: take the one at zero.
         let due = motion.due().and_then(|watch| {
             let rows = mode.watched.iter().enumerate().filter(|(_, own)| own.0 == watch);
             let off = |(_, row): &(usize, &(_, crate::functional::Functional))| row.1.at(z.as_slice()).abs();
@@ -83,8 +82,8 @@ impl Passed {
         Ok(Self::applied(machine, motion, mode, (z, due, events), enter))
     }
 
-    /// The event of a motion whose law has been applied, from the state, the functional and the
-    /// reports that it had.
+    /// Records the event of a motion whose law has been applied, given the state before it, the
+    /// event function and the reported events.
     pub fn applied(
         machine: &Machine,
         motion: &Motion,

@@ -1,5 +1,5 @@
-//! The derivative of a start at rest, by the implicit function on the contacts that bear force
-//! (docs/assembly-law.md (A37)).
+//! The derivative of a start at rest, by the implicit function theorem on the contacts that bear
+//! force (docs/assembly-law.md (A37)).
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
@@ -8,18 +8,18 @@ use crate::mode::Contact;
 use crate::system::BranchRows;
 use nalgebra::{DMatrix, DVector};
 
-/// Relative singular value under which nothing acts in a direction.
+/// Singular values below this fraction of the largest entry: nothing acts in this direction.
 const LOOSE: f64 = 1e-12;
 
-/// The derivative of the coordinates q in equilibrium by parameter `p`: with the stiffness K of the
-/// mode and the closed stops' directions W,
+/// Computes the derivative of the coordinates q in equilibrium by parameter `p`. With the
+/// stiffness K of the mode and the closed stops' directions W,
 ///
 /// ```text
 /// K dq + W dλ = dF z + F dz - dW λ,    Wᵀ dq = -(dh z + h dz),
 /// ```
 ///
-/// where dz are the signals' derivatives, which `delta` has. In directions in which nothing acts dq
-/// is zero.
+/// where `delta` contains dz, the signals' derivatives. In directions in which nothing acts, dq is
+/// zero.
 pub(super) fn equilibrium(
     machine: &Machine,
     p: usize,
@@ -54,7 +54,7 @@ pub(super) fn equilibrium(
     let mut matrix = DMatrix::zeros(size, size);
     let root = system.inertia.l();
     let stiffness = -forces.columns(0, n).into_owned();
-    // In the inertia's metric, in which directions without force are orthogonal to all others.
+    // Use the inertia's metric: there, directions without force are orthogonal to all others.
     let half = root.solve_lower_triangular(&stiffness).unwrap_or_else(|| DMatrix::zeros(n, n));
     let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or_else(|| DMatrix::zeros(n, n));
     matrix.view_mut((0, 0), (n, n)).copy_from(&whole);
@@ -85,8 +85,8 @@ pub(super) fn equilibrium(
 }
 
 /// Replaces the forces of springs in series in the mode after the start by their forces at rest,
-/// with the column's changes. A relaxed spring bears no force. A spring whose slider is at its
-/// level bears this level.
+/// including the column's changes. A relaxed spring bears no force; a spring whose slider is at
+/// its level bears this level.
 fn put_borne(
     machine: &Machine,
     p: usize,
@@ -97,7 +97,7 @@ fn put_borne(
     for (i, (branch, by)) in system.branches.iter().zip(&tangent.branches).enumerate() {
         let w = &branch.elongation.w;
         let borne = match level_at_rest(machine, branch, at) {
-            // From the inner place 0 on the stretch is e.
+            // The inner place is 0, so the stretch is e.
             Rest::Elastic => {
                 forces.ger(-branch.stiffness, w, &branch.elongation.e, 1.0);
                 by.force.dot(at.z) + branch.stiffness * by.elongation.e.dot(at.z)
@@ -113,8 +113,8 @@ fn put_borne(
     }
 }
 
-/// What a branch is at rest: one with a dashpot has relaxed, a slider has not moved from zero or is
-/// at its level.
+/// State of a branch at rest: a branch with a dashpot has relaxed; a slider has not moved from
+/// zero, or is at its level.
 enum Rest {
     Relaxed,
     Elastic,
@@ -133,7 +133,7 @@ fn level_at_rest(machine: &Machine, branch: &BranchRows, at: &Instant) -> Rest {
     }
 }
 
-/// The inner places of these springs follow their elongations.
+/// Makes the inner places of relaxed springs and of sliders at their level follow the elongations.
 fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
     for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
         let direction = match level_at_rest(machine, branch, at) {
@@ -147,11 +147,11 @@ fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
     }
 }
 
-/// Whether a column changes nothing in a contact at rest: its direction, its place, its level.
+/// Whether a column leaves the direction, place and level of a contact at rest unchanged.
 fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVector<f64>, &Instant)) -> bool {
     let (system, tangent, by) = (&machine.system, &machine.tangents[p], machine.contact(contact, p).1);
     let (row, own) = match contact {
-        // A freewheel keeps the place of the machine without displacements, whatever its rate.
+        // A freewheel keeps its angle from the machine without displacements, whatever its rate.
         Contact::Stop(_) if !system.keeps_place(contact) => return by.w.amax() == 0.0,
         Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
         Contact::Friction(i) => {
@@ -164,9 +164,9 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
     by.w.amax() == 0.0 && row.dot(delta) + own.dot(at.z) == 0.0
 }
 
-/// The contacts that keep their place at rest, with their places in the basis: closed stops, which
-/// must press, and resting friction and engaged freewheels where these are needed. They then keep
-/// the place w·q = 0 of the machine without displacements, and must stay inside their limits.
+/// Returns the contacts that keep their place at rest, with their index in the basis: closed
+/// stops, which must press, and, if needed, sticking friction and engaged freewheels. The latter
+/// keep w·q = 0 of the machine without displacements, and must stay inside their limits.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {

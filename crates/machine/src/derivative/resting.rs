@@ -9,16 +9,15 @@ impl Machine {
     /// Refuses a rate that a column gives to contacts at rest, unless they come to rest again at
     /// once, on both sides.
     ///
-    /// They do where forces λ hold all contacts that are coupled to them, with 0 < λ of stops and
-    /// |λ| < F of frictions, F being the level at which these slip: the rates vanish within a time
-    /// of their size, by impulses of the contacts alone (A38), and the derivative is the
-    /// projection.
+    /// This is so if forces λ hold all coupled contacts, with 0 < λ for stops and |λ| < F (the
+    /// slip level) for frictions. The rates vanish within a time of their size, by impulses of the
+    /// contacts alone (A38), and the derivative is the projection.
     pub fn returns(&self, column: Varied, at: &Instant) -> Result<(), Lost> {
         let contacts: Vec<Contact> = at.mode.mode.contacts().collect();
         let point = self.point(column, at);
         let is_moved = |contact: Contact| {
             let (row, by) = self.held_row(contact, true, column.p);
-            // What impacts leave of a body between others is rounding of theirs.
+            // The rate of a body between others may be the rounding error of their impacts.
             let all = column.scale.rows(self.system.coordinates, self.system.coordinates).amax();
             let size = point.size(row, by) + all * self.system.elongation_of(contact).w.amax();
             point.of(row, by).abs() > STILL * size
@@ -39,9 +38,9 @@ impl Machine {
         }
     }
 
-    /// Whether a contact's force is inside its limits by more than rounding, those of a friction at
-    /// the level at which it slips. A stop that bounces for ever does not come to rest. A contact
-    /// that depends on others has the force zero.
+    /// Whether a contact's force is inside its limits by more than rounding; for friction the
+    /// limit is the level at which it slips. A stop with restitution 1 does not come to rest. A
+    /// contact that depends on others has the force zero.
     fn is_inside(&self, contact: Contact, at: &Instant) -> bool {
         let mode = &at.mode.mode;
         let place = mode.basis.iter().position(|&own| own == contact);

@@ -1,12 +1,12 @@
-//! What a parameter changes in the rows of a machine's parts (docs/assembly-law.md (A32)), which is
-//! also the place of the weights of these rows in a gradient (A40).
+//! Derivatives of the rows of a machine's parts (docs/assembly-law.md (A32)). A gradient stores
+//! its weights of these rows in the same types (A40).
 
 use crate::description::StopLaw;
 use crate::functional::StateRow;
 use crate::system::{CombinationTangent, SamplerTangent, StopRows, forces};
 use nalgebra::DVector;
 
-/// Derivatives of a body's rows, as those of [`BodyRows`](crate::system::BodyRows).
+/// Derivatives of the rows in [`BodyRows`](crate::system::BodyRows).
 #[derive(Clone, Debug)]
 pub(super) struct BodyTangent {
     pub s: StateRow,
@@ -15,7 +15,7 @@ pub(super) struct BodyTangent {
     pub drift: StateRow,
 }
 
-/// Derivatives of an elongation's rows, as those of [`Elongation`](crate::system::Elongation).
+/// Derivatives of the rows in [`Elongation`](crate::system::Elongation).
 #[derive(Clone, Debug)]
 pub(super) struct ElongationTangent {
     pub e: StateRow,
@@ -35,8 +35,8 @@ pub(super) struct StopTangent {
 }
 
 impl StopTangent {
-    /// The derivatives of the rows of a stop whose excess has the derivative `excess`, and the
-    /// numbers of its law the derivatives `law`.
+    /// Returns the derivatives of a stop's rows, given the derivative `excess` of its excess and
+    /// the derivatives `law` of its law's numbers.
     pub fn new(rows: &StopRows, elongation: ElongationTangent, excess: StateRow, law: StopLaw) -> Self {
         let by_law = forces::<StateRow>(law, &rows.excess, &rows.elongation.rate);
         let by_rows = forces(rows.law, &excess, &elongation.rate);
@@ -50,7 +50,7 @@ impl StopTangent {
 #[derive(Clone, Debug)]
 pub(super) struct FrictionTangent {
     pub elongation: ElongationTangent,
-    /// By the friction's levels.
+    /// Derivatives of each of the friction's levels.
     pub levels: Vec<LevelTangent>,
 }
 
@@ -66,26 +66,26 @@ pub(super) struct LevelTangent {
 pub(super) struct BranchTangent {
     pub elongation: ElongationTangent,
     pub force: StateRow,
-    /// The derivative of the row of the stretch's rate, where it varies.
+    /// The derivative of the row of the stretch's rate, used where the stretch varies.
     pub rate: StateRow,
-    /// Of the level of a slider.
+    /// The derivative of a slider's level.
     pub level: StateRow,
 }
 
-/// Place of a state, derivative of the row of its rate, and the factors of limits in it.
+/// Place of a state, derivative of the row of its rate, and the limits' factors in that row.
 pub(super) type RateTangent = (usize, StateRow, Vec<(usize, f64)>);
 
-/// What a parameter changes in the rows of blocks.
+/// The derivatives of the rows of blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockTangents {
     pub outputs: Vec<Vec<CombinationTangent>>,
-    /// Of sampled blocks.
+    /// Derivatives of sampled blocks.
     pub samplers: Vec<Option<SamplerTangent>>,
-    /// By state of first order of a continuous block: its place, the row of its rate, and the
-    /// factors of the limits of what it reads.
+    /// Place and row of the rate of each state of first order of a continuous block, and the
+    /// factors of the limits of its inputs.
     pub rates: Vec<RateTangent>,
-    /// By load: the factors of the limits of the output that it follows.
+    /// For each load: the factors of the limits of the output that it follows.
     pub loads: Vec<Vec<f64>>,
-    /// By limit: the derivative of its excess, and of the direction of its force.
+    /// Derivatives of each limit's excess and of its force's direction.
     pub limits: Vec<(StateRow, DVector<f64>)>,
 }

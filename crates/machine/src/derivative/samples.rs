@@ -1,4 +1,4 @@
-//! What samples of blocks make of derivatives (docs/assembly-law.md, section 19).
+//! Effect of block samples on derivatives (docs/assembly-law.md, section 19).
 
 use super::lost::{Cause, Lost};
 use super::machine::{Machine, Varied};
@@ -6,7 +6,7 @@ use crate::motion::{Event, EventKind};
 use crate::system::{SampleAction, SampledVariation};
 use nalgebra::DVector;
 
-/// What happens to sampled blocks in events.
+/// Returns the actions of sampled blocks in events.
 pub(super) fn actions(events: &[Event]) -> Vec<SampleAction> {
     let action = |event: &Event| match event.kind {
         EventKind::Sample { action } => Some(action),
@@ -16,8 +16,8 @@ pub(super) fn actions(events: &[Event]) -> Vec<SampleAction> {
 }
 
 impl Machine {
-    /// Carries a derivative over samples from the state before them. There is none where a rounded
-    /// input that varies lies between two multiples.
+    /// Carries a derivative over samples; `z` is the state before them. Fails if a varying rounded
+    /// input lies halfway between two multiples.
     pub(super) fn sample(
         &self,
         p: usize,

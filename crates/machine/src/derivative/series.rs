@@ -1,16 +1,16 @@
-//! What flights are made of: power series, and matrices that vary with columns.
+//! Ingredients of flights: power series, and matrices that vary with columns.
 
 use super::columns::width_of;
 use std::sync::LazyLock;
 use vibro_numerics::sorting::sort_by_key;
 
-/// Bound of the terms that a power series leaves out, relative to its largest.
+/// Bound of the omitted terms of a power series, relative to its largest term.
 const REMAINDER: f64 = 1e-18;
-/// More orders than any series has.
+/// Size of the table of orders; no series needs this many.
 const MOST: usize = 64;
 
-/// By number of orders: the largest rate × time r of a power series with so many. Its terms r^k/k!
-/// fall by half or more from the last order on.
+/// Largest rate × time r that a power series covers, by number of orders. Its terms r^k/k! at
+/// least halve from the last order onwards.
 static REACH: LazyLock<[f64; MOST]> = LazyLock::new(|| {
     let mut factorial = 1.0;
     std::array::from_fn(|k| {
@@ -20,35 +20,35 @@ static REACH: LazyLock<[f64; MOST]> = LazyLock::new(|| {
     })
 });
 
-/// Orders of a power series over rate × time.
+/// Number of orders of a power series over rate × time.
 pub(super) fn orders(radius: f64) -> usize {
     REACH.partition_point(|&reach| reach < radius)
 }
 
-/// A matrix that acts on a state and its derivatives, by rows: entries with their places, and what
-/// the state adds to each column.
+/// A matrix that acts on a state and its derivatives, stored by rows: entries with their column
+/// index, and the contribution of the state to each column of derivatives.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Varied {
-    /// By row where its entries end.
+    /// End of each row's entries.
     pub(super) ends: Vec<usize>,
     pub(super) entries: Vec<(usize, f64)>,
-    /// By entry its derivatives, in the places of the columns; 0 in that of the state.
+    /// Derivatives of each entry, at the columns' indices; 0 at the index of the state.
     pub(super) by: Vec<f64>,
 }
 
 impl Varied {
-    /// Numbers that are kept of it.
+    /// Number of stored numbers.
     pub(super) fn numbers(&self) -> usize {
         self.ends.len() + 2 * self.entries.len() + self.by.len()
     }
 
-    /// A row's first entry and the place after its last.
+    /// Range of a row's entries.
     #[inline(always)]
     pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
         i.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[i]
     }
 
-    /// Adds a row with all its entries, of which those without any number are left out.
+    /// Adds a row, leaving out entries whose value and derivatives are all zero.
     pub(super) fn push(&mut self, row: &[f64], by: &[f64]) {
         let width = by.len() / row.len();
         for (j, (&x, by)) in row.iter().zip(by.chunks_exact(width)).enumerate() {
@@ -61,15 +61,15 @@ impl Varied {
     }
 }
 
-/// The flow over 2^k parts of a length: exp(A t) - 1, and by column its derivative.
+/// The flow over 2^k parts of a length: exp(A t) - 1, and its derivative by column.
 pub(super) type Rung = Varied;
 
-/// What of A varies: entries with their derivatives by column, in rows of A.
+/// The entries of A that vary, by row, with their derivatives by column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sources(pub(super) Varied);
 
 impl Sources {
-    /// Of terms by row, place, column and derivative, for a matrix of `size` rows.
+    /// Collects terms (row, place, column, derivative) of a matrix with `size` rows.
     pub fn of(size: usize, count: usize, mut all: Vec<(usize, usize, usize, f64)>) -> Self {
         let width = width_of(count);
         let mut own = Varied::default();

@@ -11,14 +11,14 @@ use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind, Impulse};
 use nalgebra::DVector;
 
-/// What determines the state at the start.
+/// Source of the initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Given {
     /// The machine's own numbers.
     Machine,
-    /// A state that was given, which no parameter moves.
+    /// A given state, which no parameter varies.
     State,
-    /// A motion that is under way: its state follows what contacts hold.
+    /// A motion under way: its state follows the constraints of held contacts.
     Motion,
 }
 
@@ -26,18 +26,18 @@ pub(super) enum Given {
 pub(super) struct Start<'a> {
     pub machine: &'a Machine,
     pub given: Given,
-    /// The state before the law.
+    /// The state before the law is applied.
     pub begun: &'a DVector<f64>,
-    /// What the law has done.
+    /// The events of the law at the start.
     pub events: &'a [Event],
-    /// The instant after the law.
+    /// The instant after the law is applied.
     pub at: Instant<'a, 'a>,
-    /// Elements with a watched functional that is zero throughout the mode.
+    /// Elements with an event function that is zero throughout the mode.
     pub throughout: Vec<Contact>,
 }
 
 impl Start<'_> {
-    /// The derivative of column `p` after the law at the start.
+    /// Returns column `p` of the derivative after the law at the start.
     pub fn derivative(&self, p: usize) -> Result<DVector<f64>, Lost> {
         let (machine, at) = (self.machine, &self.at);
         let (system, tangent) = (&machine.system, &machine.tangents[p]);
@@ -54,13 +54,13 @@ impl Start<'_> {
         let mut delta = found.map_err(|stop| self.limit(machine.assembly.name_of_stop(stop)))?;
         self.sample(p, &mut delta)?;
         let mut scale = scale.sup(&delta.abs());
-        // What an impact takes of a rate may leave the rounding of what it takes.
+        // An impact that removes a rate may leave the rounding error of the rate's change.
         let kicks: f64 = impacts.iter().map(|impulse| impulse.kick_size(system, tangent)).sum();
         scale.rows_mut(system.coordinates, system.coordinates).add_scalar_mut(kicks);
         machine.returns(Varied { p, delta: &delta, scale: &scale }, at)?;
         let begun = delta.clone();
         machine.keep(p, &mut delta, &scale, at)?;
-        // Inner places stay as they are given.
+        // Inner places keep their given values.
         let still = DVector::zeros(delta.len());
         machine.stretch(p, &still, &(&delta - begun), &mut delta);
         machine.keep_levels(p, &mut delta, at, |i| self.is_moved(i));
@@ -81,14 +81,14 @@ impl Start<'_> {
         if sampled.is_empty() {
             return Ok(());
         }
-        // What impacts leave, with what blocks keep before the samples.
+        // The velocities after impacts, with the states that blocks keep before the samples.
         let mut z = self.at.z.clone();
         let kept = 2 * system.coordinates + system.branches.len()..system.states();
         z.rows_range_mut(kept.clone()).copy_from(&self.begun.rows_range(kept));
         self.machine.sample(p, (self.at.time, &sampled), &z, delta)
     }
 
-    /// The derivative of a start at rest, to which outputs of the samples at time 0 belong.
+    /// Adds the derivative of a start at rest, including outputs of the samples at time 0.
     fn rest(&self, p: usize, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let system = &self.machine.system;
         let (n, branches) = (system.coordinates, system.branches.len());
@@ -102,7 +102,7 @@ impl Start<'_> {
         Ok(())
     }
 
-    /// The derivative before the law. A later start finds the signals as they are then.
+    /// Returns the derivative before the law. A later start uses the signals at its own time.
     fn before(&self, p: usize) -> Result<DVector<f64>, Lost> {
         let (machine, at) = (self.machine, &self.at);
         let (tangent, n, one) =
@@ -130,7 +130,7 @@ impl Start<'_> {
         Ok(delta)
     }
 
-    /// The direction of the force of a branch whose slider the start has moved to its level.
+    /// Returns the direction of a branch's force if the start has moved its slider to its level.
     fn is_moved(&self, i: usize) -> Option<f64> {
         let (machine, z) = (self.machine, self.begun);
         let branch = &machine.system.branches[i];
@@ -140,8 +140,8 @@ impl Start<'_> {
         is_moved.then(|| stretch.signum())
     }
 
-    /// Whether a slider is held at its level: on one side of a start that varies its force it has
-    /// been moved. At rest it has come there from zero.
+    /// Whether a slider is held at its level, so that a varied force moves it on one side only. In
+    /// a start at rest the slider has come to its level from zero, which does not count.
     fn is_at_level(&self, (watch, row): &(Watch, Functional)) -> bool {
         let rests = self.given == Given::Machine && self.machine.assembly.description.starts_at_rest;
         match *watch {
@@ -156,7 +156,7 @@ impl Start<'_> {
         Lost { time: self.at.time, element, cause: Cause::Limit }
     }
 
-    /// Refuses a step at the time of the start where one of both varies.
+    /// Refuses a step or sample at the time of the start if the column varies either time.
     fn check_steps(&self, p: usize) -> Result<(), Lost> {
         let (machine, time) = (self.machine, self.at.time);
         let moves = machine.tangents[p].signals.later(time).is_some();
@@ -169,19 +169,19 @@ impl Start<'_> {
         self.events.iter().any(|event| matches!(event.kind, EventKind::Impact { stop, .. } if stop == i))
     }
 
-    /// Whether a rigid stop, whose state was given, touches and separates: the start then varies as
-    /// if it was not there.
+    /// Whether a rigid stop of a given state touches and separates: the start then varies as if
+    /// the stop did not exist.
     fn separates(&self, i: usize) -> bool {
         let (rows, at) = (&self.machine.system.stops[i], &self.at);
         let leaves = || rows.excess.dot(at.rates) < -self.machine.speed_size(&rows.excess, at) * TOUCH;
         self.given != Given::Machine && rows.restitution().is_some() && !self.is_hit(i) && leaves()
     }
 
-    /// Refuses a stop that touches at the start where the column moves it to either side.
+    /// Refuses a stop that touches at the start if the column moves it to either side.
     fn check_touching(&self, column: Varied) -> Result<(), Lost> {
         let (machine, at) = (self.machine, &self.at);
         for (i, stop) in machine.system.stops.iter().enumerate() {
-            // A freewheel has no place, and its rate is that after the law: see `returns`, `still`.
+            // A freewheel has no place, and its rate counts after the law: see `returns`, `still`.
             if stop.is_freewheel || !machine.is_zero(&stop.excess, at) {
                 continue;
             }
@@ -191,7 +191,7 @@ impl Start<'_> {
             let rate = moves(&stop.elongation.rate, &by.elongation.rate);
             let differs = match stop.restitution() {
                 Some(_) => (place && !self.follows(i, column.p)) || (rate && self.turns(i)),
-                // Its force sets in with a jump, or on one side alone.
+                // Its force begins with a jump, or on one side only.
                 None => {
                     let is_edge = self.throughout.contains(&Contact::Stop(i));
                     (place && !machine.is_smooth(Watch::Presses(i))) || ((place || rate) && is_edge)
@@ -204,8 +204,8 @@ impl Start<'_> {
         Ok(())
     }
 
-    /// Whether the start varies with the place of a rigid stop that touches there: at rest, or
-    /// under way, where it is held, and where it separates.
+    /// Whether the start varies with the place of a rigid stop that touches there: if it is held
+    /// and the machine starts at rest or is under way, and if it separates.
     fn follows(&self, i: usize, p: usize) -> bool {
         let is_held = self.at.mode.mode.stops[i] == StopState::Closed && !self.is_hit(i);
         let varies = || match self.given {
@@ -219,9 +219,9 @@ impl Start<'_> {
         (is_held && varies()) || self.separates(i)
     }
 
-    /// Whether a rigid stop that touches without a closing speed is hit on one side alone when its
-    /// rate varies. One that is held returns ([`Machine::returns`]), unless an impact at the start
-    /// moves it.
+    /// Whether a rigid stop that touches without a closing speed is hit on one side only when its
+    /// rate varies. A held stop comes to rest again ([`Machine::returns`]), unless an impact at
+    /// the start moves it.
     fn turns(&self, i: usize) -> bool {
         let (system, at) = (&self.machine.system, &self.at);
         let own = &system.stops[i].elongation;

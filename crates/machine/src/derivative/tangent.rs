@@ -17,35 +17,35 @@ use nalgebra::{DMatrix, DVector};
 /// The derivative of a [`System`] by one parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Tangent {
-    /// Whether the column is by none of the machine's numbers.
+    /// Whether the column varies no number of the machine.
     pub is_zero: bool,
     /// Whether the column varies the inertia matrix.
     pub varies_mass: bool,
     pub signals: SignalTangent,
     pub bodies: Vec<BodyTangent>,
-    /// By body: inertia.
+    /// Derivative of the inertia, by body.
     pub inertias: Vec<f64>,
     pub mass: DMatrix<f64>,
-    /// Forces that act in every mode.
+    /// Derivatives of the forces that act in every mode.
     pub forces: DMatrix<f64>,
-    /// By spring: its elongation and its force.
+    /// Derivatives of each spring's elongation and force.
     pub springs: Vec<(ElongationTangent, StateRow)>,
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
     pub branches: Vec<BranchTangent>,
-    /// By load: its force.
+    /// Derivative of each load's force.
     pub loads: Vec<StateRow>,
-    /// By coordinate: start values of place and rate.
+    /// Derivatives of the start values of place and rate, by coordinate.
     pub starts: Vec<(f64, f64)>,
-    /// By state of first order: its start value.
+    /// Derivative of the start value of each state of first order.
     pub inner: Vec<f64>,
     pub blocks: BlockTangents,
 }
 
-/// The description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
+/// A description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
 fn direction(d: &Description, name: &str) -> Description {
     let mut along = d.clone();
-    // Signs of elements between two bodies are no parameters, nor are starts of a machine at rest.
+    // Not parameters: signs of elements between two bodies, and starts of a machine at rest.
     let springs = along.springs.iter_mut().map(|s| &mut s.arms);
     let dampers = along.dampers.iter_mut().map(|s| &mut s.arms);
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);
@@ -73,7 +73,7 @@ fn direction(d: &Description, name: &str) -> Description {
     along
 }
 
-/// All signals in the order of the system's, the last of them counters of levels.
+/// Returns all signals in the system's order: motions, loads, levels, counters of levels, sources.
 fn signals<'a>(d: &'a Description, counters: &'a [Signal]) -> Vec<Course<'a>> {
     let motions = d.bodies.iter().filter_map(|body| body.kind.course());
     let loads = d.loads.iter().map(|load| Course::from(&load.force));
@@ -124,7 +124,7 @@ impl Tangent {
         tangent
     }
 
-    /// Inertia, weight, and the inertia forces of prescribed bodies through links.
+    /// Adds inertia, weight, and the inertia forces of prescribed bodies that act through links.
     fn put_inertia(&mut self, system: &System, d: &Description, along: &Description) {
         let one = system.signals.one;
         for (i, (rows, by)) in system.bodies.iter().zip(&self.bodies).enumerate() {
@@ -164,7 +164,7 @@ impl Tangent {
         let springs = d.springs.iter().zip(&along.springs);
         let springs = springs.map(|(s, by)| {
             let (dk, preload) = match (&s.series, s.points.is_empty()) {
-                // The stiffness of a spring in series is that of its branch.
+                // The stiffness of a spring in series belongs to its branch.
                 (Some(_), _) => (0.0, by.preload),
                 (None, true) => (by.stiffness, by.preload),
                 (None, false) => {
@@ -202,7 +202,7 @@ impl Tangent {
         }
     }
 
-    /// Gyroscopic forces, which vary where links vary what the coordinates are.
+    /// Adds gyroscopic forces, which vary if links vary the bodies' rows.
     fn put_gyroscopic(&mut self, system: &System) {
         for own in &system.gyroscopic {
             let size = system.signals.size;
@@ -216,8 +216,8 @@ impl Tangent {
         }
     }
 
-    /// The stops in the order of the system's: stops and springs make the first ones, then limits
-    /// of outputs and freewheels follow.
+    /// Adds the stops in the system's order: first the stops made of stops and springs, then
+    /// limits of outputs, then freewheels.
     fn put_stops(&mut self, system: &System, d: &Description, along: &Description) {
         let one = system.constant(1.0).into_row();
         for (rows, made) in system.stops.iter().zip(made_stops(d, Some(along))) {
@@ -289,7 +289,7 @@ impl Tangent {
         }
     }
 
-    /// The derivative of a compliant stop's force in a state in which it is not zero.
+    /// The derivative of a compliant stop's force; `None` in a state without a force.
     pub fn stop_force(&self, i: usize, state: StopState) -> Option<StateRow> {
         state.force(&self.stops[i].force, &self.stops[i].spring)
     }
@@ -306,7 +306,7 @@ impl Tangent {
         state.force(&own.level, &own.static_level)
     }
 
-    /// The derivative of the forces on the coordinates in a mode, without those of held contacts.
+    /// The derivative in a mode of the forces on the coordinates, except held contacts' forces.
     pub fn forces_in(&self, system: &System, mode: &Mode) -> DMatrix<f64> {
         let mut forces = self.forces.clone();
         let mut put = |e: &Elongation, by: &ElongationTangent, force: Functional, dforce: StateRow| {

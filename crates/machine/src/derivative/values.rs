@@ -96,7 +96,7 @@ impl Point<'_> {
         if what == What::E { self.of(&own.e, &by.e) } else { self.of(&own.rate, &by.rate) }
     }
 
-    /// The derivative of a contact's force; 0 for one that depends on others.
+    /// The derivative of a contact's force; 0 for a contact that depends on others.
     fn held(&self, contact: Contact) -> f64 {
         let place = self.mode.mode.basis.iter().position(|&c| c == contact);
         place.map_or(0.0, |k| self.of(&self.mode.lambda[k], &self.mode.by[self.p].lambda[k]))

@@ -1,5 +1,5 @@
-//! The derivative of a number by all rows and matrices of a machine, from which that by any column
-//! follows (docs/assembly-law.md (A40)).
+//! The derivative of a number by all rows and matrices of a machine; the derivative by any column
+//! follows from it (docs/assembly-law.md (A40)).
 
 use super::columns::padded;
 use super::mode::VariedMode;
@@ -12,7 +12,7 @@ use crate::mode::{Contact, FrictionState, StopState, Watch};
 use crate::system::{FrictionRows, System};
 use nalgebra::{DMatrix, DVector};
 
-/// By each number of a machine's rows and matrices, in the places of a [`Tangent`].
+/// Derivatives by each number of a machine's rows and matrices, laid out as a [`Tangent`].
 pub(super) struct Weights {
     mass: DMatrix<f64>,
     forces: DMatrix<f64>,
@@ -22,14 +22,14 @@ pub(super) struct Weights {
     pub frictions: Vec<FrictionTangent>,
     pub branches: Vec<BranchTangent>,
     pub loads: Vec<StateRow>,
-    /// Of the signals' rows of A, from the first one on.
+    /// Derivatives by the signals' rows of A.
     signals: DMatrix<f64>,
 }
 
-/// By the rows of one mode: those of A from the accelerations on, and of the basis's forces.
+/// Derivatives by the rows of one mode: the rows of A after the rates, and the basis's forces.
 pub(super) struct InMode {
     pub a: DMatrix<f64>,
-    /// What flights add to `a`: by coordinate of z a padded vector by all coordinates.
+    /// Contributions of flights to `a`: a padded vector for each coordinate of z.
     pub sums: Vec<f64>,
     pub lambda: Vec<StateRow>,
 }
@@ -44,7 +44,7 @@ impl InMode {
         }
     }
 
-    /// By A, with what flights have added.
+    /// Returns the derivative by A, including the contributions of flights.
     fn by_a(&self) -> DMatrix<f64> {
         let (mut a, size) = (self.a.clone(), self.a.ncols());
         let first = size - a.nrows();
@@ -54,7 +54,7 @@ impl InMode {
         a
     }
 
-    /// Adds `factor` × `row` by the force of a contact.
+    /// Adds `factor` × `row` to the derivative by the force of a contact.
     fn add_force(&mut self, mode: &VariedMode, contact: Contact, factor: f64, row: &StateRow) {
         if let Some(k) = mode.mode.basis.iter().position(|&c| c == contact) {
             self.lambda[k].axpy(factor, row, 1.0);
@@ -108,7 +108,7 @@ impl Weights {
         }
     }
 
-    /// Adds `factor` × `row` by the row that a held contact keeps at zero: its rate, or its place.
+    /// Adds `factor` × `row` to the derivative by the row that a held contact keeps at zero.
     pub fn add_held(&mut self, contact: Contact, rates: bool, factor: f64, row: &StateRow) {
         match contact {
             Contact::Stop(i) if !rates => self.stops[i].excess.axpy(factor, row, 1.0),
@@ -116,17 +116,17 @@ impl Weights {
         }
     }
 
-    /// Adds -κ P of an impulse by a stop's direction, with κ = `kick`.
+    /// Adds -κ P of an impulse to the derivative by a stop's direction, with κ = `kick`.
     pub fn add_direction(&mut self, stop: usize, impulse: f64, kick: &DVector<f64>) {
         self.stops[stop].elongation.w.axpy(-impulse, kick, 1.0);
     }
 
-    /// Adds κ (M⁻¹ W P)ᵀ by the inertia matrix.
+    /// Adds κ (M⁻¹ W P)ᵀ to the derivative by the inertia matrix.
     pub fn add_mass(&mut self, kick: &DVector<f64>, moved: &DVector<f64>) {
         self.mass.ger(1.0, kick, moved, 1.0);
     }
 
-    /// Adds `factor` × `row` by the force of a compliant stop in a state, or by a friction's.
+    /// Adds `factor` × `row` to the derivative by the force of a compliant stop in a state.
     pub fn add_stop_force(&mut self, i: usize, state: StopState, factor: f64, row: &StateRow) {
         match state {
             StopState::Pressed => self.stops[i].force.axpy(factor, row, 1.0),
@@ -154,7 +154,7 @@ impl Weights {
         }
     }
 
-    /// Adds `factor` × `z` by a watched functional of a mode.
+    /// Adds `factor` × `z` to the derivative by an event function of a mode.
     pub fn add_watched(
         &mut self,
         system: &System,
@@ -208,7 +208,7 @@ impl Weights {
         }
     }
 
-    /// Adds `factor` × `z` by the force of a contact in a mode.
+    /// Adds `factor` × `z` to the derivative by the force of a contact in a mode.
     pub fn add_force(
         &mut self,
         system: &System,
@@ -228,7 +228,7 @@ impl Weights {
         }
     }
 
-    /// Adds what the rows of a mode depend on: the adjoint of (A34).
+    /// Adds the derivatives by everything that determines a mode's rows: the adjoint of (A34).
     pub fn add_mode(&mut self, system: &System, mode: &VariedMode, own: &InMode) {
         let (n, size, basis) = (system.coordinates, system.signals.size, &mode.mode.basis);
         let by_a = own.by_a();
@@ -240,7 +240,7 @@ impl Weights {
         for k in 0..n {
             mode.a.row(n + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
         }
-        // D = G⁻¹ (Λ - Wᵀ M⁻¹ Y) by what the contacts hold against, Z = M⁻¹ (Y + W D) by forces.
+        // Constraints: D = G⁻¹ (Λ - Wᵀ M⁻¹ Y); forces: Z = M⁻¹ (Y + W D).
         let mut held = DMatrix::zeros(basis.len(), size);
         for (k, (&contact, lambda)) in basis.iter().zip(&own.lambda).enumerate() {
             let moved = own_a.tr_mul(&system.elongation_of(contact).mobility);
@@ -280,7 +280,7 @@ impl Weights {
         self.forces += by_forces;
     }
 
-    /// The derivative along a column: the sum of all products with its tangent.
+    /// Returns the derivative along a column: the sum of all products with its tangent.
     pub fn along(&self, system: &System, tangent: &Tangent) -> f64 {
         if tangent.is_zero {
             return 0.0;

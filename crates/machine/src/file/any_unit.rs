@@ -1,21 +1,21 @@
-//! Numbers whose dimension their unit says: named parameters, signals that blocks read.
+//! Numbers whose unit determines their dimension: named parameters, signals that blocks read.
 
 use crate::description::Dimension;
 use crate::kinds;
 use crate::parameters::read;
 use vibro_numerics::quantities::{UNITS, split};
 
-/// Dimensions in whose SI unit a unit of several is read: angular velocities before frequencies.
+/// Preferred SI units of ambiguous units: angular velocities before frequencies.
 const FIRST: [&str; 2] = ["Hz", "rad/s"];
 
-/// The value of a text in SI, with the SI unit of its unit's dimension.
+/// Returns the value of a text in SI, and the SI unit of its dimension.
 pub(super) fn quantity(text: &str, allowed: &str) -> Result<(f64, &'static str), String> {
     let refused = || allowed.to_owned();
     let (_, symbol) = split(text).ok_or_else(refused)?;
     if symbol == "g" {
         return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());
     }
-    // Hz stays 1/s, and revolutions become rad.
+    // Hz stays 1/s, but revolutions are converted to rad.
     let first = FIRST.into_iter().skip(usize::from(!symbol.ends_with("Hz")));
     let dimensions = first.chain(UNITS.iter().map(|unit| unit.si));
     let value = |si| read(kinds::named(si), Dimension::Translation, text);

@@ -10,11 +10,11 @@ use crate::quantity::What;
 const KEYS: [&str; 12] =
     ["inputs", "states", "start", "a", "b", "c", "d", "outputs", "limits", "sample", "delay", "quantum"];
 
-/// What a block reads, in words.
+/// Message that lists the quantities a block can read.
 const READ: &str =
     "allowed are s, v of bodies and nodes, e, rate of elements, signals, and outputs of blocks";
 
-/// The most states, inputs or outputs of a block.
+/// Largest number of states, inputs or outputs of a block.
 const MOST: f64 = 500.0;
 
 /// Reads the signals that blocks read, and the blocks.
@@ -26,7 +26,7 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
         machine.sources.push(Source { name, signal: signal.unwrap_or_default() });
     }
     let section = reading.section(root, "block");
-    // Blocks read each other: their names are known before their inputs.
+    // Blocks read each other, so the names of outputs are needed before inputs.
     let outputs: Vec<(String, Vec<String>)> =
         section.iter().map(|(name, table)| (name.clone(), outputs(reading, table))).collect();
     for ((name, table), (_, own)) in section.into_iter().zip(&outputs) {
@@ -36,7 +36,7 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
     }
 }
 
-/// What inputs may name.
+/// Everything that inputs may name.
 struct Known<'a> {
     names: &'a Names,
     machine: &'a Description,
@@ -98,7 +98,7 @@ fn names_of(outputs: &[(String, Vec<String>)]) -> impl Iterator<Item = String> +
     outputs.iter().flat_map(|(block, own)| own.iter().map(move |output| format!("{block}.{output}")))
 }
 
-/// The names of a block's outputs; none of a list that is refused.
+/// Returns the names of a block's outputs; empty if the list is refused.
 fn outputs(reading: &mut Reading, table: &FileTable) -> Vec<String> {
     let allowed = "allowed is a list of names, such as [\"u\"]";
     let Some(entry) = reading.required(table, "outputs", allowed) else { return Vec::new() };
@@ -125,7 +125,7 @@ fn outputs(reading: &mut Reading, table: &FileTable) -> Vec<String> {
 fn block(reading: &mut Reading, table: &FileTable, outputs: &[String], known: &Known) -> Option<Block> {
     let inputs = inputs(reading, table, known);
     let states = states(reading, table);
-    // Rows are by outputs: of refused ones no more is said.
+    // Rows belong to outputs: if outputs were refused, rows are not checked.
     let (count, states) = (inputs.as_ref().filter(|_| !outputs.is_empty())?.len(), states?);
     let rows = outputs.len();
     let a = matrix(reading, table, "a", [states, states], states > 0);
@@ -155,7 +155,7 @@ fn block(reading: &mut Reading, table: &FileTable, outputs: &[String], known: &K
     })
 }
 
-/// The inputs, each with its name.
+/// Returns the inputs, each with its name.
 fn inputs(reading: &mut Reading, table: &FileTable, known: &Known) -> Option<Vec<(BlockInput, String)>> {
     let allowed = "allowed is a list of names, such as [\"cart.s\", \"reference\"]";
     let entry = reading.required(table, "inputs", allowed)?;
@@ -178,7 +178,7 @@ fn inputs(reading: &mut Reading, table: &FileTable, known: &Known) -> Option<Vec
     (all.len() == items.len()).then_some(all)
 }
 
-/// The number of states: that of `states`, or of the rows of `a`.
+/// Returns the number of states, from `states` or from the rows of `a`.
 fn states(reading: &mut Reading, table: &FileTable) -> Option<usize> {
     let Some(entry) = reading.optional(table, "states") else {
         let rows = reading.optional(table, "a").and_then(|a| Some(reading.items(&a)?.len()));
@@ -191,7 +191,7 @@ fn states(reading: &mut Reading, table: &FileTable) -> Option<usize> {
     found.map(|count| count as usize)
 }
 
-/// A matrix by its rows; zeros where it may be left out.
+/// Reads a matrix by rows; zeros if it may be left out.
 fn matrix(
     reading: &mut Reading,
     table: &FileTable,
@@ -250,7 +250,7 @@ fn start(reading: &mut Reading, table: &FileTable, states: usize) -> Option<Vec<
     list(reading, &items, kinds::BLOCK_START)
 }
 
-/// By output its limits, if it has some.
+/// Reads the limits of each output, if it has any.
 fn limits(reading: &mut Reading, table: &FileTable, outputs: &[String]) -> Option<Vec<Option<[f64; 2]>>> {
     let mut all = vec![None; outputs.len()];
     let Some(entry) = reading.optional(table, "limits") else { return Some(all) };
@@ -283,7 +283,7 @@ fn limits(reading: &mut Reading, table: &FileTable, outputs: &[String]) -> Optio
     is_sound.then_some(all)
 }
 
-/// A limit, which may be the infinite one.
+/// Reads a limit, which may be the value `infinite`.
 fn limit(reading: &mut Reading, entry: &Entry, infinite: f64) -> Option<f64> {
     let toml::de::DeValue::Float(digits) = entry.value else {
         return reading.number(entry, kinds::OUTPUT_LIMIT, Dimension::Translation);
@@ -298,7 +298,7 @@ fn limit(reading: &mut Reading, entry: &Entry, infinite: f64) -> Option<f64> {
     }
 }
 
-/// When a block samples; `Some(None)` of a continuous one.
+/// Reads the sampling of a block; `Some(None)` for a continuous block.
 fn sampling(
     reading: &mut Reading,
     table: &FileTable,
@@ -319,7 +319,7 @@ fn sampling(
     Some(Some(Sampling { period: period?, delay: delay?, quanta: quanta? }))
 }
 
-/// By input what it is rounded to; of `cart = { s = … }` that of `cart.s`.
+/// Reads the quantum of each input; `cart = { s = … }` gives the quantum of `cart.s`.
 fn quanta(
     reading: &mut Reading,
     table: &FileTable,
@@ -348,7 +348,7 @@ fn quanta(
     is_sound.then_some(all)
 }
 
-/// All entries, those of nested tables with the names of both.
+/// Returns all entries; entries of nested tables have the names of both tables.
 fn nested<'t>(reading: &mut Reading, table: &FileTable<'t>, inputs: &[String]) -> Vec<Entry<'t>> {
     let mut all = Vec::new();
     for entry in reading.all(table) {
@@ -363,7 +363,7 @@ fn nested<'t>(reading: &mut Reading, table: &FileTable<'t>, inputs: &[String]) -
     all
 }
 
-/// Sets the outputs that loads follow, when the blocks are known: `from = "pid.u"`.
+/// Sets the outputs that loads follow (`from = "pid.u"`), after the blocks have been read.
 pub(super) fn follow(
     reading: &mut Reading,
     from: &Entry,

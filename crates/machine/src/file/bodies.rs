@@ -1,4 +1,4 @@
-//! Reading of bodies: those with mass or inertia, and those with prescribed motion.
+//! Reading of bodies with mass or inertia, and of bodies with prescribed motion.
 
 use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
@@ -9,14 +9,14 @@ use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
 
-/// The keys of which a body has exactly one, in words.
+/// Message that lists the keys of which a body needs exactly one.
 const KINDS: &str = "allowed is one of mass, inertia, motion";
 
 /// Dimensions, each with its word in a file.
 pub(super) const DIMENSIONS: [(Dimension, &str); 2] =
     [(Dimension::Translation, "translation"), (Dimension::Rotation, "rotation")];
 
-/// Names of the bodies in the file's order, with their dimensions where these are known.
+/// Names of the bodies in the file's order, with their dimensions if these are known.
 pub(super) struct Names(Vec<(String, Option<Dimension>)>);
 
 impl Names {
@@ -107,7 +107,7 @@ fn free(
         free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
         free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
         if at_rest && (free.s, free.v) == (0.0, 0.0) {
-            // A zero start beside "rest" is refused as well: it would contradict the equilibrium
+            // A zero start next to "rest" is refused as well: it would contradict the equilibrium
             // after a change of a parameter.
             reading.refuse_table(
                 &start,
@@ -143,8 +143,8 @@ fn prescribed(
     Some((dimension, BodyKind::Prescribed { motion, rate: rate.unwrap_or(f64::NAN) }))
 }
 
-/// What the signal of a motion is, where it is not the coordinate: a number `rate` is an even
-/// motion beside one.
+/// Returns the level that the signal of a motion gives, unless it is the coordinate. A number
+/// `rate` is a uniform motion added to the coordinate's signal.
 fn level(table: &FileTable) -> Option<Level> {
     let rate = table.entries.get("rate").is_some_and(|rate| rate.get_ref().is_table());
     match table.has("acceleration") {
@@ -154,7 +154,7 @@ fn level(table: &FileTable) -> Option<Level> {
 }
 
 /// Reads a motion whose rate or acceleration is a signal. The coordinate follows from it, so that
-/// no key of a coordinate stands beside it but the one at time 0.
+/// only the coordinate's value at time 0 may be given as well.
 fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension: Dimension) -> BodyKind {
     let (key, kind) = match level {
         Level::Rate => ("rate", kinds::DRIVEN_RATE),
@@ -203,9 +203,9 @@ fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension:
     })
 }
 
-/// The dimension of a prescribed body: that of its key `dimension`; else of the first unit in its
-/// motion; else of the body with mass or inertia at the other end of an element `between` both;
-/// else a length.
+/// Returns the dimension of a prescribed body: from its key `dimension`; otherwise from the first
+/// unit in its motion; otherwise from the body with mass or inertia at the other end of an element
+/// `between` both; otherwise a length.
 fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTable) -> Option<Dimension> {
     if let Some(entry) = reading.optional(table, "dimension") {
         return reading.word(&entry, &DIMENSIONS);
@@ -215,8 +215,8 @@ fn dimension(reading: &mut Reading, name: &str, table: &FileTable, root: &FileTa
     Some(unit.or_else(|| neighbour(name, root)).unwrap_or(Dimension::Translation))
 }
 
-/// The dimension of the first value with a unit in a motion, where frequencies, phases and times do
-/// not count.
+/// Returns the dimension of the first value with a unit in a motion; frequencies, phases and times
+/// do not count.
 fn unit_of(motion: &DeValue) -> Option<Dimension> {
     match motion {
         DeValue::String(text) => {
@@ -239,8 +239,8 @@ fn unit_of(motion: &DeValue) -> Option<Dimension> {
     }
 }
 
-/// The dimension of the first body with mass or inertia at the other end of an element `between` it
-/// and this body.
+/// Returns the dimension of the first body with mass or inertia at the other end of an element
+/// `between` it and this body.
 fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
     let sections = SECTIONS.into_iter().filter_map(|(section, _)| root.entries.get(section));
     let elements =

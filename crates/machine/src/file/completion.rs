@@ -1,28 +1,28 @@
 //! Completion of a text that is being written.
 //!
-//! The reader itself is asked: the unfinished word is replaced by [`ASKED`], which no machine has,
-//! and what the reader would allow in its place is what it collects when it refuses it.
+//! The file's reader finds the completions: [`ASKED`], a word that no machine has, replaces the
+//! unfinished word, and the reader collects the words it would allow.
 
 use super::reading::{self, ASKED, Allowed, FileTable, Reading};
 use super::{TABLES, VALUES, machine, no_records};
 use crate::elements::SECTIONS;
 use vibro_numerics::quantities::split;
 
-/// Stands for the further items of an array that is being written.
+/// Placeholder for further items of an unfinished array.
 const FURTHER: &str = "\u{f8fe}";
 
-/// What may stand at a place of a text.
+/// The completions at a place of a text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Completion {
-    /// Bytes before and after the place that an offer replaces.
+    /// Bytes before and after the place that a completion replaces.
     pub replaced: [usize; 2],
-    /// Offers, each with its name and the text that takes the place of what is replaced.
+    /// Completions, each with its name and the text that replaces the word.
     pub offers: Vec<(String, String)>,
-    /// The allowed numbers in words; empty where no number stands.
+    /// The allowed numbers in words; empty if no number can be here.
     pub allowed: String,
 }
 
-/// What a place of a text is in.
+/// Part of the text that contains a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Within {
     Header,
@@ -34,18 +34,17 @@ enum Within {
 #[derive(Debug)]
 struct Place {
     within: Within,
-    /// Where the unfinished word begins, with its quotation mark.
+    /// Byte at which the unfinished word begins, with its quotation mark.
     begin: usize,
     /// The quotation mark of an unfinished string.
     quote: Option<char>,
-    /// What closes the open brackets, innermost last.
+    /// Closing characters of the open brackets, innermost last.
     open: Vec<char>,
-    /// Whether the text ends in a comment.
     is_comment: bool,
 }
 
 impl Place {
-    /// The place at the end of a text. Strings over several lines are not known.
+    /// Returns the place at the end of a text. Multi-line strings are not supported.
     fn after(text: &str) -> Self {
         let mut own =
             Self { within: Within::Key, begin: 0, quote: None, open: Vec::new(), is_comment: false };
@@ -98,12 +97,12 @@ impl Place {
         own
     }
 
-    /// Bytes of what follows that belong to the word.
+    /// Number of bytes of the following text that belong to the word.
     fn rest(&self, tail: &str) -> usize {
         let line = tail.lines().next().unwrap_or("");
         match self.quote {
             Some(quote) => match line.split_once(quote) {
-                // The next quotation mark may be that of another string.
+                // The next quotation mark may belong to another string.
                 Some((word, _)) if !word.contains([',', ']', '}', '=']) => word.len() + 1,
                 _ => 0,
             },
@@ -115,13 +114,14 @@ impl Place {
     }
 }
 
-/// What may stand at the end of `head` in the text `head` and `tail`: keys, kinds of tables, names
-/// of bodies, words, and units after a number.
+/// Returns completions at the end of `head` in the text `head` and `tail`: keys, kinds of tables,
+/// names of bodies, words, and units after a number.
 ///
 /// ```
 /// use vibro_machine::file::completion;
 ///
-/// let head = "name = \"A\"\n[body.ball]\nmass = 1.0\n[spring.s]\nbetween = [\"ground\", \"ball\"]\n";
+/// let head = "name = \"A\"\n[body.ball]\nmass = 1.0\n\
+///     [spring.s]\nbetween = [\"ground\", \"ball\"]\n";
 /// let of = |typed: &str| -> Vec<String> {
 ///     completion(&format!("{head}{typed}"), "").offers.into_iter().map(|own| own.1).collect()
 /// };
@@ -157,7 +157,7 @@ pub fn completion(head: &str, tail: &str) -> Completion {
         }
         Within::Value => {
             names.for_each(|name| offer(name, quoted(name)));
-            // The number as it is written, with its sign and its zeros.
+            // The number as written, with its sign and its zeros.
             if let Some((_, symbol)) = split(word) {
                 let number = word.strip_suffix(symbol).unwrap_or(word).trim();
                 let units = allowed.units.iter().filter(|unit| begins(unit, symbol));
@@ -168,13 +168,13 @@ pub fn completion(head: &str, tail: &str) -> Completion {
     Completion { replaced: [typed.len(), rest], offers, allowed: allowed.words }
 }
 
-/// Whether a name begins with what is typed, of capitals or not.
+/// Whether a name begins with the typed text, ignoring case.
 fn begins(name: &str, typed: &str) -> bool {
     name.get(..typed.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(typed))
 }
 
-/// What the reader allows between two texts: of the ways to finish what is being written, the first
-/// that makes TOML and is answered, else the first that is answered.
+/// Returns what the reader allows between two texts. Tries several ways to finish the text: the
+/// first that is valid TOML and gives an answer counts, otherwise the first that gives an answer.
 fn allowed(head: &str, tail: &str, place: &Place) -> Allowed {
     let (line, below) = tail.split_at(tail.find('\n').unwrap_or(tail.len()));
     let closing: String = place.open.iter().rev().collect();

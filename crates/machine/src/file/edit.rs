@@ -1,4 +1,4 @@
-//! Numbers of a machine set in the text of its file, which otherwise stays as it is: comments,
+//! Sets numbers of a machine in the text of its file. Everything else is unchanged: comments,
 //! units, paths of records.
 
 use super::any_unit::quantity;
@@ -13,16 +13,16 @@ use std::ops::Range;
 use vibro_numerics::quantities::{in_si, split};
 use vibro_numerics::sorting::sort_by_key;
 
-/// Largest difference of a number that is read back from the number that was written, in units of
-/// rounding: a unit's factor rounds twice.
+/// Largest difference between the number written and the number read back, in units of rounding: a
+/// unit's factor rounds twice.
 const ROUNDINGS: f64 = 4.0;
 
-/// The text of a machine's file with the numbers of another machine: a number that differs is
-/// replaced in place, in the unit that the text has for it. A number that the text leaves out is
-/// added next to its siblings.
+/// Returns the text of a machine's file with the numbers of another machine. A number that differs
+/// is replaced in place, in its unit in the text. A number that the text leaves out is added next
+/// to its siblings.
 ///
-/// `None` where the result would not be read as the other machine: its elements differ, or a number
-/// that follows from an expression differs from it, or a number stands in a record.
+/// `None` if the result would not be read as the other machine: its elements differ, a number that
+/// an expression determines differs, or a number is in a record.
 ///
 /// ```
 /// use vibro_machine::file::{no_records, parse, with_numbers};
@@ -40,7 +40,7 @@ const ROUNDINGS: f64 = 4.0;
 pub fn with_numbers(text: &str, records: Records, other: &Description) -> Option<String> {
     let (mut own, places) = read(text, records)?;
     let mut other = other.clone();
-    // A number that follows from a parameter is given by its expression.
+    // A number that follows from a parameter has an expression instead.
     let following: HashSet<String> = own.following().into_iter().map(|own| own.name).collect();
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     {
@@ -55,14 +55,14 @@ pub fn with_numbers(text: &str, records: Records, other: &Description) -> Option
             edits.push(edit.unwrap_or_else(|| places.added(text, other))?);
         }
     }
-    // Places later in the text do not move when earlier ones change.
+    // Apply edits from the end, so that earlier places do not move.
     sort_by_key(&mut edits, |(span, _)| span.start);
     let mut edited = text.to_owned();
     edits.into_iter().rev().for_each(|(span, new)| edited.replace_range(span, &new));
     is_machine(&edited, records, other).then_some(edited)
 }
 
-/// Whether a text is read as a machine, up to the rounding of units.
+/// Whether a text is read as this machine, up to the rounding of units.
 fn is_machine(text: &str, records: Records, mut other: Description) -> bool {
     let Some((mut found, _)) = read(text, records) else { return false };
     let (own, wanted) = (slots(&mut found), slots(&mut other));
@@ -75,7 +75,7 @@ fn is_machine(text: &str, records: Records, mut other: Description) -> bool {
     found == other
 }
 
-/// The machine of a text, and where its numbers are.
+/// Returns the machine of a text, and the places of its numbers.
 fn read(text: &str, records: Records) -> Option<(Description, Places)> {
     let (root, broken) = reading::toml(text);
     let mut reading = Reading::new(text, records);
@@ -97,8 +97,8 @@ impl Places {
         own.or_else(|| self.0.get(self.0.keys().find(is_own)?)).cloned()
     }
 
-    /// The insertion of a number that a text leaves out, behind a number of the same table, or of
-    /// the table in which that would be.
+    /// Returns the insertion of a number that a text leaves out, after a number of the same table,
+    /// or of an enclosing table.
     fn added(&self, text: &str, slot: &Slot) -> Option<(Range<usize>, String)> {
         let ends = slot.name.match_indices('.').map(|(at, _)| at).rev();
         let mut found = ends.filter_map(|at| {
@@ -107,7 +107,7 @@ impl Places {
                 name.strip_prefix(table)
                     .is_some_and(|rest| !rest.contains(['.', '[']) && !self.is_table(text, name))
             };
-            // The last one, so that the order of the text is kept.
+            // The last sibling, so that the order of the text is kept.
             let sibling = self.0.iter().filter(|(name, _)| is_in(name)).max_by_key(|(_, span)| span.end)?;
             Some((sibling.1.clone(), key))
         });
@@ -118,7 +118,7 @@ impl Places {
         let key = own.rsplit_once('.').map_or(key.to_owned(), |(table, _)| format!("{table}.{key}"));
         let behind = text.get(span.end..)?;
         let rest = behind.lines().next().unwrap_or("");
-        // Within braces the next sign is a comma or the brace.
+        // Within braces the next character is a comma or the brace.
         if rest.trim_start().starts_with([',', '}']) {
             return Some((span.end..span.end, format!(", {key} = {:?}", slot.value)));
         }
@@ -133,7 +133,7 @@ impl Places {
     }
 }
 
-/// The replacement of a number with the unit that the text has for it.
+/// Returns the replacement of a number, in its unit in the text.
 fn replaced(text: &str, span: Range<usize>, slot: &Slot) -> Option<(Range<usize>, String)> {
     let written = text.get(span.clone())?;
     let Some(quote) = written.chars().next().filter(|c| ['"', '\''].contains(c)) else {
@@ -146,7 +146,7 @@ fn replaced(text: &str, span: Range<usize>, slot: &Slot) -> Option<(Range<usize>
     let Some(unit) = in_si(si, 1.0, symbol).or_else(own)?.unit else {
         return Some((span, format!("{:?}", slot.value)));
     };
-    // The shortest number of the unit that is read as the value, if there is one.
+    // The shortest number in the unit that is read as the value, if there is one.
     let near = unit.number(*slot.value);
     let all = [near, near.next_up(), near.next_down()];
     let number = all.into_iter().find(|number| unit.si(*number) == *slot.value).unwrap_or(near);

@@ -17,7 +17,7 @@ use crate::parameters::has_unit;
 use vibro_numerics::quantities::symbols;
 use vibro_numerics::sorting::sort_by_key;
 
-/// Message for a name that is no body's.
+/// Message for a name that no body has.
 const NO_BODY: &str = "no body has this name";
 
 /// Reads the elements. An element with problems is left out: the file is refused anyway.
@@ -47,7 +47,7 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
     }
 }
 
-/// Reads the arms of an element, and by `read` its other keys in the arms' dimension. Where the
+/// Reads the arms of an element, and with `read` its other keys in the arms' dimension. If the
 /// arms are refused, the other keys are read in the dimension with fewer problems, so that all
 /// problems are reported at once.
 fn with_arms<T>(
@@ -186,7 +186,7 @@ fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -
     Some(Load { name, body, force })
 }
 
-/// Reads what loads follow, when the blocks are known.
+/// Reads the outputs that loads follow, after the blocks have been read.
 pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Description) {
     for (name, table) in reading.section(root, "load") {
         let Some(from) = reading.optional(&table, "from") else { continue };
@@ -203,7 +203,7 @@ pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Desc
         let feed = factor.and_then(|factor| blocks::follow(reading, &from, (load, factor), machine));
         machine.feeds.extend(feed);
     }
-    // Those of loads that are refused are missing.
+    // Feeds of refused loads are missing.
     sort_by_key(&mut machine.feeds, |feed| feed.load);
 }
 
@@ -217,8 +217,8 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     found
 }
 
-/// Reads the elongation of an element, given by `between` or by `arms`. `None` without a new
-/// problem where a body that it needs was refused.
+/// Reads the elongation of an element, given by `between` or `arms`. Returns `None` without a new
+/// problem if a body of it was refused.
 fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms> {
     match (reading.optional(table, "between"), reading.optional(table, "arms")) {
         (Some(ends), None) => between(reading, &ends, names),
@@ -278,7 +278,7 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// All entries of a table of bodies, where `tube = { tip = 1.0 }` stands for `"tube.tip" = 1.0`.
+/// Returns all entries of a table of bodies; `tube = { tip = 1.0 }` means `"tube.tip" = 1.0`.
 fn of_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>, names: &Names) -> Vec<Entry<'t>> {
     let mut all = Vec::new();
     for entry in reading.all(table) {
@@ -346,7 +346,7 @@ fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, 
     };
     let (plain, with_unit) = (kinds::arm_of(body, body), kinds::arm_of(body, other));
     if let Some(expression) = reading.expression(entry) {
-        // An arm in m or 1/m is told by its parameters' units.
+        // The units of its parameters show whether an arm is in m or 1/m.
         let power = expression.as_ref()?.length_power(&reading.named.length_powers());
         let changes = power == if body == Dimension::Rotation { 1 } else { -1 };
         let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };

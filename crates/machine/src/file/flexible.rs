@@ -8,12 +8,12 @@ use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
 use crate::kernel::sort_by_place;
 use crate::kinds::{self, NumberKind};
 
-/// The allowed rows of a node, in words.
+/// Message that lists the allowed rows of a node.
 const ROW: &str = "allowed is a row of as many finite numbers as there are coordinates, not all 0, one coordinate's place \
                    counted from 0, such as 17, or a table of places and factors, such as { \"17\" = 0.5, \"18\" = 0.5 }";
 
-/// Reads the bodies in modal coordinates. Of one with problems the nodes keep their names, so that
-/// elements that refer to them can be read.
+/// Reads the bodies in modal coordinates. The nodes of a body with problems keep their names, so
+/// that elements that refer to them can be read.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "modal") {
         let modal = modal(reading, &name, &table, machine);
@@ -56,7 +56,7 @@ fn modal(reading: &mut Reading, name: &str, table: &FileTable, machine: &mut Des
     Some(Modal { name, first, frequencies, damping_ratios: damping_ratios?, has_masses })
 }
 
-/// Start values of coordinates and rates.
+/// Reads start values of coordinates and rates.
 pub(super) fn start(
     reading: &mut Reading,
     table: &FileTable,
@@ -90,7 +90,7 @@ pub(super) fn of_modes(
     list(reading, entry, kind, Some(count), &allowed)
 }
 
-/// A list of numbers.
+/// Reads a list of numbers.
 pub(super) fn list(
     reading: &mut Reading,
     entry: &Entry,
@@ -140,10 +140,10 @@ fn nodes(
     }
 }
 
-/// Places and factors of a node's row.
+/// Indices and factors of a node's row.
 pub(super) type Row = Vec<(usize, f64)>;
 
-/// The dimension and the row of a node.
+/// Reads the dimension and the row of a node.
 pub(super) fn node(
     reading: &mut Reading,
     entry: &Entry,
@@ -161,7 +161,7 @@ pub(super) fn node(
     (dimension, found)
 }
 
-/// The row of a node from a file that has it as one row or one column.
+/// Reads the row of a node from a file with one row or one column.
 fn of_file(reading: &mut Reading, entry: &Entry, count: usize) -> Option<Row> {
     let found = matrices::read(reading, entry)?;
     let is_row = found.nrows().min(found.ncols()) == 1 && found.len() == count && found.amax() > 0.0;
@@ -177,8 +177,8 @@ fn of_file(reading: &mut Reading, entry: &Entry, count: usize) -> Option<Row> {
     Some(found.iter().copied().enumerate().filter(|term| term.1 != 0.0).collect())
 }
 
-/// The row of a node, without its zeros and at rising places. `None` without a problem where the
-/// body was refused.
+/// Reads the row of a node, without zeros and with rising indices. Returns `None` without a
+/// problem if the body was refused.
 fn row(reading: &mut Reading, entry: &Entry, count: Option<usize>) -> Option<Row> {
     let count = count?;
     let place = |text: &str| text.parse().ok().filter(|k: &usize| *k < count);

@@ -4,10 +4,10 @@ use super::reading::{FileTable, Reading};
 use crate::description::{Dimension, Follows, Stop, StopLaw};
 use crate::kinds;
 
-/// Keys of a friction whose levels are given.
+/// Keys of a friction whose levels are given directly.
 const OTHERS: [&str; 2] = ["force", "static"];
 
-/// Reads the stop that is followed, and the coefficients.
+/// Reads the followed stop and the coefficients.
 pub(super) fn read(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<Follows> {
     let mut alone = true;
     for key in OTHERS {
@@ -29,7 +29,7 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> 
     Some(follows).filter(|_| alone)
 }
 
-/// The stop that is followed, which must be compliant.
+/// Reads the followed stop, which must be compliant.
 fn stop(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<usize> {
     let allowed = "allowed is the name of a compliant stop";
     let entry = reading.required(table, "follows", allowed)?;

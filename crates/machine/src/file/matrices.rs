@@ -47,7 +47,7 @@ fn of_file(reading: &Reading, path: &str) -> Result<DMatrix<f64>, String> {
     found.map_err(|e| format!("{path}:{e}"))
 }
 
-/// Rows of numbers of a [table](Table) without a heading.
+/// Reads rows of numbers from a [table](Table) without a heading.
 fn csv(text: &str) -> Result<DMatrix<f64>, String> {
     let table = Table::read(text);
     let columns = table.rows.first().map_or(0, |row| row.cells.len());
@@ -65,7 +65,7 @@ fn value(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite())
 }
 
-/// What stands across the diagonal of a Matrix Market file.
+/// Entries across the diagonal of a Matrix Market file.
 #[derive(Clone, Copy, PartialEq)]
 enum Across {
     Given,
@@ -73,7 +73,7 @@ enum Across {
     Opposite,
 }
 
-/// A matrix of a Matrix Market file, real or integer.
+/// Reads a matrix from a Matrix Market file with real or integer entries.
 fn market(text: &str) -> Result<DMatrix<f64>, String> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
     let header = lines.next().map_or("", |first| first.1).to_ascii_lowercase();

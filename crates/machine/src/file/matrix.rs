@@ -8,7 +8,7 @@ use crate::description::{Description, Dimension, Given, GivenNode, MatrixDamping
 use crate::kinds;
 use nalgebra::{DMatrix, DVector};
 
-/// Reads the bodies with matrices. Of one with problems the nodes keep their names, so that
+/// Reads the bodies with matrices. The nodes of a body with problems keep their names, so that
 /// elements that refer to them can be read.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, machine: &mut Description) {
     for (name, table) in reading.section(root, "matrix") {
@@ -96,7 +96,7 @@ fn of_modes_of(reading: &mut Reading, entry: &Entry, count: usize, allowed: &str
     super::flexible::list(reading, entry, kinds::RATIO, Some(count), allowed)
 }
 
-/// The nodes, and whether none has a problem.
+/// Reads the nodes; also returns whether all are free of problems.
 fn nodes(reading: &mut Reading, table: &FileTable, count: Option<usize>) -> (Vec<GivenNode>, bool) {
     let Some(entry) = reading.optional(table, "nodes") else { return (Vec::new(), true) };
     let Some(table) = reading.table(&entry, "allowed is a table of nodes, such as { tip = [0, 0, 1.0] }")

@@ -1,4 +1,4 @@
-//! Reading of `[parameters]`, and which numbers of the machine its expressions are.
+//! Reading of `[parameters]`, and the assignment of expressions to numbers of the machine.
 
 use super::any_unit::quantity;
 use super::reading::{Entry, FileTable, Reading, finite};
@@ -10,14 +10,14 @@ use crate::slots::slots;
 use std::collections::HashSet;
 use vibro_numerics::quantities::UNITS;
 
-/// Most named parameters.
+/// Largest number of named parameters.
 const MOST: usize = 1_000;
 
-/// What a parameter may be, in words.
+/// Message that lists the allowed values of a parameter.
 const VALUE: &str =
     "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
 
-/// Reads the named parameters; with problems there are none.
+/// Reads the named parameters; if there are problems, none is kept.
 pub(super) fn read(reading: &mut Reading, root: &FileTable) {
     let before = reading.problems.len();
     reading.named = all(reading, root);
@@ -80,7 +80,7 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
     }
 }
 
-/// Puts the expressions that were read into the machine, by the names of their numbers.
+/// Moves the expressions into the machine, by the names of their numbers.
 pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
     let follow = std::mem::take(&mut reading.follow);
     if follow.is_empty() {
@@ -92,14 +92,14 @@ pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
     for (entry, expression) in follow {
         match candidates(&entry).into_iter().find(|name| names.contains(name)) {
             Some(name) => machine.named.put(name, expression),
-            // Where elements are refused, their numbers are missing.
+            // If elements are refused, their numbers are missing.
             None if !reading.problems.is_empty() => {}
             None => reading.refuse_name_of(&entry, "an expression; allowed in a record are numbers"),
         }
     }
 }
 
-/// Names that a number may have, by its name in the file.
+/// Possible names of a number in the machine, from its name in the file.
 pub(super) fn candidates(entry: &str) -> [String; 10] {
     let replaced = |end: &str, by: &str| {
         let cut = entry.strip_suffix(end).unwrap_or(entry);

@@ -4,13 +4,13 @@ use super::reading::{Entry, FileTable, Reading};
 use crate::description::{Dimension, ForcePoint};
 use crate::kinds;
 
-/// Keys of a spring whose force is no function of e by points.
+/// Keys of a spring that are not allowed with points.
 const OTHERS: [&str; 5] = ["stiffness", "preload", "slip", "series_damping", "slider"];
 
-/// What points may be, in words.
+/// Message that lists the allowed points.
 const ALLOWED: &str = "allowed are two or more pairs [e, f] at rising e, such as [[\"-2 mm\", \"-40 N\"], [\"1 mm\", \"10 N\"]]";
 
-/// Reads `points`; empty where there are none, `None` for what is refused.
+/// Reads `points`; empty if there are none, `None` if they are refused.
 pub(super) fn read(
     reading: &mut Reading,
     table: &FileTable,

@@ -13,7 +13,7 @@ use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 use vibro_numerics::quantities::symbols;
 
-/// Most letters of a value quoted in a message.
+/// Largest number of letters of a value that a message quotes.
 const QUOTED: usize = 60;
 
 /// The text as TOML, and its first syntax error.
@@ -40,7 +40,7 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     (root, problem.into_iter().collect())
 }
 
-/// The dotted name of the header or key at a byte.
+/// Returns the dotted name of the header or key at a byte.
 fn dotted_at(text: &str, byte: usize) -> String {
     let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
     let line = text[start..].lines().next().unwrap_or("").trim();
@@ -63,13 +63,13 @@ impl Lines {
         Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
     }
 
-    /// The line of a byte, counted from 1.
+    /// Returns the line of a byte, counted from 1.
     fn of_byte(&self, byte: usize) -> usize {
         self.0.partition_point(|&start| start <= byte)
     }
 }
 
-/// The first line of a span of the text, shortened to [`QUOTED`] letters.
+/// Returns the first line of a span of the text, shortened to [`QUOTED`] letters.
 fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
     let line = whole.lines().next().unwrap_or("");
@@ -112,7 +112,7 @@ pub(super) struct Entry<'a> {
 }
 
 impl Entry<'_> {
-    /// The entry with a key that begins with that of the table in which it stands.
+    /// Prefixes the entry's key with the key of its table.
     pub fn below(mut self, table: &str) -> Self {
         self.key = format!("{table}.{}", self.key);
         self
@@ -126,10 +126,10 @@ struct Written {
     span: Range<usize>,
 }
 
-/// The name and the value that are asked about: see [`Allowed`]. No machine's text has it.
+/// The name or value whose completion is requested, see [`Allowed`]. No machine's text has it.
 pub(super) const ASKED: &str = "\u{f8ff}";
 
-/// What the file's reader would take where it found [`ASKED`], collected where it refuses it.
+/// Everything that the reader would accept in place of [`ASKED`], collected when it refuses it.
 #[derive(Default)]
 pub(super) struct Allowed {
     /// Keys, or names and words as values.
@@ -145,9 +145,9 @@ pub(super) struct Reading<'a> {
     text: &'a str,
     lines: Lines,
     written: HashMap<String, Written>,
-    /// The named parameters, to be read before all else.
+    /// The named parameters, which are read before everything else.
     pub named: NamedParameters,
-    /// Whether named parameters were refused: nothing is said of expressions then.
+    /// Whether named parameters were refused; then expressions are not checked.
     pub named_refused: bool,
     /// Expressions of numbers, by the numbers' names in the file.
     pub follow: Vec<(String, Expression)>,
@@ -188,8 +188,8 @@ impl<'a> Reading<'a> {
         });
     }
 
-    /// Adds the problem of a name that is not among the valid ones. The nearest valid name is
-    /// sought only for problems that will be displayed: for thousands of problems it would take
+    /// Adds a problem for a name that is not among the valid names. The nearest valid name is
+    /// searched only for problems that will be displayed; for thousands of problems it would take
     /// minutes.
     pub fn refuse_name<'n>(
         &mut self,
@@ -210,8 +210,8 @@ impl<'a> Reading<'a> {
         self.problems.push(Problem { line, name, value: None, text: text.into() });
     }
 
-    /// Adds a problem of the whole machine, with the value as written, at the line of its name or
-    /// of the longest part of the name that stands in the file.
+    /// Adds a problem of the whole machine, with the value as written. Its line is the line of its
+    /// name, or of the longest part of the name that is in the file.
     pub fn place(&mut self, mut problem: Problem) {
         if let Some(written) = self.written.get(&problem.name) {
             problem.line = Some(written.line);
@@ -235,7 +235,7 @@ impl<'a> Reading<'a> {
         (!table).then(|| quoted(self.text, &entry.span)).filter(|value| !value.is_empty())
     }
 
-    /// The comment behind a value, on its line; empty without one.
+    /// Returns the comment after a value, on its line; empty if there is none.
     pub fn comment(&self, entry: &Entry) -> String {
         let rest = self.text.get(entry.span.end..).and_then(|rest| rest.lines().next());
         let comment = rest.and_then(|rest| rest.trim_start().strip_prefix('#'));
@@ -284,9 +284,9 @@ impl<'a> Reading<'a> {
         keys.iter().filter_map(|key| self.optional(table, key)).collect()
     }
 
-    /// The items of an array, with their places in their names.
+    /// Returns the items of an array, with their indices in their names.
     pub fn items<'t>(&mut self, entry: &Entry<'t>) -> Option<Vec<Entry<'t>>> {
-        // An array within an array has both places in one bracket, as FMI's structured names have.
+        // An array within an array has both indices in one bracket, like FMI's structured names.
         let before = entry.name.strip_suffix(']').map_or(format!("{}[", entry.name), |of| format!("{of},"));
         let item = |(i, item): (usize, &'t Spanned<DeValue<'t>>)| {
             let (name, span) = (format!("{before}{i}]"), item.span());
@@ -305,7 +305,7 @@ impl<'a> Reading<'a> {
 
     /// Refuses all keys of a table except `keys`.
     pub fn known(&mut self, table: &FileTable, keys: &[&str]) {
-        // A key that has its value is no answer to what else may stand there; a table may grow.
+        // A key that has a value cannot be completed; a table may get more keys.
         let has_value = |key: &str| table.entries.get(key).is_some_and(|own| !own.get_ref().is_table());
         let is_free = |key: &&str| !table.has(ASKED) || !has_value(key);
         for entry in self.all(table) {
@@ -361,14 +361,14 @@ impl<'a> Reading<'a> {
         found
     }
 
-    /// Notes the names that are allowed where one is [`ASKED`] about.
+    /// Records the allowed names if the completion of [`ASKED`] is requested.
     pub fn note_names<'n>(&mut self, name: &str, valid: impl Iterator<Item = &'n str>) {
         if name == ASKED {
             self.allowed.names.extend(valid.map(str::to_owned));
         }
     }
 
-    /// Notes what a number may be where it is [`ASKED`] about.
+    /// Records the allowed numbers if the completion of [`ASKED`] is requested.
     pub fn note_number(
         &mut self,
         entry: &Entry,
@@ -378,7 +378,7 @@ impl<'a> Reading<'a> {
         if entry.value.as_str() == Some(ASKED) {
             self.allowed.units.extend(units);
             self.allowed.names.extend(self.named.names().map(|name| format!("= {name}")));
-            // Where a dimension is not known, the words are those of a length.
+            // If the dimension is not known, the words for a length are used.
             if self.allowed.words.is_empty() {
                 self.allowed.words = words();
             }
@@ -405,7 +405,7 @@ impl<'a> Reading<'a> {
         found
     }
 
-    /// The expression of a value that is one; the inner `None` stands for a problem.
+    /// Returns the expression of a value, if it is one; the inner `None` means a problem.
     pub fn expression(&mut self, entry: &Entry) -> Option<Option<Expression>> {
         let text = entry.value.as_str()?.trim();
         let Some(text) = text.strip_prefix('=') else {
@@ -422,7 +422,7 @@ impl<'a> Reading<'a> {
         Some(parsed.map_err(|text| self.refuse(entry, text)).ok())
     }
 
-    /// The value of a number's expression, in SI, which is kept.
+    /// Returns the value of a number's expression, in SI, and keeps the expression.
     pub fn following(&mut self, entry: &Entry, expression: Expression, kind: NumberKind) -> Option<f64> {
         let found = expression.value(&self.named.values());
         let found = found.and_then(|value| {
@@ -433,7 +433,7 @@ impl<'a> Reading<'a> {
         found.map_err(|text| self.refuse(entry, text)).ok()
     }
 
-    /// Adds the problem of a name that was read.
+    /// Adds a problem for a name that was read.
     pub fn refuse_name_of(&mut self, name: &str, text: &str) {
         self.place(Problem::new(name, None, text));
     }
@@ -466,7 +466,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// A value as an allowed number of a kind, in SI.
+/// Returns a value as an allowed number of a kind, in SI.
 pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) -> Option<f64> {
     match value {
         DeValue::Integer(digits) => integer(digits).filter(|&v| kind.contains(v)),
@@ -476,13 +476,13 @@ pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) ->
     }
 }
 
-/// A value as a finite number without a unit.
+/// Returns a value as a finite number without a unit.
 pub(super) fn finite(value: &DeValue) -> Option<f64> {
     let plain = !value.is_str();
     plain.then(|| number(value, kinds::named("1"), Dimension::Translation)).flatten()
 }
 
-/// An integer of any size as the nearest double.
+/// Returns an integer of any size as the nearest double.
 fn integer(digits: &DeInteger) -> Option<f64> {
     match digits.radix() {
         10 => digits.as_str().parse().ok(),

@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use vibro_numerics::quantities::Unit;
 
-/// A reader for texts without records, which finds none.
+/// A reader for texts without records; it finds no file.
 ///
 /// # Errors
 /// Always.
@@ -17,13 +17,13 @@ pub fn no_records(_: &str) -> io::Result<String> {
     Err(io::Error::other("no files can be read from here"))
 }
 
-/// A reader of records in a folder.
+/// Returns a reader of records in a folder.
 pub fn records_beside(folder: &Path) -> impl Fn(&str) -> io::Result<String> + use<> {
     let folder = PathBuf::from(folder);
     move |path| read_regular(&folder.join(path))
 }
 
-/// The text of a regular file; a pipe could block without end.
+/// Reads a regular file; a pipe could block without end.
 fn read_regular(path: &Path) -> io::Result<String> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is a folder, pipe or device; allowed is a regular file"));
@@ -42,7 +42,7 @@ pub(super) struct RecordValues {
     pub has_scale: bool,
 }
 
-/// The knots of a record. The error is the problem's text.
+/// Reads the knots of a record. The error is the problem's text.
 pub(super) fn read(path: &str, records: Records, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     stays_inside(path)?;
     let text = records(path).map_err(|e| format!("cannot be read: {e}"))?;
@@ -61,8 +61,8 @@ pub(super) fn stays_inside(path: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The knots of a [table](Table) with two columns, time and value, in SI or in the units of its
-/// heading.
+/// Reads the knots of a [table](Table) with two columns, time and value, in SI or in the units of
+/// its heading.
 fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     let table = Table::read(text);
     let heading = table.heading();
@@ -93,7 +93,7 @@ fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     Ok(knots)
 }
 
-/// The unit of a record's values, by its heading.
+/// Returns the unit of a record's values, from its heading.
 fn unit_of_values(heading: &Heading, values: RecordValues) -> Result<Option<&'static Unit>, String> {
     match heading.unit {
         Some(symbol) if values.kind.any_unit => {

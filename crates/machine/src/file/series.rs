@@ -4,15 +4,15 @@ use super::reading::{FileTable, Reading};
 use crate::description::{Dimension, Series, SeriesLaw};
 use crate::kinds;
 
-/// The keys of a spring that has a partner.
+/// The keys of a spring with a partner in series.
 pub(super) const KEYS: [&str; 3] = ["slip", "series_damping", "slider"];
 
-/// Whether a table has a partner.
+/// Whether a table has a partner in series.
 pub(super) fn is_given(table: &FileTable) -> bool {
     table.has("series_damping") || table.has("slip")
 }
 
-/// Reads the partner; `Some(None)` without one, `None` for one that is refused.
+/// Reads the partner; `Some(None)` if there is none, `None` if it is refused.
 pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Option<Series>> {
     if !is_given(table) {
         let slider = reading.optional(table, "slider");

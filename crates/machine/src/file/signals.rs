@@ -1,5 +1,5 @@
-//! Reading of signals: a number, or a table of constant, harmonics, steps, record and input, whose
-//! sum is the signal.
+//! Reading of signals: a number, or a table of constant, harmonics, steps, record and input. The
+//! signal is their sum.
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records::{self, RecordValues};
@@ -22,12 +22,12 @@ pub(super) const KEYS: [&str; 12] = [
     "input",
 ];
 
-/// The kind of number of a signal's values.
+/// Kinds of number of a signal's values.
 #[derive(Clone, Copy)]
 pub(super) struct Values {
-    /// Kind of each part.
+    /// Kind of number of each part.
     pub kind: NumberKind,
-    /// Kind of a number that is the whole signal.
+    /// Kind of number of a signal that is a single number.
     pub alone: NumberKind,
     pub dimension: Dimension,
 }
@@ -43,8 +43,8 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
     Some(Signal::constant(number))
 }
 
-/// Reads a signal whose keys stand in a table together with the keys `also`; at least one of all
-/// these must be present. A key `offset` in `also` is another name of `constant`.
+/// Reads a signal whose keys are in a table together with the keys `also`; at least one of all
+/// these must be present. A key `offset` in `also` is another name for `constant`.
 pub(super) fn flat(
     reading: &mut Reading,
     table: &FileTable,
@@ -190,7 +190,7 @@ fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec
     Some(pairs.into_iter().map(|(time, height)| Step { time, height }).collect())
 }
 
-/// The record of a signal, if it has one; the outer `None` stands for a problem.
+/// Reads the record of a signal, if it has one; the outer `None` means a problem.
 fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<Record>> {
     let interpolation = interpolation(reading, table);
     let scale = scale(reading, table, values);
@@ -204,7 +204,7 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
         let is_sound = !table.has("interpolation") && !table.has("scale");
         return is_sound.then_some(None);
     };
-    // Beside a scale the values are plain numbers.
+    // With a scale the values are plain numbers.
     let has_scale = table.has("scale");
     let values = if has_scale { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {
@@ -226,7 +226,7 @@ fn interpolation(reading: &mut Reading, table: &FileTable) -> Option<Interpolati
     reading.word(&entry, &Interpolation::ALL)
 }
 
-/// The factor of a record's values, if it has one; the outer `None` stands for a problem.
+/// Reads the factor of a record's values, if it has one; the outer `None` means a problem.
 fn scale(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
     match reading.optional(table, "scale") {
         Some(entry) => reading.number(&entry, kinds::scale_of(values.kind), values.dimension).map(Some),
@@ -234,7 +234,7 @@ fn scale(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Opt
     }
 }
 
-/// The period of steps and record, if there is one; the outer `None` stands for a problem.
+/// Reads the period of steps and record, if there is one; the outer `None` means a problem.
 fn repeat(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
     let Some(entry) = reading.optional(table, "repeat") else { return Some(None) };
     if !table.has("steps") && !table.has("table") {

@@ -1,5 +1,5 @@
 //! Reading of a start: its time, coordinates and rates of bodies, inner places of springs in
-//! series.
+//! series, states of blocks.
 
 use super::no_records;
 use super::reading::{self, FileTable, Reading};
@@ -10,7 +10,7 @@ use crate::start::{BodyStart, Start};
 use crate::system::in_series;
 
 impl Start {
-    /// Reads the text of a start's file, in which messages call it `file`:
+    /// Reads the text of a start's file; messages call the file `file`:
     ///
     /// ```toml
     /// time = 0.123
@@ -105,7 +105,7 @@ fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut
     }
 }
 
-/// Reads what blocks keep, by its names: `"pid.x[0]" = 0.1`.
+/// Reads the states of blocks, by their names: `"pid.x[0]" = 0.1`.
 fn blocks(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
     let Some(whole) = reading.optional(root, "block") else { return };
     let allowed = "allowed is a table such as [block] with \"pid.x[0]\" = 0.0";

@@ -1,4 +1,4 @@
-//! Reading of a stiffness, which is a number or steps in time.
+//! Reading of a stiffness: a number, or a signal that steps in time.
 
 use super::reading::{FileTable, Reading};
 use super::series;
@@ -6,7 +6,7 @@ use super::signals::{self, Values};
 use crate::description::{Dimension, Signal};
 use crate::kinds::{self, NumberKind};
 
-/// Reads `stiffness`: a number of this kind, or 0 and the signal of one that steps.
+/// Reads `stiffness`: a number of this kind, or 0 and the signal of a stepped stiffness.
 pub(super) fn read(
     reading: &mut Reading,
     table: &FileTable,

@@ -1,4 +1,4 @@
-//! Writing of a description as the text of a file, in SI with all digits.
+//! Writes a description as the text of a file, in SI with all digits.
 
 use crate::description::{
     Arms, Block, Body, BodyKind, Description, Dimension, Feed, ForcePoint, Free, Friction, Given, Level,
@@ -18,7 +18,7 @@ macro_rules! line {
     }};
 }
 
-/// The whole file.
+/// Writes the whole file.
 pub(super) fn machine(machine: &Description) -> String {
     let mut text = String::new();
     let own = Writing { machine };
@@ -69,7 +69,7 @@ pub(super) fn machine(machine: &Description) -> String {
     text
 }
 
-/// The named parameters, with the units of their values.
+/// Writes the named parameters, with the units of their values.
 fn parameters(text: &mut String, machine: &Description) {
     let all = machine.named.all();
     if !all.is_empty() {
@@ -86,7 +86,7 @@ fn parameters(text: &mut String, machine: &Description) {
     }
 }
 
-/// The word for a dimension.
+/// Returns the word for a dimension.
 fn word(dimension: Dimension) -> &'static str {
     match dimension {
         Dimension::Translation => "translation",
@@ -94,7 +94,7 @@ fn word(dimension: Dimension) -> &'static str {
     }
 }
 
-/// What a file gives of a body with matrices.
+/// Writes the keys of a body with matrices.
 fn given(text: &mut String, given: &Given, at_rest: bool) {
     let list = |all: Vec<f64>| format!("{all:?}");
     let square = |a: &DMatrix<f64>| {
@@ -126,12 +126,12 @@ fn given(text: &mut String, given: &Given, at_rest: bool) {
     }
 }
 
-/// A body's name as a key; a node's has a dot.
+/// Returns a body's name as a key; a node's name has a dot, so it is quoted.
 fn key(body: &Body) -> String {
     if body.name.contains('.') { format!("{:?}", body.name) } else { body.name.clone() }
 }
 
-/// The machine whose numbers are written, each as a number or as its expression.
+/// The machine to write; each number becomes a number or its expression.
 struct Writing<'a> {
     machine: &'a Description,
 }
@@ -269,7 +269,7 @@ impl Writing<'_> {
         self.nodes(text, coordinates);
     }
 
-    /// The nodes on a body with many coordinates.
+    /// Writes the nodes on a body with many coordinates.
     fn nodes(&self, text: &mut String, coordinates: Range<usize>) {
         for body in &self.machine.bodies {
             let BodyKind::Node(row) = &body.kind else { continue };
@@ -310,7 +310,7 @@ impl Writing<'_> {
         }
     }
 
-    /// A stiffness as a number or as an inline table.
+    /// Writes a stiffness as a number or as an inline table.
     fn stiffness(&self, text: &mut String, of: &str, stiffness: f64, stepped: Option<&Signal>) {
         match stepped {
             None => self.line(text, of, "stiffness", stiffness),
@@ -348,7 +348,7 @@ impl Writing<'_> {
         }
     }
 
-    /// A level of friction as a number or as an inline table.
+    /// Returns a level of friction as a number or as an inline table.
     fn level(&self, of: &str, signal: &Signal) -> String {
         if signal.is_constant() {
             return self.number(of, signal.constant);
@@ -356,7 +356,7 @@ impl Writing<'_> {
         format!("{{ {} }}", self.parts(of, signal).join(", "))
     }
 
-    /// The keys of a signal with their values.
+    /// Returns the keys of a signal with their values.
     fn parts(&self, of: &str, signal: &Signal) -> Vec<String> {
         let number = |of: &str, key: &str, value: f64| self.number(&format!("{of}.{key}"), value);
         let mut parts = vec![format!("constant = {}", number(of, "constant", signal.constant))];

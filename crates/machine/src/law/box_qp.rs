@@ -1,30 +1,30 @@
 //! Contact forces and impulses as a convex quadratic program with box constraints
 //! (docs/assembly-law.md (A7)).
 //!
-//! Given columns a_i = L⁻¹ w_i of the contacts' directions, scaled by the Cholesky factor of the
-//! inertia M = L Lᵀ, so that G = AᵀA, find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
-//! residual r = b - Gλ is the remaining relative acceleration (or velocity): zero where λ_i lies
-//! inside its bounds, not positive at the lower bound and not negative at the upper one. The
-//! minimum exists unless the value is unbounded below along a direction; r is unique even where λ
-//! is not.
+//! Columns a_i = L⁻¹ w_i are the contacts' directions, scaled by the Cholesky factor of the
+//! inertia M = L Lᵀ, so that G = AᵀA. Find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
+//! residual r = b - Gλ is the remaining relative acceleration (or velocity). It is zero if λ_i
+//! lies inside its bounds, not positive at the lower bound and not negative at the upper one. The
+//! minimum exists unless the value is unbounded below along a direction. r is unique, even if λ is
+//! not.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A column is dependent on those before it where the sine of its angle to their span is below
-/// this: far above the rounding of the columns (1e-16 each), far below the 1e-5 that a mass ratio
-/// of 1e10 leaves between two contacts.
+/// A column depends on earlier columns if the sine of its angle to their span is below this limit.
+/// It is far above the rounding of the columns (1e-16 each), and far below the 1e-5 that a mass
+/// ratio of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
 /// Rounding of a force on a coordinate relative to the sizes of its terms: some tens of roundings
 /// of the solution.
 const ROUNDING: f64 = 1e-14;
-/// Number of contacts over which rounding propagates.
+/// Number of neighbouring contacts over which rounding propagates.
 const NEIGHBOURS: usize = 2;
 
 /// The quadratic program of the contacts. Bounds may be infinite; for an equality both are.
 #[derive(Clone, Debug)]
 pub struct BoxProblem {
-    /// L⁻¹ w_i, one column a contact.
+    /// Columns L⁻¹ w_i, one for each contact.
     pub columns: DMatrix<f64>,
     /// The residual at λ = 0.
     pub b: DVector<f64>,
@@ -32,7 +32,7 @@ pub struct BoxProblem {
     pub lo: DVector<f64>,
     /// Upper bounds of λ.
     pub hi: DVector<f64>,
-    /// By contact: the residual up to which it counts as zero.
+    /// Tolerance of each contact: a residual up to it counts as zero.
     pub zero: DVector<f64>,
 }
 
@@ -41,18 +41,18 @@ pub struct BoxProblem {
 pub struct Solution {
     /// The forces or impulses.
     pub lambda: DVector<f64>,
-    /// b - Gλ.
+    /// The residual b - Gλ.
     pub residual: DVector<f64>,
-    /// By contact: the residual up to which it counts as zero.
+    /// Tolerance of each contact: a residual up to it counts as zero.
     pub zero: DVector<f64>,
-    /// Places of independent contacts whose λ lies inside its bounds.
+    /// Indices of independent contacts whose λ lies inside its bounds.
     pub free: Vec<usize>,
 }
 
 /// The value is unbounded below along a direction: nothing can yield.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jam {
-    /// Places of the contacts that take part.
+    /// Indices of the contacts involved.
     pub contacts: Vec<usize>,
 }
 
@@ -77,7 +77,7 @@ impl Basis {
         basis
     }
 
-    /// Becomes the basis of `places`; the common beginning of both is kept.
+    /// Changes to the basis of `places`; keeps the common beginning of both.
     fn become_of(&mut self, columns: &DMatrix<f64>, places: &[usize]) {
         let stays = self.places.iter().zip(places).take_while(|(a, b)| a == b).count();
         self.places.truncate(stays);
@@ -88,8 +88,8 @@ impl Basis {
         }
     }
 
-    /// The part of a column outside the span, and its coefficients in `q`. Gram–Schmidt is done
-    /// twice, so that the rest is orthogonal to rounding.
+    /// Splits a column into its part outside the span and its coefficients in `q`. Gram–Schmidt is
+    /// done twice, so that the rest is orthogonal up to rounding.
     fn split(&self, column: DVector<f64>) -> (DVector<f64>, Vec<f64>) {
         let (mut rest, mut coefficients) = (column, vec![0.0; self.q.len()]);
         for _ in 0..2 {
@@ -102,7 +102,7 @@ impl Basis {
         (rest, coefficients)
     }
 
-    /// Adds a column; `false` where it depends on those before it.
+    /// Adds a column; returns `false` if it depends on earlier columns.
     fn push(&mut self, columns: &DMatrix<f64>, place: usize) -> bool {
         let column = columns.column(place).into_owned();
         let size = column.norm();
@@ -118,8 +118,7 @@ impl Basis {
         true
     }
 
-    /// The solution c of R c = y: the coefficients in the columns of the vector with coefficients y
-    /// in `q`.
+    /// Solves R c = y. A vector with coefficients y in `q` has coefficients c in the columns.
     fn back(&self, y: &[f64]) -> Vec<f64> {
         let mut c = y.to_vec();
         for j in (0..c.len()).rev() {
@@ -131,7 +130,7 @@ impl Basis {
         c
     }
 
-    /// The solution of Rᵀ y = b.
+    /// Solves Rᵀ y = b.
     fn forward(&self, b: &[f64]) -> Vec<f64> {
         let mut y = b.to_vec();
         for j in 0..y.len() {
@@ -158,8 +157,8 @@ impl ColumnSizes {
     }
 }
 
-/// By column the number of its group: columns that have entries in one row, directly or through
-/// others, are in one group.
+/// Returns the group number of each column. Columns that have entries in the same row, directly or
+/// through others, are in one group.
 pub fn groups_by_columns(columns: &DMatrix<f64>) -> Vec<usize> {
     let mut group_of: Vec<usize> = (0..columns.ncols()).collect();
     let mut first: Vec<Option<usize>> = vec![None; columns.nrows()];
@@ -174,13 +173,13 @@ pub fn groups_by_columns(columns: &DMatrix<f64>) -> Vec<usize> {
     group_of
 }
 
-/// A maximal independent subset of `places`, preferring earlier ones.
+/// Returns a maximal independent subset of `places`, preferring earlier ones.
 pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
     Basis::of(columns, places).places
 }
 
-/// The upper triangle R with RᵀR = AᵀA. Orthogonalization of the columns does not square their
-/// condition, and leaves exact zeros between contacts that share no coordinate.
+/// Returns the upper triangle R with RᵀR = AᵀA. Orthogonalizing the columns does not square their
+/// condition number, and leaves exact zeros between contacts that share no coordinate.
 pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (count, mut basis) = (columns.ncols(), Basis::new());
     for place in 0..count {
@@ -194,14 +193,14 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl BoxProblem {
-    /// The size up to which a contact's λ counts as zero, as it changes the residual by no more
-    /// than what counts as zero there.
+    /// Returns the size up to which a contact's λ counts as zero: it changes the residual by no
+    /// more than the residual's tolerance.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
     }
 
-    /// By contact: the residual up to which it counts as zero for given λ. The given `zero` and the
+    /// Returns the residual's tolerance of each contact for given λ. The given `zero` and the
     /// rounding of λ are errors of forces on the coordinates, which propagate to contacts that
     /// share a coordinate.
     fn zero(&self, lambda: &DVector<f64>, ColumnSizes { sizes, norms }: &ColumnSizes) -> DVector<f64> {
@@ -220,7 +219,7 @@ impl BoxProblem {
         &self.b - self.columns.tr_mul(&force)
     }
 
-    /// The λ of the free contacts for which their residual is zero, with the other λ fixed.
+    /// Returns the λ of the free contacts that make their residual zero, with the other λ fixed.
     fn stationary(&self, basis: &Basis, lambda: &DVector<f64>) -> Vec<f64> {
         let mut others = lambda.clone();
         for &i in &basis.places {
@@ -231,8 +230,8 @@ impl BoxProblem {
         basis.back(&basis.forward(&b))
     }
 
-    /// Moves the free contacts' λ towards `target` up to the first bound; returns the contacts that
-    /// reach it.
+    /// Moves the free contacts' λ towards `target` up to the first bound; returns the contacts
+    /// that reach it.
     fn step(&self, free: &[usize], target: &[f64], lambda: &mut DVector<f64>) -> Vec<usize> {
         let mut part = 1.0f64;
         for (&i, &to) in free.iter().zip(target) {
@@ -257,8 +256,8 @@ impl BoxProblem {
         reached
     }
 
-    /// The contact whose residual violates its condition most, relative to the size of its column;
-    /// with `first` the first such contact, by which the search cannot cycle (Bland's rule).
+    /// Returns the contact whose residual most violates its condition, relative to the size of its
+    /// column, or the `first` such contact, so that the search cannot cycle (Bland's rule).
     fn violated(
         &self,
         lambda: &DVector<f64>,
@@ -285,10 +284,10 @@ impl BoxProblem {
         best.map(|(i, _)| i)
     }
 
-    /// Solves the problem, group by group of contacts that share coordinates.
+    /// Solves the problem, one group of contacts that share coordinates at a time.
     ///
     /// # Errors
-    /// [`Jam`] where the value is unbounded below.
+    /// [`Jam`] if the value is unbounded below.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let (groups, m) = (self.groups(), self.b.len());
         if groups.len() == 1 {
@@ -319,8 +318,8 @@ impl BoxProblem {
         Ok(all)
     }
 
-    /// Groups of contacts that share coordinates, directly or through others: the places of the
-    /// contacts and of the rows of their columns.
+    /// Returns groups of contacts that share coordinates, directly or through others: the indices
+    /// of the contacts and of the rows of their columns.
     fn groups(&self) -> Vec<(Vec<usize>, Vec<usize>)> {
         let group_of = groups_by_columns(&self.columns);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = vec![Default::default(); group_of.len()];
@@ -333,10 +332,10 @@ impl BoxProblem {
         groups
     }
 
-    /// Solves the problem of one group by an active-set method: the free contacts have zero
-    /// residual, the others are at a bound. In each turn the most violated contact becomes free,
-    /// and contacts that meet a bound on the way cease to be. Each turn lowers the value, so that
-    /// no set recurs; Bland's rule takes over where rounding could let one recur.
+    /// Solves the problem of one group by an active-set method: free contacts have zero residual,
+    /// the others are at a bound. In each turn the most violated contact becomes free, and
+    /// contacts that reach a bound on the way stop being free. Each turn lowers the value, so that
+    /// no set recurs. Bland's rule takes over if rounding could let one recur.
     fn solve_coupled(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
         // `clamp` would panic for NaN bounds, which overflowing friction levels cause.
@@ -370,8 +369,8 @@ impl BoxProblem {
         Ok(Solution { lambda, residual, zero, free })
     }
 
-    /// Makes a contact free. Where its column depends on the free ones, λ moves along the direction
-    /// that does not change the motion, until a contact meets its bound and leaves.
+    /// Makes a contact free. If its column depends on free columns, λ moves along the direction
+    /// that does not change the motion, until a contact reaches its bound and leaves.
     fn enter(
         &self,
         basis: &Basis,

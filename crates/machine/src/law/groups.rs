@@ -1,6 +1,6 @@
-//! Groups of contacts that share coordinates. Contacts of different groups do not act on each
-//! other: their compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md
-//! (A5)), so that work grows with the sizes of the groups and not with the number of all contacts.
+//! Groups of contacts that share coordinates. Contacts of different groups do not interact: their
+//! compliance matrix G = WᵀM⁻¹W has a block for each group (docs/assembly-law.md (A5)). Work
+//! therefore grows with the sizes of the groups and not with the number of all contacts.
 
 use super::box_qp::{independent, triangle};
 use crate::mode::{Contact, ElementState, Mode};
@@ -10,19 +10,19 @@ use nalgebra::DMatrix;
 /// Contacts that share coordinates, directly or through others.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
-    /// Their places in a list of contacts, ascending.
+    /// Indices of the contacts in a list of contacts, ascending.
     pub(crate) places: Vec<usize>,
     /// The coordinates on which they act, ascending.
     pub(crate) reach: Vec<usize>,
 }
 
 impl Group {
-    /// L⁻¹ w of its contacts, as columns over the group's coordinates.
+    /// Returns L⁻¹ w of the group's contacts, as columns over the group's coordinates.
     pub(crate) fn columns(&self, system: &System, contacts: &[Contact]) -> DMatrix<f64> {
         self.of_each(system, contacts, |e, k| e.column[k])
     }
 
-    /// A vector of each contact's elongation, as columns over the group's coordinates.
+    /// Returns a vector of each contact's elongation, as columns over the group's coordinates.
     pub(crate) fn of_each(
         &self,
         system: &System,
@@ -40,12 +40,12 @@ impl Group {
 pub struct Triangle(Vec<(Vec<usize>, DMatrix<f64>)>);
 
 impl Triangle {
-    /// Of the triangle of each group, with the places of its contacts.
+    /// Combines the triangles of groups, each with the indices of its contacts.
     pub(crate) fn of(groups: Vec<(Vec<usize>, DMatrix<f64>)>) -> Self {
         Self(groups)
     }
 
-    /// Solves G x = b in place for the contacts that come first in the list, as many as `b` has.
+    /// Solves G x = b in place for the first `b.len()` contacts of the list.
     pub(crate) fn solve(&self, b: &mut [f64]) {
         for (places, r) in &self.0 {
             let m = places.iter().take_while(|place| **place < b.len()).count();
@@ -60,16 +60,16 @@ impl Triangle {
         }
     }
 
-    /// Count of stored numbers.
+    /// Number of stored values.
     pub(crate) fn numbers(&self) -> usize {
         self.0.iter().map(|(places, r)| places.len() + r.len()).sum()
     }
 }
 
 impl System {
-    /// The groups of contacts, in the order of their first ones.
+    /// Returns the groups of contacts, in the order of their first contacts.
     pub(crate) fn groups(&self, contacts: &[Contact]) -> Vec<Group> {
-        // By coordinate the contact that has it first; by contact one that it is joined to.
+        // First contact of each coordinate; for each contact, one joined contact.
         let mut first: Vec<Option<usize>> = vec![None; self.coordinates];
         let mut joined: Vec<usize> = (0..contacts.len()).collect();
         let root = |joined: &[usize], mut place: usize| {
@@ -101,8 +101,8 @@ impl System {
         groups
     }
 
-    /// The largest independent part of contacts, given in order of preference; the result is
-    /// sorted.
+    /// Returns the largest independent subset of contacts given in order of preference; the result
+    /// is sorted.
     pub fn independent(&self, contacts: &[Contact]) -> Vec<Contact> {
         let mut basis: Vec<Contact> = Vec::new();
         for group in self.groups(contacts) {
@@ -114,7 +114,7 @@ impl System {
         basis
     }
 
-    /// L⁻¹ w of contacts, as columns.
+    /// Returns L⁻¹ w of contacts, as columns.
     pub fn columns(&self, contacts: &[Contact]) -> DMatrix<f64> {
         let mut columns = DMatrix::zeros(self.coordinates, contacts.len());
         for (k, &contact) in contacts.iter().enumerate() {
@@ -123,7 +123,7 @@ impl System {
         columns
     }
 
-    /// The triangle of independent contacts.
+    /// Returns the triangle of independent contacts.
     pub fn triangle(&self, contacts: &[Contact]) -> Triangle {
         let of = |group: Group| {
             let r = triangle(&group.columns(self, contacts));
@@ -132,7 +132,7 @@ impl System {
         Triangle(self.groups(contacts).into_iter().map(of).collect())
     }
 
-    /// The mode that differs from `mode` by the state of an element.
+    /// Returns the mode that differs from `mode` by the state of an element.
     pub fn with_element(&self, mode: &Mode, element: ElementState) -> Mode {
         let mut mode = mode.clone();
         match element {

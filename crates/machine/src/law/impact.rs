@@ -6,13 +6,13 @@ use crate::mode::Contact;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// Limit of impacts at one instant, after which the velocities are projected (see `project`).
+/// Largest number of impacts at one instant; then the velocities are projected (see `project`).
 const MAX_IMPACTS: usize = 1000;
 
 /// One impact: the stops with an impulse, and its energies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impact {
-    /// Index of the stop, closing speed before, impulse. Stops without impulse are not listed.
+    /// Index of each stop with an impulse, its closing speed before, and the impulse.
     pub stops: Vec<(usize, f64, f64)>,
     /// Energy lost, J.
     pub lost: f64,
@@ -23,15 +23,15 @@ pub struct Impact {
 /// The impacts of one instant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Impacts {
-    /// In order of occurrence.
+    /// The impacts, in order of occurrence.
     pub sequence: Vec<Impact>,
     /// Whether the sequence was ended by a projection.
     pub projected: bool,
     /// Energy lost by the projection, J.
     pub projected_loss: f64,
-    /// By coordinate: largest sum over the impulses of one impact of the sizes of the changes of
-    /// its velocity, which bounds the rounding where they cancel (docs/assembly-law.md (A18)); 0
-    /// where there was only one impulse.
+    /// For each coordinate, the largest sum, over the impulses of one impact, of the sizes of the
+    /// changes of its velocity. It bounds the rounding where changes cancel (docs/assembly-law.md
+    /// (A18)); 0 if there was only one impulse.
     pub shares: Vec<f64>,
 }
 
@@ -43,18 +43,18 @@ impl Impacts {
     }
 }
 
-/// Machine and touching stops at an instant.
+/// The machine and its touching stops at an instant.
 pub struct Instant<'a> {
     /// The machine.
     pub system: &'a System,
-    /// Sizes that decide what is rounding.
+    /// Sizes that define the zero tolerance.
     pub sizes: &'a Sizes,
     /// Indices of the rigid stops with e = gap.
     pub touching: &'a [usize],
-    /// By stop: restitution coefficient in force, 0 where chatter ends.
+    /// Restitution coefficient of each stop; 0 if its chatter ends.
     pub restitution: &'a [f64],
-    /// Places of the freewheels that count as having e' = 0 before the impacts, whatever rounding
-    /// says.
+    /// Indices of the freewheels that count as having e' = 0 before the impacts, whatever its
+    /// rounded value.
     pub engaged: &'a [usize],
 }
 
@@ -83,7 +83,7 @@ impl Instant<'_> {
         Ok(impacts)
     }
 
-    /// The impacts of the rigid stops, without freewheels.
+    /// Applies the impacts of the rigid stops, without freewheels.
     fn collide_stops(&self, z: &mut DVector<f64>, stay_closed: &mut StayClosed<'_>) -> Result<Impacts, Jam> {
         let mut impacts = Impacts { shares: vec![0.0; self.system.coordinates], ..Impacts::default() };
         let mut largest = 0.0f64;
@@ -98,7 +98,7 @@ impl Instant<'_> {
                 self.project(z, &mut impacts)?;
                 return Ok(impacts);
             }
-            // Stops that leave take no part until an impact makes them close.
+            // Stops that leave do not take part until an impact makes them close.
             let mut taking: Vec<usize> = (0..speeds.len()).filter(|&k| speeds[k] >= -zero(k)).collect();
             let still = |&k: &usize| speeds[k] <= zero(k);
             if taking.iter().any(still) {
@@ -115,8 +115,8 @@ impl Instant<'_> {
             let u: Vec<f64> = taking.iter().map(|&k| speeds[k].max(0.0)).collect();
             let zeros: Vec<f64> = taking.iter().map(|&k| zero(k)).collect();
             let impact = self.impact(&stops, &u, &zeros, z)?;
-            // An impact without impulse changes nothing and would repeat without end: it happens
-            // where all speeds count as zero beside the rounding of other stops on the body.
+            // An impact without impulse changes nothing and would repeat without end. It occurs if
+            // all speeds count as zero compared with the rounding of other stops on the body.
             if impact.stops.is_empty() {
                 return Ok(impacts);
             }
@@ -125,15 +125,15 @@ impl Instant<'_> {
         }
     }
 
-    /// The speed of a stop that counts as zero beside the largest closing speed of the instant.
+    /// Speed up to which a stop's speed counts as zero, given the instant's largest closing speed.
     fn zero(&self, stop: usize, largest: f64, impacts: &Impacts) -> f64 {
         let e = &self.system.stops[stop].elongation;
         let shares: f64 = e.w.size(&impacts.shares);
         (ZERO * largest.max(shares)).max(self.sizes.zero(&e.rate))
     }
 
-    /// The plastic impact by which freewheels take e' > 0 away, after which no touching stop and no
-    /// freewheel has e' > 0 (docs/assembly-law.md (A53)).
+    /// Applies the plastic impact of freewheels that removes e' > 0. After it no touching stop and
+    /// no freewheel has e' > 0 (docs/assembly-law.md (A53)).
     fn catch(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
         let wheels = self.system.freewheels();
         let before = impacts.sequence.iter().flat_map(|impact| &impact.stops);
@@ -179,7 +179,7 @@ impl Instant<'_> {
         Ok(impact)
     }
 
-    /// Includes the last impact in `shares`. The first impact of a single stop needs none: the
+    /// Includes the last impact in `shares`. The first impact of a single stop is left out: the
     /// sizes of the velocities before and after it suffice.
     fn take_shares(&self, impacts: &mut Impacts) {
         let alone = matches!(&impacts.sequence[..], [first] if first.stops.len() < 2);
@@ -198,7 +198,7 @@ impl Instant<'_> {
         self.speed(stop, z) - e.w.dot(&z.rows(n, n))
     }
 
-    /// The impulses P: P ≥ 0, b - G P ≤ 0, complementary.
+    /// Computes the impulses P: P ≥ 0, b - G P ≤ 0, complementary.
     fn impulses(&self, stops: &[usize], b: DVector<f64>, zeros: &[f64]) -> Result<DVector<f64>, Jam> {
         let contacts: Vec<Contact> = stops.iter().map(|&i| Contact::Stop(i)).collect();
         let count = stops.len();
@@ -215,7 +215,7 @@ impl Instant<'_> {
         }
     }
 
-    /// Changes the velocities by impulses; returns the work of prescribed motions through links, J.
+    /// Changes velocities by impulses; returns the work of prescribed motions through links, J.
     fn apply(&self, stops: &[usize], p: &DVector<f64>, z: &mut DVector<f64>) -> f64 {
         let n = self.system.coordinates;
         let mut kick = DVector::zeros(n);
@@ -229,8 +229,8 @@ impl Instant<'_> {
         work
     }
 
-    /// Projects the velocities, in the inertia's metric, onto those with which no touching stop
-    /// closes: an impact of all with restitution 0.
+    /// Projects the velocities, in the inertia's metric, so that no touching stop closes: an
+    /// impact of all stops with restitution 0.
     fn project(&self, z: &mut DVector<f64>, impacts: &mut Impacts) -> Result<(), Jam> {
         let u: Vec<f64> = self.touching.iter().map(|&i| self.speed(i, z)).collect();
         let zeros: Vec<f64> =

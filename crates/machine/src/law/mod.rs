@@ -12,12 +12,12 @@ use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// Relative size below which a sum counts as zero, relative to the sum of its terms' largest sizes
-/// so far: some hundreds of roundings.
+/// A sum counts as zero below this fraction of the sum of its terms' largest sizes so far: some
+/// hundreds of roundings.
 pub const ZERO: f64 = 1e-13;
 
-/// Largest absolute value so far of each component of the augmented state, by which rounding is
-/// measured (docs/assembly-law.md (A18)).
+/// Largest absolute value so far of each component of the augmented state, which defines the zero
+/// tolerance (docs/assembly-law.md (A18)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sizes(#[serde(with = "crate::serialized")] pub DVector<f64>);
 
@@ -30,14 +30,14 @@ impl Sizes {
     /// The sums of the largest sizes of the terms of a matrix's rows.
     pub(crate) fn of_rows(&self, rows: &DMatrix<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; rows.nrows()];
-        // Whole columns are added, which lie in one piece.
+        // Whole columns are added, since each is contiguous.
         for (column, size) in rows.as_slice().chunks_exact(rows.nrows().max(1)).zip(self.0.as_slice()) {
             sums.iter_mut().zip(column).for_each(|(sum, x)| *sum += x.abs() * size);
         }
         sums
     }
 
-    /// The size up to which a functional's value counts as zero.
+    /// The size up to which a row's value counts as zero, from its nonzero entries.
     pub(crate) fn zero_of(&self, row: &impl AsRef<Sparse>) -> f64 {
         ZERO * row.as_ref().size(self.0.as_slice())
     }
@@ -53,15 +53,15 @@ impl Sizes {
         self.include_from(0, z);
     }
 
-    /// Updates the largest sizes by coordinates of a state from place `first` on.
+    /// Updates the largest sizes by coordinates of a state, starting at index `first`.
     #[inline(always)]
     pub fn include_from(&mut self, first: usize, z: &[f64]) {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 
-    /// Updates the largest sizes by a contact. Projection onto the contact changes each coordinate
-    /// by its share of the rounding of all terms, so that a coordinate held to larger ones counts
-    /// as large as its share of them.
+    /// Updates the largest sizes by a contact. Projection onto the contact gives each coordinate a
+    /// share of the rounding of all terms. A coordinate held to larger coordinates therefore
+    /// counts as its share of their sizes.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
         if let Contact::Stop(i) = contact
@@ -72,13 +72,13 @@ impl Sizes {
         self.include_held(e, n, &e.rate);
     }
 
-    /// Updates the coordinates (or the rates) from `first` on for a row that a contact keeps at
+    /// Updates the coordinates (or rates) that begin at `first` for a row that a contact keeps at
     /// zero.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.along(&e.mobility);
         for &k in &e.reach {
-            // A coordinate's own term is no larger than itself.
+            // A coordinate's own term is at most as large as the coordinate.
             let others = all - e.w[k].abs() * self.0[first + k];
             self.0[first + k] = self.0[first + k].max(e.mobility[k].abs() / compliance * others);
         }
@@ -92,9 +92,9 @@ mod tests {
 
     #[test]
     fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
-        // 0.01 kg is held to 1 kg, whose largest sizes are 3 m and 2 m/s. Of a correction of e = s'
-        // - s the light body takes 100/(100 + 1). The heavy body takes the rest of the light one's
-        // 0.5 m/s, which is less than its own 2 m/s.
+        // 0.01 kg is held to 1 kg, whose largest sizes are 3 m and 2 m/s. The light body takes
+        // 100/(100 + 1) of a correction of e = s' - s. The heavy body takes the rest of the light
+        // one's 0.5 m/s, which is less than its own 2 m/s.
         let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
                     [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
                     [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";

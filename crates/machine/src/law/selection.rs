@@ -2,22 +2,22 @@
 //! (docs/assembly-law.md (A10) to (A12)).
 //!
 //! Values alone do not decide: a stop with e = gap and e' = 0 opens or stays closed by the first
-//! derivative that is not zero, and the contacts' forces depend on one another. At each order the
-//! undecided contacts make one convex problem ([`BoxProblem`](super::box_qp::BoxProblem)), whose
-//! accelerations are unique. Contacts with a nonzero residual, or with a force strictly inside its
-//! bounds, are decided; the others go on to the next order. By (A11) the result is the only mode
-//! whose conditions all hold just after the instant.
+//! nonzero derivative, and the contacts' forces depend on one another. At each order the undecided
+//! contacts form one convex problem ([`BoxProblem`](super::box_qp::BoxProblem)) with unique
+//! accelerations. It decides contacts with a nonzero residual, or with a force strictly inside its
+//! bounds; the others continue to the next order. By (A11) the result is the only mode whose
+//! conditions all hold just after the instant.
 //!
-//! Three things must stay:
+//! A change must keep three things:
 //!
-//! - What counts as zero is relative to the sizes of terms ([`Sizes`]), never absolute.
-//! - A friction that leaves its static level starts the choice again with its sliding level, since
-//!   the other contacts then bear other forces (A12).
+//! - The zero tolerance is relative to the sizes of terms ([`Sizes`]), never absolute.
+//! - A friction that leaves its static level restarts the choice with its sliding level, since the
+//!   other contacts then bear other forces (A12).
 //! - The basis of dependent contacts follows the order in which their forces came to lie strictly
-//!   inside their bounds: the others keep a share that is a bound or zero.
+//!   inside their bounds: the other contacts keep a share that is a bound or zero.
 //!
-//! A further kind of contact needs its candidates in `Stop` or `Friction`, its first classification
-//! in `classify.rs`, and its bounds and decision in `order.rs`. A change is tested by
+//! A new kind of contact needs its candidates in `Stop` or `Friction`, its first classification in
+//! `classify.rs`, and its bounds and decision in `order.rs`. A change is tested by
 //! `tests/second_method.rs` (all modes tried, in 50 digits), `tests/lone_events.rs` (guess and
 //! choice agree) and unchanged golden files.
 
@@ -31,7 +31,7 @@ use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// A stop's state as far as it is decided.
+/// State of a stop during a selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
     /// Decided.
@@ -40,42 +40,42 @@ enum Stop {
     Touching,
     /// A compliant stop with e = gap and zero derivatives up to the present order.
     AtEdge,
-    /// A compliant stop whose force is at the limit between two states, the one above and the one
-    /// below it.
+    /// A compliant stop whose force is at the limit between two states: the state above and the
+    /// state below the limit.
     AtLimit(StopState, StopState),
     /// An `ElastoGap` so near to its edge that its force is zero and at its cap within rounding.
     AtLimits,
-    /// A compliant stop beyond its gap with e' = 0, whose dashpot acts only while e grows, and zero
-    /// derivatives up to the present order.
+    /// A compliant stop beyond its gap with e' = 0 and zero derivatives up to the present order,
+    /// whose dashpot acts only while e grows.
     Turning,
 }
 
-/// Verdict on a friction so far.
+/// State of a friction during a selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Friction {
     /// Decided.
     Is(FrictionState),
-    /// e' and its derivatives are zero up to the present order; the level's first nonzero
-    /// derivative has this order.
+    /// e' and its derivatives are zero up to the present order. The value is the order of the
+    /// level's first nonzero derivative.
     Resting(usize),
     /// Resting, with the force at its level in this direction up to the present order.
     AtLevel(f64),
 }
 
-/// Verdict on a slider so far.
+/// State of a slider during a selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Slider {
     /// Decided.
     Is(SliderState),
-    /// Its force is at its level in this direction, and e' and its derivatives are zero up to the
+    /// The force is at its level in this direction, and e' and its derivatives are zero up to the
     /// present order.
     AtLevel(f64),
 }
 
-/// What is known of a slider where values alone would be rounding.
+/// Facts about a slider that its rounded values cannot show.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SliderFlag {
-    /// The direction in which its force is at its level; 0 where values decide.
+    /// Direction of the force if it is at its level; 0 if values decide.
     pub level: f64,
     /// Whether e' = 0.
     pub turns: bool,
@@ -91,44 +91,43 @@ pub struct Selection<'a> {
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
     sliders: Vec<Slider>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds. They
-    /// are preferred for the basis: contacts that depend on them then keep a share that is a bound
-    /// or zero.
+    /// Contacts in the order in which their forces came to lie strictly inside their bounds. The
+    /// basis prefers these contacts: contacts that depend on them then keep a share that is a
+    /// bound or zero.
     preferred: Vec<Contact>,
-    /// By friction: whether it has left its static level in this choice.
+    /// Whether each friction has left its static level in this choice.
     released: Vec<bool>,
-    /// The states of the stops, provisional where they are undecided.
+    /// The states of the stops, provisional if undecided.
     pressing: Vec<StopState>,
-    /// By friction that follows a stop: whether its level is positive.
+    /// Whether the level of each friction that follows a stop is positive.
     acts: Vec<bool>,
-    /// By friction that follows a stop: whether the stop pulls.
+    /// Whether the stop that each friction follows pulls.
     ends: Vec<bool>,
-    /// By friction: the direction in which its force was at its level when it was first solved for,
-    /// else 0.
+    /// Direction of each friction's force if it was at its level in its first solution, else 0.
     at_level: Vec<f64>,
 }
 
-/// What an event says of the elements that take part in it, where values alone would be rounding.
+/// Facts from an event about its elements, which their rounded values cannot show.
 pub struct EventVerdict<'a> {
-    /// By stop: whether a rigid stop touches.
+    /// Whether each rigid stop touches.
     pub stops: &'a [bool],
-    /// By friction: whether e' = 0.
+    /// Whether each friction has e' = 0.
     pub resting: &'a [bool],
-    /// By stop: whether a compliant stop has e = gap.
+    /// Whether each compliant stop has e = gap.
     pub edges: &'a [bool],
-    /// By stop: whether the force of a compliant stop is at a limit.
+    /// Whether the force of each compliant stop is at a limit.
     pub limits: &'a [bool],
-    /// By branch.
+    /// Flags of each branch's slider.
     pub sliders: &'a [SliderFlag],
-    /// Places of rigid stops that count as open at any speed, since their impact is still to come.
+    /// Indices of rigid stops that count as open at any speed: their impact is still to come.
     pub open: &'a [usize],
 }
 
 impl<'a> Selection<'a> {
-    /// The mode that follows the state `z`; requires that no touching stop closes with a speed.
+    /// Returns the mode that follows the state `z`; no touching stop may close with a speed.
     ///
     /// # Errors
-    /// [`Jam`] with places of stops, where prescribed bodies drive them together.
+    /// [`Jam`] with indices of stops, if prescribed bodies drive them together.
     pub fn select(
         system: &'a System,
         z: &DVector<f64>,
@@ -183,8 +182,8 @@ impl<'a> Selection<'a> {
         selection
     }
 
-    /// Decides order by order. Returns the frictions that slip at their static levels; with any,
-    /// the choice starts again.
+    /// Decides order by order. Returns the frictions that slip at their static levels; if there
+    /// are any, the choice restarts.
     fn run(&mut self) -> Result<Vec<usize>, Jam> {
         let follows = self.system.frictions.iter().any(|own| own.follows.is_some());
         if self.is_decided() && !self.has_contacts() && !follows {
@@ -206,7 +205,7 @@ impl<'a> Selection<'a> {
         Ok(Vec::new())
     }
 
-    /// Whether the last derivative is zero, and with it all higher ones: nothing remains to decide.
+    /// Whether the last and all higher derivatives are zero: nothing remains to decide.
     fn is_still(&self) -> bool {
         self.derivatives.last().is_some_and(|z| z.iter().all(|x| *x == 0.0))
     }
@@ -219,7 +218,7 @@ impl<'a> Selection<'a> {
             && (0..self.frictions.len()).all(|i| self.is_level_decided(i))
     }
 
-    /// Whether the sign of a level is known that follows a stop which may pull.
+    /// Whether the sign of a level that follows a stop which may pull is known.
     fn is_level_decided(&self, i: usize) -> bool {
         let friction = &self.system.frictions[i];
         let passes = friction.follows.is_some() && friction.passes;
@@ -232,7 +231,7 @@ impl<'a> Selection<'a> {
             || self.frictions.iter().any(|f| matches!(f, Friction::Is(state) if state.sticks()))
     }
 
-    /// Decides compliant stops and sliders by the next derivative where it is not zero. At order k
+    /// Decides compliant stops and sliders by the next derivative if it is not zero. At order k
     /// the derivatives of e up to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.sliders.len() {
@@ -246,7 +245,7 @@ impl<'a> Selection<'a> {
         for i in 0..self.stops.len() {
             let stop = &self.system.stops[i];
             match self.stops[i] {
-                // How an output's rate follows from z depends on the mode.
+                // The rate of an output as a row of z depends on the mode.
                 Stop::AtEdge if stop.limit.is_some() => {
                     let sign = if order > 0 { self.sign(&stop.excess, order) } else { 0.0 };
                     if sign != 0.0 {
@@ -294,7 +293,7 @@ impl<'a> Selection<'a> {
         }
     }
 
-    /// The states of all elements, provisional where they are undecided: touching stops closed,
+    /// Returns the states of all elements, provisional if undecided: touching stops closed,
     /// resting frictions stuck.
     fn states(&self) -> (Vec<StopState>, Vec<FrictionState>) {
         let stops = self.stops.iter().map(|s| match *s {
@@ -306,7 +305,7 @@ impl<'a> Selection<'a> {
         });
         let stops: Vec<StopState> = stops.collect();
         let frictions = self.frictions.iter().enumerate().map(|(i, f)| match *f {
-            // Without a level there is no friction, whatever its rate.
+            // A friction without a level is off, whatever its rate.
             Friction::Is(_) if self.is_without_level(i, &stops) => FrictionState::Off,
             Friction::Is(state) => state,
             Friction::Resting(_) | Friction::AtLevel(_) => FrictionState::Stuck,
@@ -315,7 +314,7 @@ impl<'a> Selection<'a> {
         (stops, frictions)
     }
 
-    /// Whether a friction follows a stop that has no force that presses.
+    /// Whether a friction follows a stop without a pressing force.
     fn is_without_level(&self, i: usize, stops: &[StopState]) -> bool {
         let friction = &self.system.frictions[i];
         friction.follows.is_some() && (self.ends[i] || friction.at(stops).is_none())
@@ -358,8 +357,8 @@ impl<'a> Selection<'a> {
     }
 
     /// Adds the next derivative of z and a bound of its size, from the terms of the free
-    /// accelerations and the contact forces' `shares`. On a light body these may be far greater
-    /// than their sum.
+    /// accelerations and the contact forces' `shares`. On a light body the terms may be far
+    /// greater than their sum.
     fn differentiate(
         &mut self,
         z: &DVector<f64>,
@@ -404,7 +403,7 @@ impl<'a> Selection<'a> {
         self.sizes.push(Sizes(size));
     }
 
-    /// The mode of the decided states, with its basis.
+    /// Returns the mode of the decided states, with its basis.
     fn finish(self) -> Mode {
         let (stops, mut frictions) = self.states();
         for (i, state) in frictions.iter_mut().enumerate() {
@@ -435,7 +434,7 @@ impl<'a> Selection<'a> {
         Mode { stops, frictions, sliders: self.slider_states(), basis }
     }
 
-    /// The states of all branches, held where they are undecided: there e' is zero.
+    /// Returns the states of all branches; undecided sliders, whose e' is zero, are held.
     fn slider_states(&self) -> Vec<SliderState> {
         let state = |slider: &Slider| match *slider {
             Slider::Is(state) => state,
@@ -445,13 +444,13 @@ impl<'a> Selection<'a> {
     }
 }
 
-/// A slider at its level in a direction, where the first nonzero derivative of e has a sign.
+/// A slider at its level in a direction, decided by the sign of the first nonzero derivative of e.
 fn slid(direction: f64, sign: f64) -> Slider {
     let slips = direction * sign > 0.0;
     Slider::Is(if slips { SliderState::slipping(direction) } else { SliderState::Held })
 }
 
-/// The slipping state with this sign of e'.
+/// Returns the slipping state with this sign of e'.
 fn slipping(direction: f64) -> FrictionState {
     if direction > 0.0 { FrictionState::Up } else { FrictionState::Down }
 }

@@ -12,14 +12,13 @@ use nalgebra::DVector;
 use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// The inner places among what has its place.
+/// Returns the inner places among the kept places of contacts.
 fn inner_places(standing: &[(Contact, f64)]) -> Vec<(Contact, f64)> {
     standing.iter().filter(|held| matches!(held.0, Contact::Slider(_))).copied().collect()
 }
 
 impl Motion {
-    /// The motion that continues from a saved state; `None` where the state does not
-    /// [fit](Hybrid::fits) the machine.
+    /// Continues from a saved state; `None` if the state does not [fit](Hybrid::fits) the machine.
     pub fn resumed(assembly: Arc<Assembly>, saved: &Hybrid) -> Option<Self> {
         if !saved.fits(&assembly) {
             return None;
@@ -29,14 +28,14 @@ impl Motion {
         Some(motion)
     }
 
-    /// The motion from the present instant on in a machine with the same elements and changed
+    /// Continues from the present instant in a machine with the same elements and changed
     /// parameters. Bodies keep coordinates and rates; signals take their new values at once. A
     /// pending event is applied first, with the old parameters. The energy accounts continue, so
     /// that the balance jumps by the energy that the change has added.
     ///
     /// # Errors
-    /// [`Error::Violated`] where a rigid stop's gap is now less than its e; [`Error::Jammed`];
-    /// [`Error::OutOfRange`] for a machine with other bodies as coordinates or other stops.
+    /// [`Error::Violated`] if a rigid stop's gap is now less than its e; [`Error::Jammed`];
+    /// [`Error::OutOfRange`] for a machine with other stops or other bodies as coordinates.
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;
@@ -103,8 +102,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The inputs with which the integrals of a changed machine go on from where they are; fills in
-    /// its signals.
+    /// Returns inputs with which the integrals of a changed machine continue from their present
+    /// values; fills in its signals.
     fn going_on(
         &self,
         system: &System,
@@ -124,8 +123,8 @@ impl Motion {
         inputs
     }
 
-    /// Opens closed stops whose gap has grown, freewheels that are given a rate, and refuses stops
-    /// whose gap is now less than e.
+    /// Opens closed stops whose gap has grown and freewheels that get a rate. Refuses stops whose
+    /// gap is now less than e.
     fn open_grown_gaps(&mut self) -> Result<(), Error> {
         let (system, sizes) = (&self.assembly.system, &self.hybrid.sizes);
         let mut off = Vec::new();

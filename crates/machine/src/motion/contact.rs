@@ -16,14 +16,14 @@ use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
 
-/// A derivative that is positive where the law requires a negative one counts as rounding up to
-/// this many times the size up to which it counts as zero. Beyond, modes may change without end,
-/// which is an error.
+/// Up to this multiple of the zero tolerance, a derivative that is positive where the law requires
+/// a negative one counts as rounding. A larger derivative may change modes without end, which is
+/// an error.
 pub(super) const DOUBTFUL: f64 = 1e3;
 
-/// Fraction of time × change of rate by the forces' sizes that a coordinate counts as having
-/// travelled (docs/assembly-law.md (A18)): less than a moving body travels, and at least the
-/// rounding of one at rest.
+/// Fraction of (time × change of rate by the forces' sizes) that counts as distance travelled
+/// (docs/assembly-law.md (A18)): less than a moving body travels, and at least the rounding of a
+/// body at rest.
 const STANDING: f64 = 0.01;
 
 /// The owned form of an [`EventVerdict`].
@@ -37,15 +37,15 @@ pub(super) struct Flags {
 }
 
 impl Flags {
-    /// The verdict for the law, with places of stops that count as open at any speed.
+    /// Returns the verdict for the law; the stops `open` count as open at any speed.
     fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
         let Self { stops, resting, edges, limits, sliders } = self;
         EventVerdict { stops, resting, edges, limits, sliders, open }
     }
 
-    /// The verdict after impacts that changed the velocities by `kick`: a friction whose rate has
-    /// changed no longer rests, and the force of a compliant stop whose rate has changed is no
-    /// longer at a limit.
+    /// Returns the verdict after impacts that changed the velocities by `kick`. A friction whose
+    /// rate has changed no longer rests. The force of a compliant stop whose rate has changed is
+    /// no longer at a limit.
     fn after(&self, kick: &DVector<f64>, system: &System, sizes: &Sizes) -> Self {
         let mut flags = self.clone();
         let moved = |e: &Elongation| e.w.dot(kick).abs() > sizes.zero_of(&e.rate);
@@ -62,14 +62,14 @@ impl Flags {
     }
 }
 
-/// Whether a bounce with a speed against an acceleration is lower than `least`, by (A19).
+/// Whether a bounce with speed `rebound` against an acceleration is lower than `least`, by (A19).
 pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
 impl Motion {
-    /// Applies the law at the present state: impacts and the mode that follows, after the
-    /// functionals `ended` have passed zero and a jump has separated the contacts `parted`.
+    /// Applies the law at the present state: impacts, then the next mode. The event functions
+    /// `ended` have passed zero; a jump has separated the contacts `parted`.
     pub(super) fn settle(
         &mut self,
         ended: &[Watch],
@@ -171,7 +171,7 @@ impl Motion {
         self.settle(&[], &parted, observer)
     }
 
-    /// Moves sliders after a jump to where no force is above its level; returns what they lose, J.
+    /// Moves sliders after a jump until no force exceeds its level; returns their energy loss, J.
     fn slide(&mut self) -> f64 {
         let ways = self.clamp();
         let Self { assembly, hybrid, .. } = self;
@@ -190,7 +190,7 @@ impl Motion {
         self.hybrid.z.rows(n, n).into_owned()
     }
 
-    /// Flags by the state and by the functionals `ended` that have passed zero.
+    /// Derives the flags from the state and the event functions `ended`, which have passed zero.
     fn flags(&self, ended: &[Watch], parted: &Parted) -> Flags {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut flags = Flags {
@@ -205,7 +205,7 @@ impl Motion {
         }
         for (i, stop) in system.stops.iter().enumerate() {
             if stop.restitution().is_some() {
-                // What rate a freewheel has decides by itself, where it does not count as zero.
+                // A freewheel's rate decides on its own, unless it counts as zero.
                 let near = !stop.is_freewheel
                     && stop.excess.at(hybrid.z.as_slice()) >= -hybrid.sizes.zero_of(&stop.excess);
                 let is_closed = hybrid.mode.stops.get(i) == Some(&StopState::Closed);
@@ -223,12 +223,12 @@ impl Motion {
                 Watch::Turns(i) => flags.limits[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is met only on the way in, however near the edge: at its edge the stop
-                    // would be entered again.
+                    // A cap is reached only on the way in, even close to the edge. Counted as an
+                    // edge, the stop would be entered again.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    // A pressed stop whose e still grows is past its edge: at its edge it would be
-                    // entered again.
+                    // A pressed stop whose e still grows is past its edge. Counted at its edge, it
+                    // would be entered again.
                     let rate = &stop.elongation.rate;
                     let enters = hybrid.mode.stops[i] == StopState::Pressed
                         && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
@@ -244,8 +244,8 @@ impl Motion {
         flags
     }
 
-    /// Projects touching stops onto their gap. Stops that this moves onto their gap touch as well,
-    /// and take part in the impacts.
+    /// Projects touching stops onto their gap. Other stops that this brings to their gap touch as
+    /// well, and take part in the impacts.
     pub(super) fn place_on_contacts(&mut self, flags: &mut Flags, parted: &Parted) {
         loop {
             let contacts: Vec<Contact> = (0..self.assembly.system.first_freewheel)
@@ -264,7 +264,7 @@ impl Motion {
         }
     }
 
-    /// The freewheels that were engaged or have come to e' = 0, and whose rate has not jumped.
+    /// Returns the freewheels that were engaged or have reached e' = 0, but not by a jump.
     fn engaged(&self, flags: &Flags) -> Vec<usize> {
         self.assembly.system.freewheels().filter(|&i| flags.stops[i]).collect()
     }
@@ -274,8 +274,8 @@ impl Motion {
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
 
-    /// Impacts of the touching stops; stops whose bounces would be too low close at once. Returns
-    /// the impacts, and the stops that close with the time until their bounces would have
+    /// Applies impacts of the touching stops; stops whose bounces would be too low close at once.
+    /// Returns the impacts, and the closing stops with the time until their bounces would have
     /// accumulated.
     fn collide(&mut self, touching: &[usize], flags: &Flags) -> Result<(Impacts, Vec<(usize, f64)>), Error> {
         let assembly = self.assembly.clone();
@@ -294,8 +294,8 @@ impl Motion {
                 engaged: &engaged,
             };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact, stops that were not open before stay closed; in later ones,
-                // those that forces keep closed.
+                // In the first impact, stops that were not open before stay closed; in later
+                // impacts, stops that forces keep closed.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);
@@ -328,7 +328,7 @@ impl Motion {
         }
     }
 
-    /// The stops of impacts whose bounces would be too low, by (A19), with the time until they
+    /// Returns the stops whose bounces would be too low, by (A19), with the time until the bounces
     /// would have accumulated.
     fn low_bounces(
         &mut self,
@@ -352,7 +352,7 @@ impl Motion {
         for i in candidates {
             let stop = &system.stops[i];
             let rebound = -stop.elongation.rate.dot(&self.hybrid.z);
-            // Of several impacts at this instant the fastest counts.
+            // If a stop has several impacts at this instant, the fastest counts.
             let speed = impacts.fastest(i);
             let a = stop.elongation.w.dot(&acceleration) + stop.elongation.drift.dot(&self.hybrid.z);
             let scale = self.hybrid.sizes.of(&stop.excess);
@@ -366,14 +366,14 @@ impl Motion {
         Ok(found)
     }
 
-    /// The mode that follows the present state.
+    /// Selects the mode that follows the present state.
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.verdict(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
 
-    /// Enters a mode, and finds the order with which each watched functional leaves zero.
+    /// Enters a mode, and finds the order with which each event function leaves zero.
     fn enter(&mut self, mode: Mode) {
         self.tables.make_room();
         self.place = self.tables.place_of(&mode, &self.assembly.system);
@@ -387,28 +387,28 @@ impl Motion {
         }
     }
 
-    /// Finds the order of each watched functional's zero at the present state, [`ORDERS`] where it
-    /// is zero throughout the mode.
+    /// Finds the order of each event function's zero at the present state; [`ORDERS`] for an event
+    /// function that is zero throughout the mode.
     fn find_departures(&mut self) {
         let Hybrid { departing, sizes, z, .. } = &mut self.hybrid;
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        // By the law the first nonzero derivative is negative: slightly positive ones count as
+        // By the law the first nonzero derivative is negative: slightly positive values count as
         // zero.
         departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
             None => ORDERS,
             Some((0, _)) => 0,
-            // A positive derivative follows a zero of the order before: the passage is imminent and
-            // must not be divided out.
+            // A positive derivative follows a zero of the previous order: the passage is imminent
+            // and must not be divided out.
             Some((order, value)) => order - usize::from(value > 0.0),
         }));
     }
 
-    /// Sets to zero the rates of compliant stops that cage a body: stops at whose edges it stays
-    /// throughout the mode, such that entering one leaves another, with rates that count as zero.
-    /// The body would otherwise drift from one to the other without end. Returns whether there was
-    /// such a cage; a body that may drift into a stop alone keeps its rate.
+    /// Sets to zero the rates of compliant stops that cage a body: the body stays at the stops'
+    /// edges throughout the mode, entering one stop means leaving another, and the rates count as
+    /// zero. It would otherwise drift between them without end. Returns whether there was such a
+    /// cage. A body that may drift into a single stop keeps its rate.
     fn rest_at_edges(&mut self) -> bool {
         let Hybrid { departing, z, mode, sizes, .. } = &mut self.hybrid;
         let (system, watched) = (&self.assembly.system, &self.tables.at(self.place).table.watched);

@@ -1,11 +1,10 @@
-//! Motions whose course between events is integrated by a host's solver (Model Exchange). The
-//! solver sets time and states and reads derivatives and event indicators; the law at events is
-//! that of exact motions.
+//! Motions that a host's solver integrates between events (Model Exchange). The solver sets time
+//! and states and reads derivatives and event indicators. The law at events is the same as for
+//! exact motions.
 //!
-//! A solver's states have errors. An indicator passes zero where its functional exceeds zero by
-//! [`OVERSHOOT`] times its size. At the event the functional is therefore positive when the law is
-//! applied. Just after an event the indicator is positive, which hosts that look for a change of
-//! sign require.
+//! A solver's states have errors. An indicator passes zero when its event function exceeds zero by
+//! [`OVERSHOOT`] times its size, so that the event function is positive when the law is applied.
+//! Just after an event the indicator is positive, as hosts that look for a change of sign require.
 
 use super::event::Event;
 use super::jump::Parted;
@@ -25,8 +24,8 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Relative overshoot of a watched functional where its indicator passes zero. It is larger than
-/// the rounding of the roots that solvers find, and so small that an impact at this depth is as
+/// Relative overshoot of an event function where its indicator passes zero. It exceeds the
+/// rounding of the roots that solvers find. It is so small that an impact at this depth is as
 /// exact as a solver's tolerance.
 pub(super) const OVERSHOOT: f64 = 1e-11;
 /// Largest number of successive modes at one instant, per indicator.
@@ -45,7 +44,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// Whether it can belong to a motion of this machine: lengths agree and numbers are finite.
+    /// Whether the course fits a motion of this machine: lengths agree and numbers are finite.
     pub fn fits(&self, assembly: &Assembly) -> bool {
         self.z.len() == assembly.system.signals.size
             && self.event.is_finite()
@@ -54,10 +53,9 @@ impl Course {
     }
 }
 
-/// Places of the event indicators. A rigid stop and a freewheel have one, and so has a corner of a
-/// spring; a compliant stop has two, of its edge and of its force; a friction has three, of
-/// slipping upwards, of slipping downwards and of its level; a slider has two, of slipping upwards
-/// and downwards.
+/// Indices of the event indicators. A rigid stop, a freewheel and a corner of a spring have one
+/// each. A compliant stop has two: its edge and its force. A friction has three: slipping upwards,
+/// slipping downwards and its level. A slider has two: slipping upwards and downwards.
 impl System {
     /// Number of event indicators, equal in every mode.
     pub fn indicators(&self) -> usize {
@@ -81,8 +79,8 @@ impl System {
         stops.map(of).sum()
     }
 
-    /// The place of a watched functional's indicator; `second` marks the second functional with the
-    /// same [`Watch`], the cap of an `ElastoGap`.
+    /// Returns the index of an event function's indicator; `second` marks the second event
+    /// function with the same [`Watch`], the cap of an `ElastoGap`.
     fn indicator(&self, watch: Watch, second: bool) -> usize {
         let friction = |i: usize| self.first_indicator_of_stop(self.stops.len()) + 3 * i;
         match watch {
@@ -102,14 +100,14 @@ impl System {
 }
 
 impl Assembly {
-    /// The bodies whose coordinates, followed by their rates and by the states of first order, are
-    /// the continuous states of a host's solver.
+    /// Returns the bodies whose coordinates are continuous states of a host's solver. Their rates
+    /// and the states of first order follow.
     pub fn states(&self) -> &[usize] {
         &self.system.bodies_of
     }
 
-    /// Nominal values of the continuous states, all positive: estimates from starts, gaps, loads
-    /// and the springs that bear them.
+    /// Returns positive nominal values of the continuous states, estimated from starts, gaps,
+    /// loads and the springs that bear the loads.
     pub fn nominals(&self) -> Vec<f64> {
         let (system, n) = (&self.system, self.system.coordinates);
         let mut z: StateRow = DVector::from_element(system.signals.size, 1.0);
@@ -196,9 +194,9 @@ impl Motion {
         self.refill_on(course);
     }
 
-    /// Sets an input without derivatives in continuous-time mode, from the last accepted point on.
+    /// Sets an input without derivatives in continuous-time mode, after the last accepted point.
     pub fn set_input_on(&mut self, course: &mut Course, i: usize, value: f64) {
-        // An integral keeps what an input has added up to the accepted point.
+        // An integral keeps what the input has contributed up to the accepted point.
         let signals = &self.assembly.system.signals;
         let from = if signals.is_integrated(i) { course.time } else { course.event };
         signals.set_input(&mut self.hybrid.inputs, i, (from, [value, 0.0, 0.0, 0.0]));
@@ -208,8 +206,8 @@ impl Motion {
             let own = self.assembly.system.signals.one;
             course.z.as_mut_slice()[own..].copy_from_slice(&self.hybrid.z.as_slice()[own..]);
         }
-        // A functional of inputs alone gets its size from this value only. Without a size it would
-        // count as zero.
+        // The size of an event function of inputs alone comes from this value only. Without a size
+        // the event function would count as zero.
         if let Some(place) = self.assembly.system.signals.place_of_input(i) {
             self.hybrid.sizes.include_from(place, &[value]);
         }
@@ -221,7 +219,7 @@ impl Motion {
     /// As [`set_inputs`](Self::set_inputs); the motion is then unchanged.
     pub fn set_inputs_on(&mut self, course: &mut Course, inputs: &[(usize, Input)]) -> Result<(), Error> {
         let left = self.hybrid.z.clone();
-        // Errors of the solver at closed contacts are no impacts. Only rates are projected, since
+        // The solver's errors at closed contacts are not impacts. Only rates are projected, since
         // the prescribed body of a closed stop may have jumped since the last event.
         self.keep_rates();
         self.set_inputs(inputs).inspect_err(|_| self.hybrid.z = left)?;
@@ -229,14 +227,14 @@ impl Motion {
         Ok(())
     }
 
-    /// Whether an event is pending: a watched functional has passed zero, or a signal has a knot.
+    /// Whether an event is pending: an event function has passed zero, or a signal has a knot.
     pub fn is_event_due_on(&self, course: &Course) -> bool {
         self.knot_now(course.event).is_some() || self.is_at_sample() || !self.passed().is_empty()
     }
 
-    /// The event indicators: stops, frictions, sliders. Each is 1e-11 minus the ratio of its
-    /// functional to the functional's size. An event occurs where the indicator becomes negative.
-    /// An indicator without a watched functional is 1.
+    /// Returns the event indicators: stops, frictions, sliders. Each is 1e-11 minus its event
+    /// function divided by the event function's size; without an event function it is 1. An event
+    /// occurs where the indicator becomes negative.
     pub fn indicators(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut indicators = vec![1.0; system.indicators()];
@@ -246,7 +244,7 @@ impl Motion {
         indicators
     }
 
-    /// The watched functionals relative to their sizes, with the places of their indicators.
+    /// Returns the event functions divided by their sizes, with the indices of their indicators.
     fn watched_now(&self) -> impl Iterator<Item = (usize, f64)> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
         let mut last = None;
@@ -258,7 +256,7 @@ impl Motion {
         })
     }
 
-    /// The functionals that have passed zero, by more than half of [`OVERSHOOT`].
+    /// Returns the event functions that have passed zero, by more than half of [`OVERSHOOT`].
     fn passed(&self) -> Vec<Watch> {
         let passed = self.watched_now().map(|(_, value)| value > 0.5 * OVERSHOOT);
         passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
@@ -280,9 +278,9 @@ impl Motion {
             || self.indicators().iter().any(|indicator| *indicator <= 0.0)
     }
 
-    /// Applies the law at an event: a signal's knot acts; if watched functionals have passed zero,
-    /// impacts and the next mode follow. Returns whether there was an event: then the solver has to
-    /// restart, since states or derivatives have changed.
+    /// Applies the law at an event: a signal's knot acts; if event functions have passed zero,
+    /// impacts and the next mode follow. Returns whether there was an event. If so, the solver has
+    /// to restart, since states or derivatives have changed.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event); motion and course are then unchanged.
@@ -310,8 +308,8 @@ impl Motion {
         if !self.is_event_due_on(course) {
             return Ok(false);
         }
-        // First the solver's errors at closed contacts are removed, since they are neither impacts
-        // nor openings. A functional that passed zero only by these errors does not count as
+        // First remove the solver's errors at closed contacts, which are neither impacts nor
+        // openings. An event function that passed zero only by these errors does not count as
         // passed. At a knot only rates are projected, since coordinates may jump with prescribed
         // bodies.
         let (left, knot) = (self.hybrid.z.clone(), self.knot_now(course.event));
@@ -351,7 +349,7 @@ impl Motion {
         Err(self.stuck("the modes change without end"))
     }
 
-    /// Whether the state equals another within the tolerance of zero. A repeated projection leaves
+    /// Whether the state equals another within the zero tolerance. A repeated projection leaves
     /// rounding errors.
     fn counts_as(&self, other: &DVector<f64>) -> bool {
         let Hybrid { z, sizes, .. } = &self.hybrid;
@@ -371,9 +369,9 @@ impl Motion {
         energy
     }
 
-    /// The state at a fraction of the time since the last accepted point. Coordinates are the
-    /// quintic through values, rates and accelerations at both ends, rates its derivative, states
-    /// of first order the cubic through values and rates.
+    /// Interpolates the state at a fraction of the time since the last accepted point. Coordinates
+    /// follow the quintic through values, rates and accelerations at both ends, and rates its
+    /// derivative. States of first order follow the cubic through values and rates.
     fn between(&self, course: &Course, u: f64) -> DVector<f64> {
         let n = self.assembly.system.coordinates;
         let (h, from, to) = (self.time() - course.time, &course.z, &self.hybrid.z);
@@ -382,7 +380,7 @@ impl Motion {
         for k in 0..n {
             let (q0, v0, a0) = (from[k], h * from[n + k], h * h * a[n + k]);
             let (q1, v1, a1) = (to[k], h * to[n + k], h * h * b[n + k]);
-            // Coefficients 3 to 5 of the quintic; those up to 2 are given at the first end.
+            // Coefficients 3 to 5 of the quintic; the first end gives coefficients 0 to 2.
             let (d, e, f) = (q1 - q0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0);
             let (c3, c4, c5) =
                 (10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f);
@@ -409,8 +407,8 @@ impl Motion {
         self.stretch_on();
     }
 
-    /// The signals at a time, without knots after the last event, in an augmented state whose other
-    /// coordinates are zero.
+    /// Returns the signals at a time, ignoring knots after the last event, in an augmented state
+    /// whose other coordinates are zero.
     fn signals_on(&self, course: &Course, time: DoubleDouble) -> DVector<f64> {
         let (signals, event) = (&self.assembly.system.signals, DoubleDouble::new(course.event));
         let (mut now, mut pieces) = (DVector::zeros(signals.size), DVector::zeros(signals.size));
@@ -418,7 +416,7 @@ impl Motion {
         signals.fill(event, &self.hybrid.inputs, pieces.as_mut_slice());
         signals.carry(time.minus(event).value(), pieces.as_mut_slice());
         let first = signals.constant_size_until();
-        // What is set anew between knots is a function of the time alone.
+        // Coordinates that are reset between knots are functions of the time alone.
         signals.renewed().for_each(|own| pieces.rows_range_mut(own.clone()).copy_from(&now.rows_range(own)));
         now.as_mut_slice()[first..].copy_from_slice(&pieces.as_slice()[first..]);
         now

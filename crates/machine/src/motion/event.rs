@@ -13,12 +13,12 @@ pub struct Event {
 }
 
 impl Event {
-    /// What happens to a sampled block.
+    /// Returns the action of a sampled block, if this is a sample.
     pub fn sample(&self) -> Option<SampleAction> {
         if let EventKind::Sample { action } = self.kind { Some(action) } else { None }
     }
 
-    /// Whether it is a row of a table of events: samples are none.
+    /// Whether the event is a row of a table of events; samples are not.
     pub fn is_listed(&self) -> bool {
         !matches!(self.kind, EventKind::Sample { .. })
     }
@@ -57,7 +57,7 @@ pub enum EventKind {
         /// Number of stops with an impulse in this impact.
         stops: usize,
     },
-    /// A rigid stop closes; the event's time is that at which its bounces accumulate.
+    /// A rigid stop closes; the event's time is the time at which its bounces accumulate.
     Close {
         /// Index of the stop.
         stop: usize,
@@ -74,19 +74,19 @@ pub enum EventKind {
         /// e', m/s or rad/s.
         speed: f64,
     },
-    /// The force of a compliant stop ends: the stop is left, or its force falls to zero beyond its
-    /// gap. Leaving the gap later without a force is not an event with a name.
+    /// The force of a compliant stop ends: the stop is left, or its force falls to zero while e
+    /// still exceeds the gap. Leaving the gap later without a force is not a reported event.
     Free {
         /// Index of the stop.
         stop: usize,
         /// e', m/s or rad/s.
         rate: f64,
     },
-    /// The dashpot's force of an `ElastoGap` reaches its cap, or leaves it.
+    /// The force of an `ElastoGap`'s dashpot reaches its cap, or leaves it.
     Cap {
         /// Index of the stop.
         stop: usize,
-        /// Whether the cap acts from now on.
+        /// Whether the cap now acts.
         acts: bool,
     },
     /// A corner of a spring's force is passed.
@@ -114,7 +114,7 @@ pub enum EventKind {
     Level {
         /// Index of the friction.
         friction: usize,
-        /// Whether the friction acts from now on.
+        /// Whether the friction now acts.
         acts: bool,
     },
     /// The slider of a branch begins to slip.
@@ -126,7 +126,7 @@ pub enum EventKind {
         /// The branch's force at that time, N or N m.
         force: f64,
     },
-    /// The slider of a branch is held from now on.
+    /// The slider of a branch begins to be held.
     Hold {
         /// Index of the branch.
         slider: usize,
@@ -143,14 +143,14 @@ pub enum EventKind {
         output: usize,
         /// 1 at the upper limit, -1 at the lower one, 0 between.
         side: f64,
-        /// The output.
+        /// The output's value.
         value: f64,
-        /// Of a continuous block the limit's place among the stops.
+        /// Index of the limit among the stops, for a continuous block.
         stop: Option<usize>,
     },
-    /// A sampled block reads its inputs, or its outputs act: no row of a table of events.
+    /// A sampled block reads its inputs, or its outputs act. Not a row of a table of events.
     Sample {
-        /// What happens.
+        /// Whether the block reads, or its outputs act.
         action: SampleAction,
     },
 }

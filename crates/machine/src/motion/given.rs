@@ -1,5 +1,5 @@
-//! States as they are given and told: with the inner places x of springs in series, where the
-//! augmented state has stretches y = e - x.
+//! States as users give and read them: with the inner places x of springs in series. The augmented
+//! state has stretches y = e - x instead.
 
 use super::contact::Flags;
 use super::jump::Parted;
@@ -12,8 +12,8 @@ use nalgebra::DVector;
 use vibro_numerics::double_double::DoubleDouble;
 
 impl Motion {
-    /// The augmented state with coordinates, rates and states of first order `start`; sliders are
-    /// moved to where no force is above its level.
+    /// Returns the augmented state with coordinates, rates and states of first order `start`.
+    /// Sliders are moved until no force exceeds its level.
     pub(super) fn state_with_signals(
         assembly: &Assembly,
         time: DoubleDouble,
@@ -29,8 +29,8 @@ impl Motion {
         z
     }
 
-    /// The continuous states: coordinates, rates, inner places, what blocks keep. They are what
-    /// [`from_state`](Self::from_state) takes.
+    /// Returns the continuous states as [`from_state`](Self::from_state) takes them: coordinates,
+    /// rates, inner places, states of blocks.
     pub fn states(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut states = self.hybrid.z.as_slice()[..system.states()].to_vec();
@@ -38,7 +38,7 @@ impl Motion {
         states
     }
 
-    /// Sets the continuous states; requires as many as [`states`](Self::states) has.
+    /// Sets the continuous states, as many as [`states`](Self::states) returns.
     pub fn set_states(&mut self, states: &[f64]) {
         let Self { assembly, hybrid, .. } = self;
         let own = assembly.system.signals.one;
@@ -59,8 +59,8 @@ impl Motion {
         rates
     }
 
-    /// Computes the stretches of springs in series from the inner places, which are the host's
-    /// states.
+    /// Computes the stretches of springs in series from the inner places, which are states of the
+    /// host's solver.
     pub(super) fn stretch_on(&mut self) {
         let Hybrid { z, standing, .. } = &mut self.hybrid;
         for (contact, inner) in standing {
@@ -78,7 +78,7 @@ impl Motion {
         place_of(Contact::Slider(i), standing).unwrap_or_else(inner)
     }
 
-    /// The rate of the inner place of a spring in series: 0 of a held slider.
+    /// Returns the rate of the inner place of a spring in series; 0 for a held slider.
     pub(super) fn inner_rate(&self, i: usize) -> f64 {
         let (branch, z) = (&self.assembly.system.branches[i], self.hybrid.z.as_slice());
         if branch.is_slider() && self.hybrid.mode.sliders[i] == SliderState::Held {
@@ -87,7 +87,7 @@ impl Motion {
         branch.elongation.rate.at(z) - self.table().a.row_times(branch.place, z)
     }
 
-    /// Moves sliders after a jump to where no force is above its level; returns their ways. These
+    /// Moves sliders after a jump until no force exceeds its level; returns the distances. These
     /// sliders, and contacts whose place has jumped, hold at their new places.
     pub(super) fn clamp(&mut self) -> Vec<f64> {
         let ways = self.assembly.system.clamp_sliders(self.hybrid.z.as_mut_slice());
@@ -95,8 +95,8 @@ impl Motion {
         ways
     }
 
-    /// Stretches springs in series by what their elongations have jumped since `before`: the inner
-    /// places stay. For a host's solver, these are states.
+    /// Stretches springs in series by the jump of their elongations since `before`: the inner
+    /// places stay. For a host's solver, inner places are states.
     pub(super) fn stretch(&mut self, before: &[f64]) {
         if self.overshoot > 0.0 {
             return self.stretch_on();
@@ -111,8 +111,8 @@ impl Motion {
         }
     }
 
-    /// Places the bodies on touching stops. At a start this may move them by more than rounding:
-    /// the inner places of springs in series stay as they are given.
+    /// Moves the bodies onto touching stops. At a start the distance may exceed rounding: the
+    /// inner places of springs in series keep their given values.
     pub(super) fn place_at_start(&mut self, flags: &mut Flags, parted: &Parted) {
         let system = &self.assembly.system;
         let is_start = self.hybrid.mode.stops.len() < system.stops.len();

@@ -5,27 +5,27 @@ use super::{Event, EventKind};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// Relative singular value under which the compliance matrix of stops hit together counts as
-/// singular: the box problem of (A7) leaves out contacts whose columns depend on the others'.
+/// Below this relative singular value the compliance matrix of stops hit together counts as
+/// singular: the box problem of (A7) leaves out contacts whose columns depend on other columns.
 const SINGULAR: f64 = 1e-12;
 
 /// One impact: the stops with an impulse P, for which G P = (1 + ε) u.
 pub(crate) struct Impulse {
     pub stops: Vec<usize>,
-    /// By stop: restitution; 0 where the stop closes.
+    /// Restitution of each stop; 0 if the stop closes.
     pub restitution: Vec<f64>,
-    /// By stop: whether it has no further bounce.
+    /// Whether each stop has no further bounce.
     pub closes: Vec<bool>,
-    /// By stop: P.
+    /// Impulse P of each stop.
     pub impulses: DVector<f64>,
     /// The inverse of G.
     pub inverse: DMatrix<f64>,
-    /// State before and after it.
+    /// States before and after the impact.
     pub states: [DVector<f64>; 2],
 }
 
 impl Impulse {
-    /// The reported impacts in their order, from the state before the first of them.
+    /// Returns the reported impacts in their order; `z` is the state before the first impact.
     pub fn all(system: &System, events: &[Event], z: &DVector<f64>) -> Vec<Self> {
         let hit = events.iter().filter_map(|event| match event.kind {
             EventKind::Impact { stop, impulse, stops, .. } => Some((stop, impulse, stops)),
@@ -41,7 +41,7 @@ impl Impulse {
         all
     }
 
-    /// These impacts stop by stop, where their stops do not concern one another.
+    /// Splits impacts of uncoupled stops into impacts of single stops.
     pub(crate) fn one_by_one(system: &System, events: &[Event], all: &[Self]) -> Vec<Self> {
         let mut singles: Vec<Self> = Vec::new();
         for impulse in all {
@@ -56,7 +56,7 @@ impl Impulse {
     fn new(system: &System, events: &[Event], group: &[(usize, f64, usize)], z: &DVector<f64>) -> Self {
         let stops: Vec<usize> = group.iter().map(|hit| hit.0).collect();
         let closes = |stop: usize| events.iter().any(|e| e.kind == EventKind::Close { stop });
-        // What a freewheel takes part in is plastic.
+        // An impact with a freewheel is plastic.
         let catches = stops.iter().any(|&stop| system.stops[stop].is_freewheel);
         let closes: Vec<bool> = stops.iter().map(|&stop| catches || closes(stop)).collect();
         let own = |(&stop, closes): (&usize, &bool)| {
@@ -88,7 +88,7 @@ impl Impulse {
         }
     }
 
-    /// Carries a variation of the state alone over it.
+    /// Carries a variation of the state over the impact.
     pub fn carry_state(&self, system: &System, variation: &mut [f64]) {
         let rows = |k: usize| &system.stops[self.stops[k]].elongation;
         let demand = |k: usize, _| (1.0 + self.restitution[k]) * rows(k).rate.at(variation);

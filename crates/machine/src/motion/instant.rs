@@ -1,27 +1,27 @@
-//! Instants: times that differ by rounding only. A time event is a knot of a signal, a sample of a
-//! block, or the time at which outputs of a sample act. A time within rounding before a time event
-//! is after it: a row, a step's end, a start, a point of a host's solver (docs/assembly-law.md,
-//! section 16).
+//! Instants: times that differ only by rounding. A time event is a knot of a signal, a sample of a
+//! block, or the time at which a sample's outputs act. A time that precedes a time event by only
+//! rounding counts as after it: a row, a step's end, a start, a point of a host's solver
+//! (docs/assembly-law.md, section 16).
 
 use super::Motion;
 use crate::system::{Sampler, System};
 
-/// Largest difference of times of one instant, in units in the last place. Products k·T, shares of
-/// an end and decimal texts of one time differ by at most this much.
+/// Largest difference of times of one instant, in units in the last place. Products k·T, fractions
+/// of an end time and decimal texts of one time differ by no more.
 const INSTANT: f64 = 4.0;
 
-/// Largest number of successive time events of one instant. Only samples as close as neighbouring
-/// doubles have more.
+/// Largest number of successive time events of one instant. It is exceeded only by samples as
+/// close as neighbouring doubles.
 const MOST: usize = 8;
 
-/// The latest time of the instant of a time.
+/// Returns the latest time of the instant that contains `time`.
 pub(crate) fn end_of_instant(time: f64) -> f64 {
     time + INSTANT * f64::EPSILON * time.abs()
 }
 
 impl Sampler {
-    /// The first time after `from` and up to `until`, both of one instant, at which the block reads
-    /// its inputs or its outputs act.
+    /// Returns the first time after `from` and up to `until`, both of one instant, at which the
+    /// block reads its inputs or its outputs act.
     fn event_within(&self, from: f64, until: f64) -> Option<f64> {
         let nearest = |first: f64| Some(((from - first) / self.period).round()).filter(|k| *k >= 0.0);
         let reads = nearest(0.0).map(|k| self.time_of_sample(k as i64));
@@ -31,7 +31,7 @@ impl Sampler {
 }
 
 impl System {
-    /// The last time event of the instant of a time, or the time itself if none is later.
+    /// Returns the last time event of the instant of a time; the time itself if no event is later.
     pub(crate) fn last_of_instant(&self, time: f64) -> f64 {
         let mut last = time;
         for _ in 0..MOST {
@@ -49,7 +49,7 @@ impl System {
 }
 
 impl Motion {
-    /// Whether a time event is still to come up to the instant of a time.
+    /// Whether a time event is still due up to the end of the instant that contains `time`.
     pub fn has_time_event_until(&self, time: f64) -> bool {
         self.next_time_event().is_some_and(|event| event <= end_of_instant(time))
     }

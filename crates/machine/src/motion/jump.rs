@@ -1,5 +1,5 @@
 //! Jumps of prescribed bodies in coordinate and rate, at a knot of a signal or when an input is
-//! set. Bodies that links tie to them jump with them (docs/assembly-law.md, section 3, Jumps).
+//! set. Bodies linked to prescribed bodies jump as well (docs/assembly-law.md, section 3, Jumps).
 
 use super::Motion;
 use crate::error::Error;
@@ -13,21 +13,21 @@ const START: f64 = 1e-13;
 
 /// Values before signals jump. A jump is the difference from these values.
 pub(super) struct BeforeJump {
-    /// By body: coordinate and rate.
+    /// Coordinate and rate of each body.
     bodies: Vec<[f64; 2]>,
-    /// By stop: e - gap.
+    /// Excess e - gap of each stop.
     excess: Vec<f64>,
-    /// By friction: e'.
+    /// Rate e' of each friction.
     rates: Vec<f64>,
-    /// By branch: e.
+    /// Elongation e of each branch.
     pub(super) branches: Vec<f64>,
-    /// By body: part of the rate due to prescribed bodies, (D p')ᵢ.
+    /// Part of each body's rate due to prescribed bodies, (D p')ᵢ.
     prescribed: Vec<f64>,
     /// Stored energy, J.
     stored: f64,
 }
 
-/// Contacts of the mode in force that a jump has separated.
+/// Contacts of the present mode that a jump has separated.
 #[derive(Debug, Default)]
 pub(super) struct Parted {
     /// Rigid stops that were closed and are open now, and freewheels whose rate has jumped.
@@ -52,7 +52,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a value that is not finite; [`Error::Violated`] and
-    /// [`Error::Jammed`] where they move prescribed bodies. No input is set then.
+    /// [`Error::Jammed`] if prescribed bodies move into or against stops. No input is set then.
     pub fn set_inputs(&mut self, inputs: &[(usize, Input)]) -> Result<(), Error> {
         for (i, derivatives) in inputs {
             if let Some(&value) = derivatives.iter().find(|d| !d.is_finite()) {
@@ -81,7 +81,7 @@ impl Motion {
         self.apply_jump(stood, &mut None)
     }
 
-    /// Values before a possible jump; `None` in a machine without prescribed motions.
+    /// Values before a possible jump; `None` for a machine without prescribed motions.
     pub(super) fn before_jump(&self) -> Option<BeforeJump> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         system.has_motions.then(|| BeforeJump {
@@ -94,8 +94,8 @@ impl Motion {
         })
     }
 
-    /// Completes the jump that prescribed bodies have made since `before`: moves the bodies that
-    /// links tie to them. Returns the contacts that it separates.
+    /// Completes a jump of prescribed bodies since `before` by moving the bodies that links tie to
+    /// them. Returns the contacts that the jump separates.
     pub(super) fn jump(&mut self, before: &BeforeJump) -> Parted {
         self.hybrid.sizes.include(self.hybrid.z.as_slice());
         let shares = [self.share(before, 0), self.share(before, 1)];
@@ -111,10 +111,10 @@ impl Motion {
         self.apart(before)
     }
 
-    /// The change Δq of the coordinates (`which` 0) or of their rates (1) at a jump Δp of the
-    /// prescribed bodies: M Δq = -Bᵀ m D Δp. Of all motions of the free bodies that the links
-    /// allow, this is the smallest in the inertia's metric. It is also the limit of ever faster
-    /// continuous motions of the prescribed bodies. `None` where no link takes part.
+    /// Returns the change Δq of the coordinates (`which` 0) or of their rates (1) at a jump Δp of
+    /// the prescribed bodies: M Δq = -Bᵀ m D Δp. Among all motions that the links allow, this is
+    /// the smallest in the inertia's metric, and the limit of ever faster continuous motions.
+    /// `None` if no link takes part.
     fn share(&self, before: &BeforeJump, which: usize) -> Option<DVector<f64>> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let mut pull = DVector::zeros(system.coordinates);
@@ -142,8 +142,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Refuses a start in which a rigid stop has e > gap, but for rounding beside its terms and the
-    /// coordinates' `ways`.
+    /// Refuses a start in which a rigid stop has e > gap. The tolerance is the rounding of the
+    /// terms of e - gap and of the coordinates' `ways`.
     pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {
@@ -163,7 +163,7 @@ impl Motion {
         Error::Violated { stop, time: self.time(), excess }
     }
 
-    /// By body: part of the rate due to prescribed bodies, (D p')ᵢ.
+    /// Part of each body's rate due to prescribed bodies, (D p')ᵢ.
     fn prescribed_rates(&self) -> Vec<f64> {
         let (system, z, n) = (&self.assembly.system, &self.hybrid.z, self.assembly.system.coordinates);
         let own = |v: &DVector<f64>| v.rows(n, n).dot(&z.rows(n, n));
@@ -181,7 +181,7 @@ impl Motion {
         kinetic + self.kinetic_and_stored().1 - before.stored
     }
 
-    /// Contacts of the mode in force that a jump has separated.
+    /// Returns the contacts of the present mode that a jump has separated.
     fn apart(&self, before: &BeforeJump) -> Parted {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &hybrid.z);

@@ -1,20 +1,20 @@
-//! Limits of a motion and of a call, and the errors at them.
+//! Limits of a motion and of a call, and the errors when they are exceeded.
 
 use super::Motion;
 use crate::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Limit of coordinates and rates, m, rad, m/s or rad/s. They are checked at least every 16
-/// sub-steps, in which they grow by a factor of at most 1e21, so that energies stay finite.
+/// Largest coordinate or rate, m, rad, m/s or rad/s. It is checked at least every 16 sub-steps, in
+/// which numbers grow by a factor of at most 1e21, so that energies stay finite.
 const MOST: f64 = 1e100;
 
 /// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
 impl Motion {
-    /// Sets the limit of sub-steps in one call, default 20 million: a call that needs more ends
-    /// with [`Error::TooStiff`], and a further call continues.
+    /// Sets the largest number of sub-steps in one call, default 20 million. A call that needs
+    /// more ends with [`Error::TooStiff`]; another call continues.
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;
@@ -22,7 +22,7 @@ impl Motion {
     }
 
     /// Sets an interruption flag: a call ends with [`Error::Interrupted`] soon after `asked` is
-    /// set, and a further call continues.
+    /// set; another call continues.
     #[must_use]
     pub fn with_interruption(mut self, asked: Arc<AtomicBool>) -> Self {
         self.asked = Some(asked);
@@ -66,7 +66,7 @@ impl Motion {
         Error::TooStiff { time: self.time(), cause }
     }
 
-    /// Error of a call in which events follow one another so fast that it would not end.
+    /// Returns the error of a call whose events follow one another too fast for it to end.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
             "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \

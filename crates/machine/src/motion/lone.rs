@@ -1,11 +1,10 @@
-//! Shortcut for events at which one element alone comes to a limit, by far the commonest, and for
-//! knots of signals, at which most often none does.
+//! Shortcut for events at which a single element comes to a limit, by far the commonest, and for
+//! knots of signals, at which usually no element does.
 //!
-//! The mode that follows is guessed and then verified: it is certain where every watched functional
-//! is inside its limit by more than rounding, since the mode that follows is unique
-//! (docs/assembly-law.md (A11)). Otherwise nothing is changed and the general law decides. Modes
-//! are those of the general law; a change must keep the comparisons with
-//! [`Motion::by_general_law`] green.
+//! The next mode is guessed and then verified. It is certain if every event function is inside its
+//! limit by more than rounding, since the next mode is unique (docs/assembly-law.md (A11)).
+//! Otherwise nothing is changed and the general law decides. Modes agree with the general law; a
+//! change must keep the comparisons with [`Motion::by_general_law`] green.
 
 use super::event::EventKind;
 use super::report::report;
@@ -15,8 +14,8 @@ use crate::mode::{Contact, ElementState, FrictionState, SliderState, StopState, 
 use crate::system::Elongation;
 
 impl Motion {
-    /// Applies the law where `watch` has passed zero and its element alone is concerned; returns
-    /// whether it is.
+    /// Applies the law after `watch` has passed zero if only its element is concerned; returns
+    /// whether this is so.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
         if self.is_general || !self.hybrid.mode.is_independent() {
             return false;
@@ -31,9 +30,9 @@ impl Motion {
         }
     }
 
-    /// Keeps the mode in force at a knot of a signal where that is certain; returns whether it is.
-    /// Nothing but signals may have jumped. Closed rigid stops are left to the general law, which
-    /// puts bodies back on their gaps.
+    /// Keeps the present mode at a knot of a signal if that is certain; returns whether it is.
+    /// Only signals may have jumped. Closed rigid stops are left to the general law, which moves
+    /// bodies back onto their gaps.
     pub(super) fn lone_knot(&mut self) -> bool {
         let mode = &self.hybrid.mode;
         if self.is_general || !mode.is_independent() || mode.stops.contains(&StopState::Closed) {
@@ -50,11 +49,11 @@ impl Motion {
         false
     }
 
-    /// Candidate states of the element after the passage of `watch`, the likelier first.
+    /// Returns candidate states of the element after the passage of `watch`, the likelier first.
     fn followers(&self, watch: Watch) -> [Option<ElementState>; 2] {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
-        // With other static levels the mode is not unique: (A12) decides which friction leaves
-        // first.
+        // If another sticking friction has a static level, the mode is not unique: (A12) decides
+        // which friction leaves first.
         let others_are_static = |i: usize| {
             let frictions = hybrid.mode.frictions.iter().zip(&system.frictions).enumerate();
             frictions
@@ -65,7 +64,7 @@ impl Motion {
         if let Contact::Stop(i) = watch.contact()
             && system.stops[i].is_followed
         {
-            // Its friction may change its state with it.
+            // The friction that follows the stop may change its state as well.
             return [None, None];
         }
         match watch {
@@ -104,7 +103,8 @@ impl Motion {
                     _ => FrictionState::Up,
                 };
                 let turned = ElementState::Friction(i, turned);
-                // Alone it sticks where its force may fall from its level to what keeps e' at zero.
+                // A friction sticks if its force may fall from its level to the one that keeps e'
+                // at zero.
                 let Elongation { w, mobility, .. } = &friction.elongation;
                 let level = friction.at(&hybrid.mode.stops).map_or(0.0, |own| own.level.dot(&hybrid.z));
                 let room = 2.0 * level * w.dot(mobility);
@@ -128,7 +128,7 @@ impl Motion {
         }
     }
 
-    /// Puts the element in the state `next` where that is certain; else changes nothing.
+    /// Puts the element in the state `next` if that is certain; otherwise changes nothing.
     fn lone_change(&mut self, watch: Watch, next: ElementState, observer: &mut Observer) -> bool {
         let system = &self.assembly.system;
         if self.is_at_corner(next, watch) {
@@ -148,7 +148,7 @@ impl Motion {
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
         self.include_contacts();
-        // A stop just entered is at its edge: it is exempt from the test of those that press.
+        // A stop just entered is at its edge, so it is exempt from the test of pressing stops.
         let entered = if let Watch::Presses(i) = watch { Some(i) } else { None };
         if self.departs_alone(Some(next), entered) {
             self.note_standing();
@@ -161,11 +161,11 @@ impl Motion {
         false
     }
 
-    /// Whether at the passage of `watch` another functional of its element is at zero, too, or so
-    /// near that the general law may take it for rounding; for example where a friction's level
-    /// vanishes. An `ElastoGap` has two functionals with one `watch`. Where a friction comes to
-    /// rest, which may lead to two modes, also whether one of another element is at zero:
-    /// [`departs_alone`](Self::departs_alone) would refuse both.
+    /// Whether, at the passage of `watch`, another event function of its element is also at zero,
+    /// or so near that the general law may take it for rounding. An example is a friction whose
+    /// level vanishes. An `ElastoGap` has two event functions with the same `watch`. When a
+    /// friction comes to rest, which may lead to two modes, event functions of other elements
+    /// count as well. [`departs_alone`](Self::departs_alone) would refuse both cases.
     fn is_at_corner(&self, element: ElementState, watch: Watch) -> bool {
         let (z, sizes) = (self.hybrid.z.as_slice(), &self.hybrid.sizes);
         let (all, mut passed) = (matches!(watch, Watch::Stops(_)), false);
@@ -178,9 +178,9 @@ impl Motion {
         })
     }
 
-    /// Whether all conditions of the mode in force hold with a margin (docs/assembly-law.md (A11));
-    /// if so, stores the orders of departure. Functionals of `own` must be negative or leave zero
-    /// downwards, all others must be negative by more than rounding, and pressing stops except
+    /// Whether all conditions of the present mode hold with a margin (docs/assembly-law.md (A11));
+    /// if so, stores the orders of departure. Event functions of `own` must be negative or leave
+    /// zero downwards; all others must be negative by more than rounding. Pressing stops except
     /// `entered` must be beyond their gap by more than rounding.
     fn departs_alone(&mut self, own: Option<ElementState>, entered: Option<usize>) -> bool {
         let (hybrid, scratch, table) =
@@ -205,12 +205,12 @@ impl Motion {
         true
     }
 
-    /// Applies the impact of stop `i` at its gap if it is a lone one; returns whether it is.
+    /// Applies the impact of stop `i` at its gap if it is isolated; returns whether it is.
     ///
-    /// A lone impact's impulse (A7) moves no closed stop and no sticking friction, and after it
-    /// every watched functional except that of the stop is negative by more than rounding. Then no
-    /// other open stop touches, closed stops have no closing speed, and the mode stays in force:
-    /// its conditions hold with a margin, and by (A11) the mode that follows is unique.
+    /// The impulse (A7) of an isolated impact moves no closed stop and no sticking friction. After
+    /// it every event function, except the stop's own, is negative by more than rounding. Then no
+    /// other open stop touches and closed stops have no closing speed. The mode continues: its
+    /// conditions hold with a margin, and by (A11) the next mode is unique.
     fn lone_impact(&mut self, i: usize, observer: &mut Observer) -> bool {
         let restitution = self.assembly.system.stops[i].restitution().filter(|&e| e > 0.0);
         let Some(restitution) = restitution else { return false };
@@ -256,7 +256,7 @@ impl Motion {
         true
     }
 
-    /// Whether the bounce that begins at open stop `i` is too low to be followed, by (A19).
+    /// Whether the bounce that begins at open stop `i` is too low to be simulated, by (A19).
     fn is_low_bounce(&self, i: usize, least: f64) -> bool {
         let (stop, z) = (&self.assembly.system.stops[i], self.hybrid.z.as_slice());
         let rebound = -stop.elongation.rate.at(z);

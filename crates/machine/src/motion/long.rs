@@ -1,4 +1,4 @@
-//! Long sub-steps of a stiff machine whose fast motions have decayed or move no watched functional
+//! Long sub-steps of a stiff machine whose fast motions have decayed or move no event function
 //! (docs/assembly-law.md (A27)).
 
 use super::passage::PassageSearch;
@@ -8,7 +8,7 @@ use vibro_numerics::double_double::DoubleDouble;
 
 impl Motion {
     /// Advances by 2, 4, 8, … sub-steps at once, ending before `goal`, if it is proved that no
-    /// watched functional passes zero in them; returns whether it has advanced.
+    /// event function passes zero in them; returns whether it has advanced.
     #[inline(never)]
     pub(super) fn long_step(&mut self, goal: DoubleDouble) -> bool {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -32,9 +32,9 @@ impl Motion {
     }
 }
 
-/// The longest rung that is shorter than `remaining` and in which no watched functional passes its
-/// limit. The bound value + slope t + bend t²/2 is convex: it is below the limit throughout if it
-/// is at both ends. Writes z' to the scratch memory.
+/// Returns the longest rung that is shorter than `remaining` and in which no event function passes
+/// its limit. The bound value + slope t + bend t²/2 is convex: it is below the limit throughout if
+/// it is below at both ends. Writes z' to the scratch memory.
 fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;
@@ -44,11 +44,11 @@ fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut S
     table.rates(rates, second);
     let flight = PassageSearch { table, hybrid };
     let own = table.watched.iter().enumerate();
-    // Value of a functional less its limit; negative before an event.
+    // Value of an event function minus its limit; negative before an event.
     let beyond = |place: usize, value: f64| value - flight.limit(place);
     let stays_below = |value: f64, slope: f64, bend: f64, t: f64| value + t * (slope + 0.5 * bend * t) < 0.0;
     let longest = (1..RUNGS).take_while(|k| table.long_length(*k) < remaining).last()?;
-    // The present second derivatives are no bounds, but rule out lengths that are too long.
+    // The present second derivatives are not bounds, but they rule out lengths that are too long.
     let mut k = longest;
     for (place, w) in own.clone() {
         let (value, slope, bend) = (beyond(place, w.row.dot(z)), w.slope.dot(z), w.slope.dot(rates).abs());

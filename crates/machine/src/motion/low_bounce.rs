@@ -1,5 +1,5 @@
-//! Low bounces (docs/assembly-law.md (A19)), and their limits if a host's solver integrates between
-//! events and detects impacts late.
+//! Low bounces (docs/assembly-law.md (A19)), and the higher limits for a host's solver, which
+//! integrates between events and detects impacts late.
 
 use super::Motion;
 use super::contact::{Flags, is_low};
@@ -8,22 +8,22 @@ use crate::error::Error;
 use crate::law::impact::Impacts;
 use crate::mode::{Contact, StopState};
 
-/// Least height of a bounce that is followed, relative to the size of e - gap. Below it the stop
-/// closes.
+/// Lowest height of a simulated bounce, relative to the size of e - gap. For lower bounces the
+/// stop closes.
 const LEAST_BOUNCE: f64 = 1e-12;
 
-/// Least height of a bounce in multiples of the overshoot, under a host's solver.
+/// Lowest height of a bounce under a host's solver, in multiples of the overshoot.
 const OVERSHOOT_BOUNCES: f64 = 100.0;
 
-/// Upper limit of the multiples of the overshoot that are added for a restitution ε. It applies for
-/// ε near 1, and for ε = 1, where bounces decay by other losses. If the losses are smaller than
-/// those that give this limit, a bounce becomes so low only after about 80,000 bounces.
+/// Largest addition for a restitution ε, in multiples of the overshoot. It applies for ε near 1,
+/// and for ε = 1, where bounces decay by other losses. If these losses are smaller than the losses
+/// behind this limit, a bounce becomes so low only after about 80,000 bounces.
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {
-    /// Relative height under which bounces are not followed. If impacts are detected late, at a
-    /// depth d, a ball falls d further at every impact. With restitution ε the height of its
-    /// bounces then stays above d ε²/(1 - ε²).
+    /// Returns the relative height below which bounces are not simulated. If impacts are detected
+    /// late, at a depth d, a ball falls d further at every impact. With restitution ε the height
+    /// of its bounces then stays above d ε²/(1 - ε²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         if self.overshoot == 0.0 {
             return LEAST_BOUNCE;
@@ -33,9 +33,9 @@ impl Motion {
     }
 
     /// If impacts are detected late, closes each stop that an impact of other stops opens for a
-    /// bounce too low to be followed. Returns these stops. A body between two stops would otherwise
-    /// bounce from one to the other without end, since every late impact gains the energy of its
-    /// overshoot.
+    /// bounce too low to be simulated. Returns these stops. A body between two stops would
+    /// otherwise bounce from one to the other without end, since every late impact gains the
+    /// energy of its overshoot.
     pub(super) fn hold_low(
         &mut self,
         touching: &[usize],

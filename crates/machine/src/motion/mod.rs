@@ -48,23 +48,23 @@ use vibro_numerics::double_double::DoubleDouble;
 /// Callback for the events of an advance.
 pub type Observer<'a> = Option<&'a mut dyn FnMut(&Event)>;
 
-/// The end of an advance.
+/// Where an advance has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reached {
-    /// At the time asked for.
+    /// At the requested time.
     End,
-    /// At an event: after its law or, where that was asked for, before it.
+    /// At an event: after its law or, if requested, before it.
     Event,
 }
 
 /// A pending event, whose law is not applied yet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Due {
-    /// A watched functional passes zero.
+    /// An event function passes zero.
     Passage(Watch),
     /// A signal's knot.
     Knot,
-    /// Coordinates of signals are set anew, which is no event.
+    /// Coordinates of signals are reset; not an event.
     Renewal,
     /// Blocks are sampled, or their outputs act.
     Sample,
@@ -85,7 +85,7 @@ impl StopRecord {
     }
 }
 
-/// The hybrid state: all that changes while a motion advances.
+/// The hybrid state: everything that changes while a motion advances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hybrid {
     time: DoubleDouble,
@@ -94,23 +94,23 @@ pub struct Hybrid {
     #[serde(with = "crate::serialized")]
     z: DVector<f64>,
     mode: Mode,
-    /// By watched functional: the order of its zero at the last event, 0 for none,
-    /// [`ORDERS`](crate::flow::ORDERS) where it is zero throughout the mode.
+    /// The order of each event function's zero at the last event: 0 if it was not zero,
+    /// [`ORDERS`](crate::flow::ORDERS) if it is zero throughout the mode.
     departing: Vec<usize>,
     sizes: Sizes,
     inputs: Vec<(f64, Input)>,
-    /// By block.
+    /// The clock of each block.
     clocks: Vec<samples::Clock>,
-    /// By stop.
+    /// The impacts of each stop.
     impacts: Vec<StopRecord>,
     energy: crate::energy::Accounts,
-    /// Events without progress of time.
+    /// Number of events without progress of time.
     chain: usize,
-    /// Whole sub-steps since an event or since the last attempt at a long step.
+    /// Number of whole sub-steps since an event or since the last attempt at a long step.
     carried: u32,
-    /// Sub-steps since the signals were computed from the time.
+    /// Number of sub-steps since the signals were computed from the time.
     turns: u32,
-    /// The functional that ended the last mode.
+    /// The event function that ended the last mode.
     last: Option<Watch>,
     /// Contacts that keep e' at zero, but not e, with their e when they began to hold; sorted.
     standing: Vec<(Contact, f64)>,
@@ -124,13 +124,13 @@ pub struct Motion {
     assembly: Arc<Assembly>,
     hybrid: Hybrid,
     tables: Tables,
-    /// Place of the present mode in `tables`.
+    /// Index of the present mode in `tables`.
     place: usize,
-    /// Relative overshoot at an event; 0 unless a host integrates.
+    /// Relative overshoot at an event; 0 unless a host's solver integrates.
     overshoot: f64,
     /// Whether the general law decides at every event.
     is_general: bool,
-    /// Most sub-steps in one call.
+    /// Largest number of sub-steps in one call.
     most_work: u64,
     /// Flag that interrupts a call.
     asked: Option<Arc<AtomicBool>>,
@@ -138,39 +138,39 @@ pub struct Motion {
     vectors: crate::vectors::Vectors,
 }
 
-/// Scratch memory of a sub-step.
+/// Buffers of a sub-step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
-    /// Values, slopes and bounds of the watched functionals at the start.
+    /// Values, slopes and bounds of the event functions at the start.
     heads: Vec<Group>,
-    /// By functional: the intervals in which it may pass zero, as bits.
+    /// Intervals where each event function may pass zero, as bits.
     near: Vec<u8>,
     /// State at the start of `interval`.
     start: DVector<f64>,
     /// The prepared interval.
     interval: Option<usize>,
     ahead: Ahead,
-    /// z' at the start of a long step, or of a sub-step with separate forces; else scratch.
+    /// z' at the start of a long step, or of a sub-step with separate forces; otherwise scratch.
     rates: Vec<f64>,
-    /// z'' where `rates` is z'; else scratch.
+    /// z'' where `rates` is z'; otherwise scratch.
     second: Vec<f64>,
-    /// Memory of `FlowTable::departure`.
+    /// Buffer of `FlowTable::departure`.
     rows: DepartureRows,
-    /// By contact: its deviation from the constraint.
+    /// Each contact's deviation from its constraint.
     off: Vec<f64>,
-    /// By coordinate its values where powers are found.
+    /// Values of each coordinate at the nodes for powers.
     nodes: Vec<crate::energy::AtNodes>,
-    /// By functional its values where powers are found.
+    /// Values of each event function at the nodes for powers.
     values: Vec<crate::energy::AtNodes>,
-    /// Where touches are noted: for derivatives alone.
+    /// Recorded touches, if derivatives need them.
     touches: Option<touches::Touches>,
 }
 
 impl Motion {
-    /// The motion from the machine's start, at time 0.
+    /// Starts the motion at time 0 from the machine's initial state.
     ///
     /// # Errors
-    /// [`Error::Jammed`] where prescribed bodies drive stops together at the start.
+    /// [`Error::Jammed`] if prescribed bodies drive stops together at the start.
     pub fn new(assembly: Arc<Assembly>) -> Result<Self, Error> {
         Self::starting_at(assembly, 0.0)
     }
@@ -184,8 +184,8 @@ impl Motion {
         Self::begin(assembly, 0.0, &start, &mut Some(observer))
     }
 
-    /// The motion from the machine's start at another time, s: bodies have their start values,
-    /// signals their values at that time.
+    /// Starts the motion at another time, s. Bodies have their start values, signals their values
+    /// at that time.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::OutOfRange`] for a time that is not finite.
@@ -194,8 +194,8 @@ impl Motion {
         Self::begin(assembly, time, &start, &mut None)
     }
 
-    /// As [`starting_at`](Self::starting_at), under inputs that are given at the start: samples of
-    /// blocks at this time read them.
+    /// As [`starting_at`](Self::starting_at), with inputs given at the start, which samples of
+    /// blocks at this time read.
     ///
     /// # Errors
     /// As [`starting_at`](Self::starting_at) and [`set_inputs`](Self::set_inputs).
@@ -212,15 +212,15 @@ impl Motion {
         Ok(motion)
     }
 
-    /// The motion from a state: the coordinates of the machine's coordinates, m or rad, then their
-    /// rates ([`System::bodies_of`](crate::system::System::bodies_of) has the bodies), then the
-    /// states of first order. The law finds which stops are closed and which friction sticks;
-    /// signals have their values at `time`, s. Samples of blocks at this time are done, unless the
-    /// numbers of all blocks are those of the machine's start: then they are still to come.
+    /// Starts the motion from a state: the machine's coordinates, m or rad, then their rates, then
+    /// the states of first order. [`System::bodies_of`](crate::system::System::bodies_of) lists
+    /// the bodies. The law finds which stops are closed and which friction sticks. Signals have
+    /// their values at `time`, s. Samples of blocks at this time count as done, unless all
+    /// blocks are in the machine's initial state: then they are still due.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a number that is not finite and for a state of another length;
-    /// [`Error::Violated`] where a rigid stop has e > gap; as [`new`](Self::new).
+    /// [`Error::Violated`] if a rigid stop has e > gap; otherwise as [`new`](Self::new).
     pub fn from_state(assembly: Arc<Assembly>, time: f64, state: &[f64]) -> Result<Self, Error> {
         Self::from_state_observed(assembly, time, state, &mut |_| ())
     }
@@ -255,10 +255,10 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Includes in the sizes of rates what forces would add to them while they move a coordinate by
-    /// its own size, for at most a sub-step without held contacts. A body that stood in the motion
-    /// from which the state comes has a rate of rounding, which says nothing of its size. Returns,
-    /// by coordinate, the way that it goes within a sub-step, or until forces have turned it round.
+    /// Raises the sizes of rates by what forces would add while they move a coordinate by its own
+    /// size, for at most a sub-step without held contacts. The rate of a body that was at rest in
+    /// an earlier motion is only rounding and gives no size. Returns by coordinate the distance
+    /// moved in a sub-step, or until forces have reversed the motion.
     fn include_standing(&mut self) -> Vec<f64> {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
@@ -284,14 +284,14 @@ impl Motion {
             let (acceleration, time) = (added / length, length.min(LONGEST));
             *way =
                 (*rate * *rate / (2.0 * acceleration)).min(*rate * time) + 0.5 * acceleration * time * time;
-            // After t = √(2 s/a) a coordinate from rest has moved by s.
+            // After t = √(2 s/a) a coordinate that started at rest has moved by s.
             *rate = rate.max((2.0 * *place / (added * length)).sqrt().min(1.0) * added);
         }
         ways
     }
 
-    /// The motion from a state. Rigid stops with e > gap are opened by the least movement of
-    /// bodies.
+    /// Starts the motion from a state. Rigid stops with e > gap are opened by the smallest
+    /// movement of bodies.
     fn begin(
         assembly: Arc<Assembly>,
         time: f64,
@@ -304,8 +304,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A state at a time or at the last time event of its instant, before the law at the start;
-    /// samples at this time are done or, with `fresh`, still to come.
+    /// Returns the state before the law at the start, at a time or at the last time event of its
+    /// instant. Samples at this time count as done or, with `fresh`, are still due.
     fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64], fresh: bool) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
@@ -354,7 +354,7 @@ impl Motion {
         Ok(motion)
     }
 
-    /// A motion with a hybrid state, before its mode is entered.
+    /// Creates a motion with a hybrid state, before its mode is entered.
     fn of(assembly: Arc<Assembly>, hybrid: Hybrid) -> Self {
         let size = hybrid.z.len();
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
@@ -394,7 +394,7 @@ impl Motion {
         &self.hybrid.sizes
     }
 
-    /// The functional of a pending event; `None` without one and at a signal's knot.
+    /// The event function of a pending event; `None` at a signal's knot or without an event.
     pub fn due(&self) -> Option<Watch> {
         match self.hybrid.due {
             Some(Due::Passage(watch)) => Some(watch),
@@ -407,7 +407,7 @@ impl Motion {
         matches!(self.hybrid.due, Some(Due::Knot))
     }
 
-    /// Whether only coordinates of signals are to be set anew.
+    /// Whether only coordinates of signals have to be reset.
     pub(crate) fn is_renewal_due(&self) -> bool {
         self.hybrid.due == Some(Due::Renewal)
     }
@@ -427,16 +427,16 @@ impl Motion {
         &self.hybrid.energy
     }
 
-    /// Switches the energy accounts off: they stay as they are.
+    /// Switches the energy accounts off: they no longer change.
     #[must_use]
     pub fn without_energy_accounts(mut self) -> Self {
         self.hybrid.energy = self.hybrid.energy.off();
         self
     }
 
-    /// Limits the memory for the tables of modes, in bytes, approximately; beyond it, tables are
-    /// made again when needed. The default is 128 MB, of more than 20
-    /// augmented coordinates 16 MB.
+    /// Limits the memory for the tables of modes, in bytes, approximately. Beyond the limit,
+    /// tables are made again when needed. The default is 128 MB, or 16 MB for more than 20
+    /// augmented coordinates.
     #[must_use]
     pub fn with_table_memory(mut self, bytes: usize) -> Self {
         self.tables.most = bytes;
@@ -448,7 +448,7 @@ impl Motion {
         self.tables.bytes()
     }
 
-    /// Makes the general law decide every event, also those of a single element: a second method
+    /// Makes the general law decide every event, even events of a single element: a second method
     /// for tests and comparisons.
     #[must_use]
     pub fn by_general_law(mut self) -> Self {
@@ -467,7 +467,7 @@ impl Motion {
         crate::signals::shifted(input, self.time() - from)
     }
 
-    /// The hybrid state, from which the motion can continue.
+    /// Returns the hybrid state, so that the motion can continue from it.
     pub fn save(&self) -> Hybrid {
         self.hybrid.clone()
     }
@@ -491,5 +491,5 @@ impl Motion {
     }
 }
 
-/// Longest time of the ways that tell rounding of a place at a start, s.
+/// Longest time over which forces count in the distances at a start, s.
 const LONGEST: f64 = 1.0;

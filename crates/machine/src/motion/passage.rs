@@ -1,27 +1,27 @@
-//! The first passage of a watched functional within a sub-step (docs/assembly-law.md, section 2).
+//! First zero passage of an event function within a sub-step (docs/assembly-law.md, section 2).
 //!
-//! A motion is exact only if no passage is missed, so that each functional is either proved to stay
-//! below its limit or searched. The proofs go from cheap to dear:
+//! A motion is exact only if no passage is missed. Each event function is therefore either proved
+//! to stay below its limit, or searched. The proofs go from cheap to expensive:
 //!
 //! 1. Over the whole span: value + slope t + bend t²/2, with a bound of the second derivative.
 //! 2. Over each of eight intervals: samples at both ends, and bend h²/8 between them.
-//! 3. In the intervals that are left: the root of the local Taylor polynomial, the earliest first.
+//! 3. In the remaining intervals: the root of the local Taylor polynomial, the earliest first.
 //!
-//! The first step mostly ends the search. A functional that starts at zero with a high order is
-//! rounding at the ends of the first intervals: it is searched over the whole span, with the zero
-//! at its start divided out.
+//! The first step mostly ends the search. An event function that starts at zero with a high order
+//! is only rounding at the ends of the first intervals. It is searched over the whole span, after
+//! the zero at its start is divided out.
 //!
-//! What must stay:
+//! A change must keep the following:
 //!
 //! - Bounds are proofs: a cheaper one has to hold for every state, rounding included.
-//! - What counts as zero is relative to [`Sizes`](crate::law::Sizes), never absolute; a functional
-//!   that is zero throughout the mode has a limit above its rounding in place of zero.
-//! - The order of summation, here and in [`flow`](crate::flow): it decides the last bits of event
+//! - The zero tolerance is relative to [`Sizes`](crate::law::Sizes), never absolute. The limit of
+//!   an event function that is zero throughout the mode is above its rounding, not zero.
+//! - The order of summation, here and in [`flow`](crate::flow), decides the last bits of event
 //!   times, and with them the golden files. Inlining is measured for speed and changes no bits.
 //!
-//! A further kind of [`Watch`] has to say in `short_limit` whether it may leave zero within a
-//! sub-step, in `within_reach` whether it shortens the span, and in `only_touches` whether a touch
-//! is an event. A change is tested by `tests/second_method.rs`, `tests/rounding.rs`,
+//! A new kind of [`Watch`] has to be added to `short_limit` (whether it may leave zero within a
+//! sub-step), `within_reach` (whether it shortens the span) and `only_touches` (whether a touch is
+//! an event). A change is tested by `tests/second_method.rs`, `tests/rounding.rs`,
 //! `tests/random.rs` and unchanged golden files.
 
 use super::contact::DOUBTFUL;
@@ -30,28 +30,28 @@ use crate::flow::{Ahead, FlowTable, Group, Head, INTERVALS, LOCAL, ORDERS, Serie
 use crate::mode::{StopState, Watch};
 use vibro_numerics::events::{crossing_after_start, first_crossing};
 
-/// A span is halved while the bound of a stop's travel exceeds this many times its largest size so
-/// far, beyond which roots would lose more than a digit. Halving is limited to [`HALVINGS`], since
-/// an elongation that begins at zero has no size yet.
+/// A span is halved while the bound of a stop's travel exceeds this multiple of its largest size
+/// so far; beyond it, roots would lose more than a digit. Halving is limited to [`HALVINGS`],
+/// since an elongation that begins at zero has no size yet.
 const REACH: f64 = 9.0;
-/// Most halvings of a span for [`REACH`].
+/// Largest number of halvings of a span for [`REACH`].
 const HALVINGS: i32 = 6;
-/// Fraction of a sub-step before a knot within which a passage counts as one at the knot, where
-/// nothing at the knot is beyond its limit by more than what counts as zero.
+/// Fraction of a sub-step before a knot within which a passage counts as simultaneous with the
+/// knot, if nothing at the knot is beyond its limit by more than the zero tolerance.
 const AT_KNOT: f64 = 1e-7;
-/// A functional that was zero throughout the mode is watched again beyond this many times the size
-/// up to which it counts as zero.
+/// An event function that was zero throughout the mode is watched again beyond this multiple of
+/// its zero tolerance.
 pub(super) const LEAVES_ZERO: f64 = 16.0;
-/// Limit of a functional that is zero throughout the mode: at its passage it is surely beyond
-/// [`LEAVES_ZERO`].
+/// Limit of an event function that is zero throughout the mode, in multiples of its zero
+/// tolerance: at its passage it is surely beyond [`LEAVES_ZERO`].
 const PASSES: f64 = LEAVES_ZERO + 1.0;
-/// Behind a passage a functional is looked at over this part of a span, whether it only touches.
+/// After a passage, this fraction of a span is searched for the end of a mere touch.
 const WINDOW: f64 = 0.125;
-/// From this order on a functional that leaves zero is at the first interval's end under 0.375⁶/6!
-/// < 4e-6 of its size.
+/// Lowest high order: an event function that leaves zero with it is below 0.375⁶/6! < 4e-6 of its
+/// size at the end of the first interval.
 const HIGH_ORDER: usize = 6;
 
-/// An instant within a sub-step, by interval.
+/// An instant within a sub-step, given by its interval.
 #[derive(Clone, Copy)]
 pub(super) struct StepPoint {
     /// The interval.
@@ -77,14 +77,14 @@ impl StepPoint {
     }
 }
 
-/// Passage of a watched functional through its limit in a sub-step.
+/// Passage of an event function through its limit in a sub-step.
 pub(super) struct Passage {
     pub(super) at: StepPoint,
-    /// Place of the functional.
+    /// Index of the event function.
     pub(super) place: usize,
 }
 
-/// Whether a functional with this order of zero at the start is searched in one piece.
+/// Whether an event function with this order of zero at the start is searched in one piece.
 fn is_high_order(order: usize) -> bool {
     (HIGH_ORDER..ORDERS).contains(&order)
 }
@@ -96,21 +96,21 @@ pub(super) struct PassageSearch<'a> {
 }
 
 impl PassageSearch<'_> {
-    /// Whether the functional at a place is zero throughout the mode.
+    /// Whether an event function is zero throughout the mode.
     #[inline(always)]
     pub(super) fn is_unwatched(&self, place: usize) -> bool {
         self.hybrid.departing[place] == ORDERS
     }
 
-    /// The order of a functional's zero at the start; 0 also where it is zero throughout the mode.
+    /// Returns the order of a zero at the start; also 0 for a function zero throughout the mode.
     #[inline(always)]
     pub(super) fn order(&self, place: usize) -> usize {
         self.hybrid.departing[place] % ORDERS
     }
 
-    /// The value at whose passage a functional has an event: zero or, where it is zero throughout
-    /// the mode, a multiple of its rounding. Where an event has left it beyond [`LEAVES_ZERO`]
-    /// against the law, the multiple is [`DOUBTFUL`] + 1.
+    /// Returns the value at which an event function has an event. It is zero, or a multiple of its
+    /// rounding if the event function is zero throughout the mode. If an event has left it beyond
+    /// [`LEAVES_ZERO`] against the law, the multiple is [`DOUBTFUL`] + 1.
     #[inline(always)]
     pub(super) fn limit(&self, place: usize) -> f64 {
         if !self.is_unwatched(place) {
@@ -122,10 +122,10 @@ impl PassageSearch<'_> {
         (zero * if is_left { DOUBTFUL + 1.0 } else { PASSES }).max(f64::MIN_POSITIVE)
     }
 
-    /// The [`limit`](Self::limit) within a single sub-step, infinite for coordinates and rates that
-    /// are zero throughout the mode: `watch_again` examines them at the sub-step's end, with sizes
-    /// that include it. A quantity that begins at zero has no size before, so that any multiple of
-    /// its rounding is zero, and it would leave zero again and again.
+    /// Returns the [`limit`](Self::limit) within a single sub-step. It is infinite for coordinates
+    /// and rates that are zero throughout the mode: `watch_again` examines them at the sub-step's
+    /// end, with sizes that include it. A quantity that begins at zero has no size before that.
+    /// Any multiple of its rounding would be zero, and it would leave zero again and again.
     #[inline(always)]
     pub(super) fn short_limit(&self, place: usize) -> f64 {
         match self.table.watched[place].watch {
@@ -143,8 +143,8 @@ impl PassageSearch<'_> {
         }
     }
 
-    /// The longest of `span`, `span`/2, … in which the travel of all watched stops is within
-    /// [`REACH`].
+    /// Returns the longest of `span`, `span`/2, … in which the travel of all watched stops is
+    /// within [`REACH`].
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
@@ -165,7 +165,7 @@ impl PassageSearch<'_> {
         span
     }
 
-    /// The first passage of a watched functional within a span; `None` is proved.
+    /// Returns the first passage of an event function within a span; `None` is proved.
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
@@ -206,7 +206,7 @@ impl PassageSearch<'_> {
         high
     }
 
-    /// The part of a span in which the watched stops' e stay within reach: 1, 1/2, …
+    /// Returns the part of a span in which the watched stops' e stay within reach: 1, 1/2, …
     #[inline(always)]
     pub(super) fn part_within_reach(&self, ahead: &Ahead) -> f64 {
         let (mut part, least) = (1.0, 0.5f64.powi(HALVINGS));
@@ -227,8 +227,8 @@ impl PassageSearch<'_> {
         part
     }
 
-    /// The first passage of a watched functional from below zero to above within a part of a span,
-    /// as the part that has passed and the functional's place, or the proof that there is none.
+    /// Returns the first passage of an event function from below zero to above within a part of a
+    /// span, as the fraction of the span and the event function's index. `None` is proved.
     #[inline(always)]
     pub(super) fn passage_ahead(&self, part: f64, ahead: &Ahead) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
@@ -267,7 +267,7 @@ impl PassageSearch<'_> {
         first
     }
 
-    /// Whether a passage is one at the knot at the end of its span, as
+    /// Whether a passage counts as simultaneous with the knot at the end of its span, as
     /// [`is_at_knot`](Self::is_at_knot).
     pub(super) fn is_at_knot_ahead(
         &self,
@@ -287,9 +287,9 @@ impl PassageSearch<'_> {
         table.watched.iter().all(|w| w.row.dot(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// Whether a passage is one at the knot at the end of its span, but for rounding: there nothing
-    /// watched is beyond its limit by more than what counts as zero, or the clock shows the knot's
-    /// time.
+    /// Whether a passage is simultaneous, but for rounding, with the knot at the end of its span.
+    /// Then no event function there is beyond its limit by more than the zero tolerance, or the
+    /// clock shows the knot's time.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -313,9 +313,9 @@ impl PassageSearch<'_> {
         table.watched.iter().all(|w| w.row.dot(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// The first passage of a functional that starts at zero with a high order. It is searched over
-    /// the whole span, with the zero at its start divided out, since at the ends of the first
-    /// intervals it may still be rounding.
+    /// Returns the first passage of an event function that starts at zero with a high order. The
+    /// search covers the whole span, with the zero at its start divided out: at the ends of the
+    /// first intervals the event function may still be only rounding.
     #[inline(never)]
     fn high_order_passage(&self, span: f64, series: &mut Series) -> Option<Passage> {
         let table = self.table;
@@ -336,8 +336,8 @@ impl PassageSearch<'_> {
         first.map(|(u, place)| Passage { at: StepPoint::end(u * span, table), place })
     }
 
-    /// Time and functional of the first passage within `length` from the start of an interval,
-    /// among the functionals that may have one there.
+    /// Returns time and event function of the first passage within `length` from the start of an
+    /// interval, among the event functions that `near` marks.
     #[inline(always)]
     fn passage_within(
         &self,
@@ -375,14 +375,14 @@ impl PassageSearch<'_> {
         first
     }
 
-    /// Whether a functional exceeds zero within a span by no more than what counts as zero, from
-    /// its value at the start and its coefficients. This is a touch and no event: a stop that is
+    /// Whether an event function exceeds zero within a span by no more than the zero tolerance,
+    /// judged by its value at the start and its coefficients. Such a touch is not an event: a stop
     /// touched without speed is not hit, a level that is zero for an instant stays, a contact held
-    /// up to its limit is held. As an event, a rounding δ of the coordinate would give a speed of
-    /// order √δ.
+    /// up to its limit stays held. As an event, a rounding δ of the coordinate would give a speed
+    /// of order √δ.
     ///
-    /// A stop or a level that passes zero slowly has its event as soon as it exceeds what counts as
-    /// zero. Other functionals, such as forces, are touches only where they turn round.
+    /// A stop or a level that passes zero slowly has its event as soon as it exceeds the zero
+    /// tolerance. Other event functions, for example forces, only touch if they turn round.
     #[inline(never)]
     fn only_touches<const N: usize>(&self, place: usize, begin: f64, c: &[f64; N]) -> bool {
         let w = &self.table.watched[place];
@@ -401,7 +401,7 @@ impl PassageSearch<'_> {
             }
         };
         let lower = begin - zero;
-        // Most functionals are beyond at the end: they have passed.
+        // Most event functions exceed the tolerance at the end: they have passed.
         turns && lower + sum_behind(c, |x| x) < 0.0 && {
             let mut c = *c;
             c[0] = lower;
@@ -410,7 +410,7 @@ impl PassageSearch<'_> {
     }
 }
 
-/// The coefficients of a series in parts of a part of its span.
+/// Rescales a series' coefficients to a part of its span.
 #[inline(always)]
 pub(super) fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
     let (mut c, mut scale) = (*c, 1.0);
@@ -421,8 +421,8 @@ pub(super) fn shortened<const N: usize>(c: &[f64; N], part: f64) -> [f64; N] {
     c
 }
 
-/// The first root of a series in [0, `hi`]. One early in the span is found anew in a shorter one,
-/// of which the coefficients' rounding is smaller.
+/// Returns the first root of a series in [0, `hi`]. An early root is found again over a shorter
+/// span, whose coefficients have less rounding.
 #[inline(always)]
 fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
     let u = match passage_from_below(c, hi) {
@@ -436,18 +436,18 @@ fn passage_of<const N: usize>(c: &[f64; N], hi: f64) -> Option<f64> {
     crossing_after_start(&shortened(c, part), 1.0, &mut 0).map_or(Some(u), |again| Some(again * part))
 }
 
-/// Parts of a span that are looked at one after the other.
+/// Number of parts of a span, examined one after another.
 const PARTS: usize = 8;
-/// Most steps of [`passage_from_below`] within a part.
+/// Largest number of steps of [`passage_from_below`] within a part.
 const CAUTIOUS: usize = 8;
 
-/// The first root in [0, `hi`] of a series that starts below zero and is not proved to rise. `None`
-/// where this does not decide.
+/// Returns the first root in [0, `hi`] of a series that starts below zero and is not proved to
+/// rise. `None` if this method does not decide.
 ///
-/// A part of the span is passed where its ends are below -M h²/8, with a bound M of |p''| up to
-/// there. In the others go steps that no root can be within: none is nearer than that of p + p' s +
-/// M s²/2. The last step is Newton's, Δ: where 2 M Δ < p' the root is within 2 Δ, and the step's
-/// error is at most 2 M Δ²/p'.
+/// A part of the span has no root if its ends are below -M h²/8, with a bound M of |p''| up to
+/// there. The other parts are crossed by steps that cannot pass a root: no root is nearer than the
+/// root of p + p' s + M s²/2. The last step is Newton's, Δ: if 2 M Δ < p' the root is within 2 Δ,
+/// and the step's error is at most 2 M Δ²/p'.
 #[inline(always)]
 fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f64>> {
     let (mut slopes, mut bends, mut slope_sum) = ([0.0; N], [0.0; N], 0.0);
@@ -456,7 +456,7 @@ fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f6
         slope_sum += slopes[k - 1].abs();
     }
     (2..N).for_each(|k| bends[k - 2] = (k - 1) as f64 * slopes[k - 1].abs());
-    // Where it rises throughout Newton's method takes two steps.
+    // If the series rises throughout, Newton's method takes two steps.
     if c[0] >= 0.0 || 2.0 * c[1] > slope_sum {
         return None;
     }
@@ -477,7 +477,7 @@ fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f6
     Some(None)
 }
 
-/// The first root from the begin of a part to its end, as [`passage_from_below`].
+/// Returns the first root from the beginning of a part to its end, as [`passage_from_below`].
 #[inline(always)]
 fn root_within<const N: usize>(
     c: &[f64; N],
@@ -504,7 +504,7 @@ fn root_within<const N: usize>(
     None
 }
 
-/// A series at several places.
+/// Evaluates a series at several places.
 #[inline(always)]
 fn at_parts<const N: usize>(c: &[f64; N], parts: &[f64; PARTS]) -> [f64; PARTS] {
     let squares = parts.map(|u| u * u);
@@ -516,7 +516,7 @@ fn at_parts<const N: usize>(c: &[f64; N], parts: &[f64; PARTS]) -> [f64; PARTS] 
     std::array::from_fn(|i| even[i] + parts[i] * odd[i])
 }
 
-/// p(u) as four sums side by side, each over every fourth order.
+/// Evaluates p(u) as four sums side by side, each over every fourth order.
 #[inline(always)]
 fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     let square = u * u;
@@ -533,7 +533,7 @@ fn first_of<const N: usize>(c: &[f64; TERMS]) -> &[f64; N] {
     c.first_chunk().expect("N is at most TERMS")
 }
 
-/// Whether what is beyond zero at the end of a span is on its way back there, or comes to its
+/// Whether an event function beyond zero at the end of a span is returning to zero, or reaches its
 /// vertex before it is further beyond by `zero`.
 fn turns_round<const N: usize>(begin: f64, c: &[f64; N], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
@@ -545,9 +545,9 @@ fn turns_round<const N: usize>(begin: f64, c: &[f64; N], zero: f64) -> bool {
     begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
-/// The intervals of a sub-step in which a functional may pass zero, as bits; in the others it is
-/// proved to stay below. Between two samples at a distance h it lies within M h²/8 of their chord,
-/// where M bounds its second derivative. `order` is that of its zero at the start.
+/// Returns the intervals of a sub-step in which an event function may pass zero, as bits; in the
+/// others it is proved to stay below. Between two samples at a distance h it lies within M h²/8 of
+/// their chord, where M bounds its second derivative. Its zero at the start has the order `order`.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= HIGH_ORDER {
@@ -555,8 +555,8 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
     }
     let Head { value, slope, bend } = *head;
     let length = step * INTERVALS as f64;
-    // The bound value + slope t + bend t²/2 is convex: it is negative throughout if it is at both
-    // ends.
+    // The bound value + slope t + bend t²/2 is convex: it is negative throughout if it is negative
+    // at both ends.
     let begins = if order == 0 { value < 0.0 } else { order == 1 };
     let start = if order == 0 { value } else { 0.0 };
     if begins && start + length * (slope + 0.5 * bend * length) < 0.0 {
@@ -571,7 +571,7 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
         let is_below = (sample + margin).to_bits() >> 63;
         ends |= (is_below ^ 1) << k;
     }
-    // An interval is searched where one of its ends is not proved to be below.
+    // An interval is searched unless both of its ends are proved to be below.
     let near = ends | ends << 1 | u64::from(order > 0 || value >= -margin);
     (if leaves { near & !1 } else { near }) as u8
 }

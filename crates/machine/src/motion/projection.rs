@@ -6,12 +6,12 @@ use crate::law::groups::Triangle;
 use crate::mode::{Contact, SliderState};
 use crate::system::{Elongation, System};
 
-/// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e. Beyond
-/// this limit e returns to where the contact began to hold. The value of e itself may have one such
-/// rounding.
+/// Limits the drift of e of a contact that keeps e' at zero, in roundings of the terms of e.
+/// Beyond it, e returns to the value at which the contact began to hold. The value of e itself may
+/// have one such rounding.
 const DRIFT: f64 = 2.0;
 
-/// The square of the sine of an angle between directions that counts as rounding.
+/// Square of the sine of an angle between directions, up to which the angle counts as rounding.
 const PARALLEL: f64 = 1e-12;
 
 /// The distance of e from `from`; 0 within [`DRIFT`] roundings.
@@ -24,21 +24,21 @@ fn drift(e: &Functional, from: f64, z: &[f64]) -> f64 {
     if off.abs() > DRIFT * f64::EPSILON * size { off } else { 0.0 }
 }
 
-/// Whether two elements move bodies in one direction.
+/// Whether two elements move bodies in the same direction.
 fn is_parallel(a: &Elongation, b: &Elongation) -> bool {
     let [own, other, both] = [(a, a), (b, b), (a, b)].map(|(a, b)| a.w.along(&b.mobility));
     both * both >= (1.0 - PARALLEL) * own * other
 }
 
-/// Where a contact began to hold; the list is sorted.
+/// Returns e when a contact began to hold; the list is sorted.
 pub(super) fn place_of(contact: Contact, standing: &[(Contact, f64)]) -> Option<f64> {
     standing.binary_search_by_key(&contact, |held| held.0).ok().map(|place| standing[place].1)
 }
 
 impl Motion {
-    /// Projects the state onto the constraints of the present mode, by the least change in the
-    /// inertia's metric: e = gap and e' = 0 of closed stops, e' = 0 and e as it was of sticking
-    /// friction and engaged freewheels. Then puts the stretches of slipping sliders where their
+    /// Projects the state onto the constraints of the present mode, by the smallest change in the
+    /// inertia's metric: e = gap and e' = 0 of closed stops; e' = 0 and the previous e of sticking
+    /// friction and engaged freewheels. Then sets the stretches of slipping sliders so that their
     /// forces are at their levels.
     pub(super) fn keep_contacts(&mut self) {
         self.keep_inner_places();
@@ -69,8 +69,8 @@ impl Motion {
     }
 
     /// Moves the bodies at held sliders so that drifted inner places return. The flow carries the
-    /// stretch as a state without the rounding of the places, which drift. The stretch changes if
-    /// no body can move, or if the bodies move for a slider beside this one.
+    /// stretch as a state, without the rounding of the drifting places. The stretch changes if no
+    /// body can move, or if the bodies move for a parallel slider.
     fn keep_inner_places(&mut self) {
         let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_mut_slice());
@@ -96,8 +96,8 @@ impl Motion {
         }
     }
 
-    /// Returns whether a contact that keeps e' alone has drifted. If so, writes the deviations of
-    /// the places of the whole basis to the scratch memory.
+    /// Returns whether a contact that keeps only e' has drifted. If so, writes the place
+    /// deviations of the whole basis to the scratch memory.
     fn find_drifts(&mut self) -> bool {
         let Hybrid { mode, z, standing, .. } = &self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
@@ -114,7 +114,7 @@ impl Motion {
         true
     }
 
-    /// Forgets the places of contacts that a jump has moved, and of sliders with these ways.
+    /// Forgets the places of contacts that a jump has moved, and of sliders moved by `ways`.
     pub(super) fn forget_moved(&mut self, ways: &[f64]) {
         let Hybrid { z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
@@ -124,10 +124,10 @@ impl Motion {
         });
     }
 
-    /// Notes the present e of each contact that keeps e' at zero, but not e, and begins to hold,
-    /// and the inner place of each slider that begins to be held. What held before keeps its place,
-    /// unless a jump or an impact has moved it. For a host's solver, whose states have errors, it
-    /// notes all inner places alone.
+    /// Records the present e of each contact that begins to keep e' at zero, but not e, and the
+    /// inner place of each slider that begins to be held. A contact that already held keeps its
+    /// place, unless a jump or an impact has moved it. For a host's solver, whose states have
+    /// errors, records only all inner places.
     pub(super) fn note_standing(&mut self) {
         let Hybrid { mode, z, standing, .. } = &mut self.hybrid;
         let (system, z) = (&self.assembly.system, z.as_slice());
@@ -156,7 +156,7 @@ impl Motion {
 }
 
 impl System {
-    /// The place that a held contact or slider keeps.
+    /// The row of the place that a held contact or slider keeps.
     fn place_row(&self, contact: Contact) -> &Functional {
         match contact {
             Contact::Slider(i) => &self.branches[i].inner,
@@ -165,9 +165,9 @@ impl System {
     }
 }
 
-/// Projects a state onto constraints by the least change in the inertia's metric: e = gap of stops,
-/// or e' = 0 of contacts with `rates`. `r` is the triangle of a list that begins with the contacts.
-/// `off` is scratch memory.
+/// Projects a state onto constraints by the smallest change in the inertia's metric: e = gap of
+/// stops or, with `rates`, e' = 0 of contacts. `r` is the triangle of a list that begins with the
+/// contacts; `off` is scratch memory.
 pub(super) fn project(
     system: &System,
     contacts: &[Contact],

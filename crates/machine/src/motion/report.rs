@@ -20,13 +20,13 @@ impl Motion {
         self.hybrid.energy.impact(impacts.projected_loss, 0.0);
     }
 
-    /// Reports every element whose state differs from that in `before`; `closing` lists closing
-    /// stops with the times until their bounces would have accumulated, s.
+    /// Reports every element whose state differs from its state in `before`. `closing` lists
+    /// closing stops with the times until their bounces would have accumulated, s.
     pub(super) fn report_changes(&self, before: &Mode, closing: &[(usize, f64)], observer: &mut Observer) {
         for (i, &was) in before.stops.iter().enumerate() {
             let left = closing.iter().find(|c| c.0 == i).map_or(0.0, |c| c.1);
             match (was, self.hybrid.mode.stops[i]) {
-                // At a step the part that begins to act tells of the change.
+                // When a stiffness steps, only the part that begins to act reports the change.
                 (_, StopState::Off) => {}
                 (StopState::Off, now) => {
                     let stop = self.assembly.system.stop_of(i);
@@ -44,8 +44,8 @@ impl Motion {
         }
     }
 
-    /// Reports the change of an element from its state `was`; a stop that closes would have bounced
-    /// for the time `left`.
+    /// Reports the change of an element from its state `was`. A stop that closes would have
+    /// bounced for the time `left`.
     pub(super) fn report_change(&self, was: ElementState, left: f64, observer: &mut Observer) {
         match (was, self.hybrid.mode.state_of(was)) {
             (ElementState::Stop(i, was), ElementState::Stop(_, now)) => {
@@ -55,7 +55,7 @@ impl Motion {
                 self.report_friction(i, was, now, observer);
             }
             (ElementState::Slider(slider, was), ElementState::Slider(_, now)) if was != now => {
-                // The level, of which stiffness times stretch has the rounding.
+                // Report the level, since stiffness times stretch has rounding.
                 let slips = if now == SliderState::Held { was } else { now };
                 let z = self.hybrid.z.as_slice();
                 let force = self.assembly.system.branch_force_at(slider, slips, z);
@@ -86,7 +86,7 @@ impl Motion {
                 EventKind::Limit { block, output, side, value, stop: Some(i) }
             }
             _ if self.assembly.system.is_corner(i) => {
-                // Equal slopes are no corner.
+                // Lines with equal slopes have no corner.
                 if self.assembly.system.stops[i].stiffness() == 0.0 {
                     return;
                 }

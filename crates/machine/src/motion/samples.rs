@@ -1,4 +1,4 @@
-//! Samples of blocks: when they are due, and what they do to the motion.
+//! Samples of blocks: when they are due, and their effect on the motion.
 
 use super::event::EventKind;
 use super::instant::end_of_instant;
@@ -10,22 +10,22 @@ use crate::system::{SampleAction, SampleKind, Sampler, System};
 use serde::{Deserialize, Serialize};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// How far a sampled block has come.
+/// Progress of a sampled block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clock {
-    /// Samples so far.
+    /// Number of samples so far.
     pub reads: u64,
-    /// Samples whose outputs act or have acted.
+    /// Number of samples whose outputs act or have acted.
     pub acts: u64,
 }
 
 impl Sampler {
-    /// The time of a sample by its number, rounded once.
+    /// Returns the time of a sample by its number, rounded once.
     pub fn time_of_sample(&self, number: i64) -> f64 {
         self.period * number as f64
     }
 
-    /// The time at which a sample's outputs act, rounded once.
+    /// Returns the time at which a sample's outputs act, rounded once.
     pub fn time_of_acting(&self, number: i64) -> f64 {
         DoubleDouble::new(self.period).times(DoubleDouble::new(number as f64)).plus(self.delay).value()
     }
@@ -38,7 +38,7 @@ impl Sampler {
         self.time_of_acting(count as i64)
     }
 
-    /// The clock at a time at which its samples are done or, with `fresh`, still to come.
+    /// Returns the clock at a time at which samples are done or, with `fresh`, still due.
     fn clock(&self, time: f64, fresh: bool) -> Clock {
         let count = |at: &dyn Fn(u64) -> f64, first: f64, is_done: &dyn Fn(f64) -> bool| {
             let mut count = ((time - first) / self.period).floor().max(0.0) as u64;
@@ -54,7 +54,7 @@ impl Sampler {
         Clock { reads, acts: acts.min(reads).max(reads.saturating_sub(self.under_way as u64)) }
     }
 
-    /// The next time at which something happens.
+    /// Returns the next time at which the block reads inputs or its outputs act.
     fn next(&self, clock: &Clock) -> f64 {
         let reads = self.read_at(clock.reads);
         if clock.acts < clock.reads { reads.min(self.act_at(clock.acts)) } else { reads }
@@ -62,14 +62,14 @@ impl Sampler {
 }
 
 impl System {
-    /// The clocks of all blocks, unused of continuous ones, at a time at which samples are done or,
-    /// with `fresh`, still to come.
+    /// Returns the clocks of all blocks at a time at which samples are done or, with `fresh`,
+    /// still due. Continuous blocks do not use them.
     pub(crate) fn clocks(&self, time: f64, fresh: bool) -> Vec<Clock> {
         let clock = |sampler: &Sampler| sampler.clock(time, fresh);
         self.blocks.iter().map(|own| own.sampler.as_ref().map_or_else(Clock::default, clock)).collect()
     }
 
-    /// Whether clocks can be those of this machine's blocks.
+    /// Whether clocks may belong to this machine's blocks.
     pub(crate) fn fits_clocks(&self, clocks: &[Clock]) -> bool {
         let fits = |(own, clock): (&crate::system::BlockRows, &Clock)| match &own.sampler {
             Some(own) if own.delay == 0.0 => clock.acts == clock.reads,
@@ -81,7 +81,7 @@ impl System {
 }
 
 impl Motion {
-    /// The next time at which a block is sampled or its outputs act, which may be the present one.
+    /// Returns the next time, possibly now, at which a block is sampled or its outputs act.
     pub(crate) fn next_sample(&self) -> Option<f64> {
         let (system, clocks) = (&self.assembly.system, &self.hybrid.clocks);
         let all = system.blocks.iter().zip(clocks);
@@ -98,7 +98,7 @@ impl Motion {
         [knot, self.next_sample()].into_iter().flatten().reduce(f64::min)
     }
 
-    /// What happens at the present instant to sampled blocks, and the clocks after it.
+    /// Returns the actions of sampled blocks at the present instant, and the clocks after them.
     fn due_actions(&self) -> (Vec<SampleAction>, Vec<Clock>) {
         let (mut clocks, mut actions) = (self.hybrid.clocks.clone(), Vec::new());
         let end = end_of_instant(self.time());
@@ -118,7 +118,7 @@ impl Motion {
         (actions, clocks)
     }
 
-    /// Applies what happens to sampled blocks at the present instant; forces may jump by it.
+    /// Applies the actions of sampled blocks at the present instant; forces may jump.
     pub(super) fn apply_samples(&mut self, observer: &mut Observer) -> Result<(), Error> {
         let (actions, clocks) = self.due_actions();
         if actions.is_empty() {
@@ -137,15 +137,15 @@ impl Motion {
         if before == self.outputs() { Ok(()) } else { self.settle(&[], &Parted::default(), observer) }
     }
 
-    /// States of sampled blocks, outputs that act and outputs under way, block by block. Samples
-    /// alone change these numbers.
+    /// Returns the states of sampled blocks, outputs that act and outputs under way, block by
+    /// block. Only samples change these numbers.
     pub fn kept_by_samples(&self) -> Vec<f64> {
         let sampled = self.assembly.system.blocks.iter().filter(|own| own.sampler.is_some());
         let of = |own: &crate::system::BlockRows| own.first..own.first + own.kept();
         sampled.flat_map(of).map(|place| self.hybrid.z[place]).collect()
     }
 
-    /// The outputs of sampled blocks that act.
+    /// Returns the outputs of sampled blocks that act.
     fn outputs(&self) -> Vec<f64> {
         let sampled = self.assembly.system.blocks.iter().filter(|own| own.sampler.is_some());
         let z = &self.hybrid.z;

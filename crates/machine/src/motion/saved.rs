@@ -7,7 +7,7 @@ use crate::mode::{Contact, SliderState, StopState, Watch};
 use crate::system::BranchRows;
 
 impl Hybrid {
-    /// Whether it can be a state of a motion of this machine: lengths agree, numbers are finite,
+    /// Whether this can be a state of a motion of the machine: lengths agree, numbers are finite,
     /// and elements exist and are in states of their law. Required before
     /// [`restore`](super::Motion::restore) of a state that was read from bytes.
     pub fn fits(&self, assembly: &Assembly) -> bool {

@@ -1,8 +1,8 @@
-//! The start that a machine's file gives.
+//! The initial state that a machine's file gives.
 
 use crate::assembly::Assembly;
 
-/// The states of the machine's start.
+/// Returns the machine's initial state.
 pub(crate) fn start_of(assembly: &Assembly) -> Vec<f64> {
     let bodies = || assembly.system.bodies_of.iter();
     let places = bodies().map(|&b| assembly.starts[b].0);

@@ -1,4 +1,4 @@
-//! Advancing a motion by sub-steps, each proved to be without an event or ended at the first one.
+//! Advances a motion by sub-steps, each proved to be without an event or ended at the first one.
 
 use super::instant::end_of_instant;
 use super::jump::Parted;
@@ -9,18 +9,18 @@ use crate::error::Error;
 use crate::flow::ORDERS;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Allowed sub-steps: in one call, and additionally per sub-step's length of time.
+/// Allowed number of sub-steps: per call, and additionally per sub-step's length of time.
 const WORK: (u64, f64) = (20_000, 64.0);
-/// Default of the most sub-steps in one call: some seconds for a few bodies. Fewer under a fuzzer,
-/// whose code is many times slower.
+/// Default of the largest number of sub-steps in one call: some seconds for a few bodies. It is
+/// lower under a fuzzer, whose code is many times slower.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Sub-steps after which signals, which advance with the state, are computed anew from the time;
-/// rounding over so many is that of one. After so many whole sub-steps in a row a long step is
-/// tried.
+/// Number of sub-steps after which signals, which advance with the state, are computed again from
+/// the time; the rounding over all of them is like the rounding of one. A long step is tried after
+/// this number of whole sub-steps in a row.
 const RENEW: u32 = 16;
-/// Most events without progress of time, per watched functional and one more.
+/// Largest number of events without progress of time, per event function and one more.
 const CHAIN: usize = 100;
-/// Least progress of time relative to the mode's sub-step: a few roundings.
+/// Smallest progress of time relative to the mode's sub-step: a few roundings.
 const PROGRESS: f64 = 1e-15;
 
 /// Whether an advance pauses at events.
@@ -29,18 +29,18 @@ enum Pause {
     Never,
     AfterEvent,
     BeforeEvent,
-    /// Before events, and where coordinates of signals are set anew.
+    /// Before events, and where coordinates of signals are reset.
     AtFlightEnd,
 }
 
 impl Motion {
-    /// Advances to a time, or to the last time event of its instant, which is then passed.
+    /// Advances to a time, or to the last time event of its instant, and passes that event.
     ///
     /// # Errors
-    /// [`Error::Step`] for an end before the present or not finite; [`Error::Jammed`],
-    /// [`Error::Violated`], [`Error::Stuck`] and [`Error::Beyond`] where the motion cannot go on,
-    /// [`Error::TooStiff`] and [`Error::Interrupted`] where a further call continues. The state is
-    /// then that at the time reached.
+    /// [`Error::Step`] for an end that is before the present or not finite. [`Error::Jammed`],
+    /// [`Error::Violated`], [`Error::Stuck`] and [`Error::Beyond`] if the motion cannot continue.
+    /// [`Error::TooStiff`] and [`Error::Interrupted`] if another call continues; the state is then
+    /// the state at the time reached.
     pub fn advance_to(&mut self, end: f64) -> Result<(), Error> {
         self.advance(end, Pause::Never, &mut None).map(drop)
     }
@@ -69,8 +69,8 @@ impl Motion {
         self.advance(end, Pause::AfterEvent, &mut Some(observer))
     }
 
-    /// Advances to a time or, if it is earlier, to the next event, before its law:
-    /// [`apply_event`](Self::apply_event) or any further advance applies it.
+    /// Advances to a time or, if it is earlier, to the next event, before its law.
+    /// [`apply_event`](Self::apply_event) or any further advance applies the law.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -83,9 +83,9 @@ impl Motion {
     }
 
     /// Advances to a time or, if it is earlier, to the end of a flight: the next event, before its
-    /// law, or a time at which a sweep goes on by another polynomial. There
-    /// [`apply_event`](Self::apply_event) or any further advance applies what follows, of a sweep
-    /// without an event.
+    /// law, or a time at which a sweep continues with another polynomial, which is not an event.
+    /// [`apply_event`](Self::apply_event) or any further advance then applies the law or the
+    /// polynomial.
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
@@ -105,7 +105,7 @@ impl Motion {
     /// Applies the law of the pending event, if there is one.
     ///
     /// # Errors
-    /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] where the motion cannot go on.
+    /// [`Error::Jammed`], [`Error::Violated`] and [`Error::Stuck`] if the motion cannot continue.
     pub fn apply_event(&mut self, observer: &mut dyn FnMut(&super::Event)) -> Result<(), Error> {
         self.pass_event(&mut Some(observer))
     }
@@ -162,7 +162,7 @@ impl Motion {
             let (goal, at_knot) = sample.map_or((goal, at_knot), |sample| (sample, false));
             let renewal = renewal.filter(|_| sample.is_none());
             if goal.minus(self.hybrid.time).value() <= 0.0 {
-                // A sample of the instant of another one, or of a knot.
+                // This sample belongs to the instant of another sample or of a knot.
                 self.hybrid.due = None;
             } else if self.hybrid.carried == RENEW && self.long_step(goal) {
                 self.hybrid.due = None;
@@ -196,7 +196,7 @@ impl Motion {
                     return Ok(Reached::Event);
                 }
             }
-            // Knots and renewals are finite in number and do not count as work.
+            // Knots and resets of signals are finite in number and do not count as work.
             work -= f64::from(u8::from(!is_knot));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
@@ -207,8 +207,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// A sub-step towards `goal`, or to the event before which it ends. `keeps` leaves the signals
-    /// at the goal as they come there.
+    /// Advances by a sub-step towards `goal`, or to the event at which it ends. With `keeps`, the
+    /// signals at the goal keep their advanced values.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {
         let Flown { place, dt, whole, reaches } = if self.table().is_dense() {
@@ -244,7 +244,7 @@ impl Motion {
         Ok(knot.then_some(Due::Knot))
     }
 
-    /// Flies a sub-step of at most the table's length by what is kept of the mode.
+    /// Flies a sub-step of at most the table's length by the mode's stored tables.
     #[inline(always)]
     fn by_tables(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -264,7 +264,7 @@ impl Motion {
         let whole = span == table.length && passage.is_none();
         let end = passage.as_ref().map_or_else(|| StepPoint::end(span, table), |p| p.at);
         let dt = if passage.is_none() { span } else { end.time(table) };
-        // A functional that was zero throughout the mode has no event: it is watched from here on.
+        // An event function that was zero throughout the mode has no event: it is now watched.
         let leaves = passage.as_ref().is_some_and(|passage| flight.is_unwatched(passage.place));
         let passage = passage.filter(|_| !leaves);
         let reaches = passage.is_none() && !leaves && span >= remaining;
@@ -294,8 +294,8 @@ impl Motion {
         Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
     }
 
-    /// Flies a sub-step by one series of the actual state, which ends a little behind the event
-    /// that is predicted.
+    /// Flies a sub-step by one series of the actual state; the series ends a little after the
+    /// predicted event.
     #[inline(always)]
     fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -336,10 +336,10 @@ impl Motion {
         Flown { place, dt, whole, reaches }
     }
 
-    /// Prepares the next sub-step, at whose start watched functionals are no longer at zero, unless
-    /// the last one was as short as the rounding of time: values are rounding there, whose sign
-    /// says nothing. Those that are zero throughout the mode stay so unless they exceed their
-    /// rounding.
+    /// Prepares the next sub-step, at whose start event functions are no longer at zero. If the
+    /// last sub-step was as short as the rounding of time, this does not apply: the signs of
+    /// values are still rounding. Event functions that are zero throughout the mode stay so unless
+    /// they exceed their rounding.
     #[inline(always)]
     pub(super) fn watch_again(&mut self, progresses: bool) {
         let Hybrid { departing, z, sizes, .. } = &mut self.hybrid;
@@ -356,8 +356,8 @@ impl Motion {
         }
     }
 
-    /// Watches functionals again that exceed their rounding, with sizes that include the time since
-    /// the mode began: a body at rest has no size of its own.
+    /// Watches event functions again that exceed their rounding. Sizes then include the time since
+    /// the mode began, as a body at rest has no size of its own.
     #[inline(never)]
     fn rewatch_departed(&mut self) {
         self.include_flight();
@@ -370,24 +370,24 @@ impl Motion {
     }
 }
 
-/// What a sub-step was.
+/// Outcome of a sub-step.
 struct Flown {
-    /// The place of the watched functional that passes zero at its end.
+    /// Index of the event function that passes zero at the end.
     place: Option<usize>,
-    /// Its length, s.
+    /// Length, s.
     dt: f64,
-    /// Whether it had the length of the mode's sub-steps.
+    /// Whether it had the full length of the mode's sub-steps.
     whole: bool,
-    /// Whether it has come to its goal.
+    /// Whether it has reached its goal.
     reaches: bool,
 }
 
-/// A sub-step, compiled for each kind of vectors that a computer may have. Products are not fused,
-/// so that all give the same bits.
+/// A sub-step, compiled for each vector instruction set of a computer. Products are not fused, so
+/// that all give the same bits.
 struct Substep<'a> {
     motion: &'a mut Motion,
     goal: DoubleDouble,
-    /// Whether the goal is a knot, and whether signals are set anew there.
+    /// Whether the goal is a knot, and whether signals are reset there.
     at: [bool; 2],
 }
 

@@ -7,8 +7,8 @@ use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// Default size of the cache, bytes; beyond it all entries are dropped, and those in use are made
-/// again. Modes without stored matrices are made in some microseconds a body and seldom recur.
+/// Default size of the cache, bytes. Beyond it all entries are dropped, and entries in use are
+/// made again. Modes without stored matrices take some microseconds per body and seldom recur.
 const KEPT: usize = 128 << 20;
 const KEPT_WITHOUT_MATRICES: usize = 16 << 20;
 
@@ -17,14 +17,14 @@ const KEPT_WITHOUT_MATRICES: usize = 16 << 20;
 pub(super) struct Met {
     pub(super) mode: Mode,
     pub(super) table: Arc<FlowTable>,
-    /// Powers of its energy accounts, made on first use.
+    /// Powers of the mode's energy accounts, made on first use.
     powers: OnceLock<Arc<Powers>>,
-    /// Places of modes that differ by the state of one element.
+    /// Indices of modes that differ by the state of one element.
     changes: Vec<(ElementState, usize)>,
 }
 
 impl Met {
-    /// The powers of its energy accounts.
+    /// Returns the powers of the mode's energy accounts.
     pub(super) fn powers(&self, system: &System) -> &Powers {
         self.powers.get_or_init(|| Arc::new(Powers::new(system, &self.mode, &self.table)))
     }
@@ -36,20 +36,19 @@ impl Met {
     }
 }
 
-/// The modes by place, in the order in which they were met.
+/// The modes by index, in the order of their first use.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
-    /// Most bytes.
+    /// Largest size, bytes.
     pub(super) most: usize,
-    /// Number of modes at which bytes are counted again, which takes time in proportion to all
-    /// modes.
+    /// Bytes are counted again at this number of modes, as counting takes time.
     recount: usize,
 }
 
 impl Tables {
-    /// The empty cache of a machine.
+    /// Creates the empty cache of a machine.
     pub(super) fn new(system: &System) -> Self {
         let most = if system.keeps_matrices() { KEPT } else { KEPT_WITHOUT_MATRICES };
         Self { met: Vec::new(), places: HashMap::new(), most, recount: 0 }
@@ -65,9 +64,9 @@ impl Tables {
         &self.met[place]
     }
 
-    /// Empties the cache where it exceeds its size, which invalidates all places; returns whether
-    /// it did. It is called before a mode is entered, so that the excess is at most the tables of
-    /// one event.
+    /// Empties the cache if it exceeds its size, which invalidates all indices; returns whether it
+    /// did. It is called before a mode is entered, so that the excess is at most the tables of one
+    /// event.
     pub(super) fn make_room(&mut self) -> bool {
         let count = self.met.len();
         if count < self.recount {
@@ -83,13 +82,13 @@ impl Tables {
         full
     }
 
-    /// The place of the mode that differs from the one at `place` by the state of an element, if it
-    /// is known.
+    /// Returns the index of the mode that differs from mode `place` by the state of an element, if
+    /// it is known.
     pub(super) fn known_after(&self, place: usize, element: ElementState) -> Option<usize> {
         self.met[place].changes.iter().find(|(known, _)| *known == element).map(|&(_, next)| next)
     }
 
-    /// The place of a mode, which is added where it is new.
+    /// Returns the index of a mode, and adds the mode if it is new.
     pub(super) fn place_of(&mut self, mode: &Mode, system: &System) -> usize {
         if let Some(&place) = self.places.get(mode) {
             return place;
@@ -100,8 +99,8 @@ impl Tables {
         self.met.len() - 1
     }
 
-    /// The place of the mode that differs from the one at `place` by the state of an element, which
-    /// is added where it is new.
+    /// Returns the index of the mode that differs from mode `place` by the state of an element,
+    /// and adds it if it is new.
     pub(super) fn place_after(&mut self, place: usize, element: ElementState, system: &System) -> usize {
         if let Some(next) = self.known_after(place, element) {
             return next;

@@ -1,6 +1,6 @@
-//! Touches: watched functionals that come to their limit, turn round and do not pass it. They are
-//! no events (docs/assembly-law.md, section 6), but a motion has no derivative from there on by
-//! what moves them (section 14).
+//! Touches: event functions that reach their limit and turn round without passing it. Touches are
+//! not events (docs/assembly-law.md, section 6). But a motion has no derivative afterwards by a
+//! parameter that moves them (section 14).
 
 use super::Motion;
 use super::passage::{PassageSearch, StepPoint, shortened};
@@ -8,17 +8,17 @@ use crate::flow::Ahead;
 use crate::mode::{StopState, Watch};
 use vibro_numerics::events::turns;
 
-/// Multiples of what counts as zero within which a turning point is a touch.
+/// A turning point is a touch within this multiple of the zero tolerance.
 const BESIDE: f64 = 4.0;
-/// What is looked at beyond an interval's end, as a part of it, so that no turning point is missed
-/// between two intervals.
+/// The search continues beyond an interval's end by this fraction of the interval, so that no
+/// turning point is missed between two intervals.
 const BEYOND: f64 = 1.0 / 64.0;
 
-/// Part of a functional's value under which it is certainly below what counts as zero, unless the
+/// Fraction of an event function's value that is certainly below the zero tolerance, unless the
 /// value itself is zero.
 const BELOW: f64 = 1e-9;
 
-/// A touch: its time, s, and the place of the functional in its mode.
+/// A touch: its time, s, and the event function's index in its mode.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
     pub(crate) time: f64,
@@ -34,14 +34,14 @@ pub(super) struct Touches {
 }
 
 impl Motion {
-    /// The motion with its touches noted from now on.
+    /// Makes the motion record its later touches.
     #[must_use]
     pub(crate) fn noting_touches(mut self) -> Self {
         self.scratch.touches = Some(Touches::default());
         self
     }
 
-    /// The touches since the last call, in the order of their times, and none of them twice.
+    /// Returns the touches since the last call, ordered by time, each once.
     pub(crate) fn take_touches(&mut self) -> Vec<Touch> {
         let Some(touches) = self.scratch.touches.as_mut().filter(|own| !own.found.is_empty()) else {
             return Vec::new();
@@ -51,15 +51,15 @@ impl Motion {
         found
     }
 
-    /// By watched functional of the mode: whether it is zero throughout the mode.
+    /// Returns for each event function of the mode whether it is zero throughout the mode.
     pub(crate) fn are_unwatched(&self) -> impl Iterator<Item = bool> {
         self.hybrid.departing.iter().map(|&order| order == crate::flow::ORDERS)
     }
 }
 
 impl PassageSearch<'_> {
-    /// Notes the touches of a sub-step by tables, in the intervals in which a functional may pass
-    /// its limit (`near`). `goes_on` says whether the mode holds beyond `end`.
+    /// Records the touches of a sub-step by tables, in the intervals in which an event function
+    /// may pass its limit (`near`). `goes_on` is true if the mode holds beyond `end`.
     #[inline(never)]
     pub(super) fn note_touches(&self, near: &[u8], (end, goes_on): (StepPoint, bool), to: &mut Touches) {
         let (table, step) = (self.table, self.table.interval());
@@ -79,7 +79,7 @@ impl PassageSearch<'_> {
         }
     }
 
-    /// Notes the touches of a part of a sub-step by its series.
+    /// Records the touches of a part of a sub-step by its series.
     #[inline(never)]
     pub(super) fn note_touches_ahead(&self, (part, goes_on): (f64, bool), ahead: &Ahead, to: &mut Touches) {
         let length = if goes_on { part * (1.0 + BEYOND) } else { part };
@@ -97,7 +97,7 @@ impl PassageSearch<'_> {
         }
     }
 
-    /// Whether a touch of a functional could matter.
+    /// Whether a touch of an event function could matter.
     fn may_touch(&self, place: usize) -> bool {
         let watch = self.table.watched[place].watch;
         let is_met = match watch {
@@ -108,8 +108,8 @@ impl PassageSearch<'_> {
         is_met && !self.is_unwatched(place)
     }
 
-    /// Notes where a functional's series has a highest value that counts as zero, after it has been
-    /// below.
+    /// Records the points at which an event function's series, after being below, has a maximum
+    /// that counts as zero.
     fn note<const N: usize>(
         &self,
         place: usize,

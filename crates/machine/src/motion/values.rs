@@ -30,7 +30,7 @@ impl Motion {
     pub fn spring(&self, i: usize) -> [f64; 3] {
         let (spring, z) = (&self.assembly.system.springs[i], &self.hybrid.z);
         let mut force = spring.force.dot(z);
-        // The corners of its other lines; springs and dampers are the first elements.
+        // The corners between its lines are stops; springs and dampers are the first elements.
         for part in &self.assembly.system.parts[i][1..] {
             if let Part::Stop(corner) = *part {
                 force += self.stop_varied(corner)[2];
@@ -46,7 +46,7 @@ impl Motion {
         [e, rate, self.part_force(present)]
     }
 
-    /// The state of a stop, at the present level of its stiffness.
+    /// Returns the state of a stop, at the present level of its stiffness.
     pub fn stop_state(&self, i: usize) -> StopState {
         let stops = &self.hybrid.mode.stops;
         stops[self.assembly.system.present(i, stops)]
@@ -55,14 +55,14 @@ impl Motion {
     /// The force of a part.
     fn part_force(&self, i: usize) -> f64 {
         let [_, _, force] = self.stop_varied(i);
-        // Of most stops the force is never a pull, by (A14); where it vanishes, rounding has either
+        // The force of most stops is never a pull, by (A14); if it vanishes, rounding has either
         // sign. A host's solver goes beyond the end of a contact and sees the pull that its
         // accelerations contain.
         let is_seen = self.overshoot > 0.0 || self.assembly.system.stops[i].may_pull();
         if is_seen { force } else { force.max(0.0) }
     }
 
-    /// A stop's elongation, its rate and its force as linear functions of the state, so that the
+    /// Returns a stop's elongation, its rate and its force as linear functions of the state. The
     /// force may be negative.
     fn stop_varied(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
@@ -87,13 +87,13 @@ impl Motion {
         [friction.elongation.e.dot(z), friction.elongation.rate.dot(z), force]
     }
 
-    /// The value of a quantity of the machine, SI.
+    /// Returns the value of a quantity of the machine, in SI units.
     pub fn value(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.part_force(i))
     }
 
-    /// The value of a quantity in a motion that represents a derivative, where a stop's force may
-    /// have either sign.
+    /// Returns the value of a quantity in a motion that represents a derivative: a stop's force
+    /// may have either sign.
     pub fn value_varied(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.stop_varied(i)[2])
     }
@@ -138,7 +138,7 @@ impl Motion {
     /// A load's force.
     pub fn load(&self, i: usize) -> f64 {
         let (system, z, stops) = (&self.assembly.system, &self.hybrid.z, &self.hybrid.mode.stops);
-        // A difference of two values would have the rounding of the output without its limit.
+        // The difference of two values would have the rounding of the unlimited output.
         if system.load_limits[i].iter().any(|own| stops[own.0] == StopState::Pressed) {
             return system.load_row(i, stops).dot(z);
         }

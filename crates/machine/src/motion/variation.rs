@@ -1,13 +1,13 @@
 //! Derivatives of a motion's values within its mode, by time, states and inputs. Between events
-//! every coordinate, elongation and force is linear in the augmented state, so that its derivative
-//! is its value at the state's derivative.
+//! every coordinate, elongation and force is linear in the augmented state. Its derivative is
+//! therefore its value at the state's derivative.
 
 use super::Motion;
 use nalgebra::DVector;
 
 impl Motion {
-    /// A motion whose coordinates, elongations and forces are time derivatives of this motion's, of
-    /// an order, within its mode. Only these values are meaningful.
+    /// Returns a motion whose coordinates, elongations and forces are this motion's time
+    /// derivatives of some order, within its mode. Only these values are meaningful.
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
         for _ in 0..order {
@@ -16,9 +16,9 @@ impl Motion {
         self.with_state(z)
     }
 
-    /// A motion whose coordinates, elongations and forces are derivatives of this motion's along a
-    /// direction of given states (coordinates, rates, inner places, what blocks keep) and inputs,
-    /// within its mode. Only these values are meaningful.
+    /// Returns a motion whose coordinates, elongations and forces are this motion's derivatives,
+    /// within its mode, along a direction of inputs and given states (coordinates, rates, inner
+    /// places, states of blocks). Only these values are meaningful.
     pub fn variation(&self, states: &[f64], inputs: &[f64]) -> Self {
         let signals = &self.assembly.system.signals;
         let mut z: DVector<f64> = DVector::zeros(signals.size);

@@ -2,10 +2,10 @@
 //! inputs.
 //!
 //! Between events a variation δ of the augmented state follows z' = A z as the state does. At an
-//! event, where h·z = 0, the varied motion meets it by δt = -h·δ / h·f⁻ later, with f = A z on
-//! either side, so that δ⁺ = J (δ + f⁻ δt) - f⁺ δt: the saltation matrix, with J the derivative of
-//! the impact law, and the identity where no velocity jumps (docs/assembly-law.md (A26)). A
-//! variation stays in the space that closed stops and sticking friction leave free.
+//! event with h·z = 0, the varied motion is later by δt = -h·δ / h·f⁻, with f = A z on either
+//! side. Hence δ⁺ = J (δ + f⁻ δt) - f⁺ δt, the saltation matrix. J is the derivative of the impact
+//! law, the identity if no velocity jumps (docs/assembly-law.md (A26)). A variation stays in the
+//! space that closed stops and sticking friction leave free.
 
 use super::projection::project;
 use super::{Event, Impulse, Motion, Reached};
@@ -17,39 +17,39 @@ use crate::system::{SampleAction, SampledVariation, System};
 use nalgebra::DVector;
 use std::sync::Arc;
 
-/// Relative rate of a passage, by the sizes of its terms, under which it is a touch: there is no
-/// derivative there.
+/// A passage slower than this fraction of the sizes of its terms is a touch, which has no
+/// derivative.
 const TOUCH: f64 = 1e-12;
 
 fn dot(row: &[f64], z: &[f64]) -> f64 {
     row.iter().zip(z).map(|(a, b)| a * b).sum()
 }
 
-/// Projects a variation onto the constraints of a mode: e = 0 of closed stops, e' = 0 of these and
-/// of sticking friction, the force of a slipping slider at its level.
+/// Projects a variation onto the constraints of a mode: e = 0 of closed stops, e' = 0 of closed
+/// stops and sticking friction, the force of a slipping slider at its level.
 pub fn keep(system: &System, mode: &Mode, variation: &mut [f64]) {
     let basis = &mode.basis[..];
     if basis.is_empty() {
         return system.keep_levels(&mode.sliders, variation);
     }
     let r = system.triangle(basis);
-    // A basis lists stops first; R of the stops is the leading block of the triangle.
+    // A basis lists stops first; the stops' R is the leading block of the triangle.
     let stops = basis.iter().take_while(|contact| system.keeps_place(**contact)).count();
     project(system, &basis[..stops], &r, false, variation, &mut Vec::new());
     project(system, basis, &r, true, variation, &mut Vec::new());
     system.keep_levels(&mode.sliders, variation);
 }
 
-/// An event that a motion has passed, for carrying variations over it.
+/// An event that a motion has passed, over which variations can be carried.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing<'a> {
-    /// Mode before and after the event.
+    /// Modes before and after the event.
     pub modes: [&'a Mode; 2],
-    /// State before and after its law.
+    /// States before and after the event's law.
     pub states: [&'a [f64]; 2],
-    /// z' before and after it.
+    /// z' before and after the law.
     pub rates: [&'a [f64]; 2],
-    /// The functional that has passed zero; `None` at a signal's knot, whose time does not vary.
+    /// The event function that has passed zero; `None` at a signal's knot, whose time is fixed.
     pub row: Option<&'a [f64]>,
     /// The reported events.
     pub events: &'a [Event],
@@ -57,8 +57,8 @@ pub struct Crossing<'a> {
 
 impl Crossing<'_> {
     /// Carries variations over the event by the derivative of the impacts that the motion has had.
-    /// Where several stops are hit at one instant the motion may have no derivative; this is then
-    /// that of the impacts in the order in which they happened.
+    /// If several stops are hit at one instant, the motion may have no derivative. The result is
+    /// then the derivative of the impacts in the order in which they happened.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let before = DVector::from_column_slice(self.states[0]);
         let (impacts, own) = (Impulse::all(system, self.events, &before), system.states());
@@ -84,7 +84,7 @@ impl Crossing<'_> {
             };
             let mut met: Vec<f64> = variation.iter().zip(incoming).map(|(v, f)| v + f * later).collect();
             impacts.iter().for_each(|impact| impact.carry_state(system, &mut met));
-            // Signals are functions of time, and no event changes them.
+            // Signals are functions of time, which events do not change.
             let (changed, _) = variation.split_at_mut(own);
             changed.iter_mut().zip(met.iter().zip(outgoing)).for_each(|(v, (m, f))| *v = m - f * later);
             keep(system, self.modes[1], variation);
@@ -99,9 +99,9 @@ impl Motion {
         self.table()
     }
 
-    /// Unit variations of the augmented state, for [`advance_with`](Self::advance_with): by each
-    /// given state (coordinates, rates, inner places, what blocks keep), then by value and
-    /// derivatives 1 to 3 of each input, each projected onto the contacts' constraints.
+    /// Returns unit variations of the augmented state for [`advance_with`](Self::advance_with): by
+    /// each given state (coordinates, rates, inner places, states of blocks), then by value and
+    /// derivatives 1 to 3 of each input. Each is projected onto the contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;
@@ -136,8 +136,7 @@ impl Motion {
         Ok(outcome)
     }
 
-    /// Applies the law of the pending event and carries variations over it; does nothing without
-    /// one.
+    /// Applies the law of the pending event, if there is one, and carries variations over it.
     ///
     /// # Errors
     /// As [`apply_event`](Self::apply_event).
@@ -151,7 +150,7 @@ impl Motion {
             motion.table().a.rows_times(0..z.len(), z)
         };
         let incoming = rate(self);
-        // An `ElastoGap` has two functionals with one `watch`: the one that is zero here.
+        // An `ElastoGap` has two event functions with the same `watch`: take the one at zero.
         let due = self.due();
         let ended = self.table().watched.iter().filter(|w| Some(w.watch) == due);
         let off = |row: &Arc<Sparse>| row.dot(before.1.as_slice()).abs();

@@ -1,6 +1,6 @@
-//! Linear blocks as rows: continuous ones are states of first order, sampled ones keep states,
-//! outputs that act and outputs under way as states without a rate, which samples set anew
-//! (docs/assembly-law.md, section 19).
+//! Linear blocks as rows (docs/assembly-law.md, section 19). Continuous blocks have states of
+//! first order. Sampled blocks keep states, outputs that act and outputs under way, as states
+//! without a rate, which samples set.
 
 mod samples;
 mod sided;
@@ -15,52 +15,52 @@ use crate::mode::StopState;
 use crate::quantity::What;
 use nalgebra::{DMatrix, DVector};
 
-/// Σ row · z + Σ factor · max(0, excess of a limit).
+/// A combination Σ row · z + Σ factor · max(0, excess of a limit).
 #[derive(Clone, Debug)]
 pub struct Combination {
     /// The linear part.
     pub row: StateRow,
-    /// Places of limits among the stops, with factors.
+    /// Indices of limits among the stops, with factors.
     pub beyond: Vec<(usize, f64)>,
 }
 
 /// Rows of a block.
 #[derive(Clone, Debug)]
 pub struct BlockRows {
-    /// u.
+    /// Inputs u.
     pub inputs: Vec<Combination>,
-    /// y, as whoever reads it sees it.
+    /// Outputs y, as their readers see them.
     pub outputs: Vec<Combination>,
     /// Index of the first state in the augmented state.
     pub first: usize,
     /// Number of states.
     pub states: usize,
-    /// Of a sampled block.
+    /// The samples of a sampled block.
     pub sampler: Option<Sampler>,
 }
 
-/// What a sampled block does at its samples.
+/// The law of a sampled block at its samples.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    /// x⁺ = a x + b u.
+    /// The matrix a of x⁺ = a x + b u.
     pub a: DMatrix<f64>,
-    /// By state and input.
+    /// The matrix b, by state and input.
     pub b: DMatrix<f64>,
-    /// y = c x + d u.
+    /// The matrix c of y = c x + d u.
     pub c: DMatrix<f64>,
-    /// By output and input.
+    /// The matrix d, by output and input.
     pub d: DMatrix<f64>,
-    /// By output, infinite without.
+    /// Limits of each output; infinite if it has none.
     pub limits: Vec<[f64; 2]>,
-    /// By input what it is rounded to a multiple of; 0 where it is not.
+    /// Quantum of each input, which is rounded to its multiples; 0 if it is not rounded.
     pub quanta: Vec<f64>,
-    /// Whether derivatives leave the rounding out.
+    /// Whether derivatives ignore the rounding.
     pub varies_rounded: bool,
     /// Time between samples, s.
     pub period: f64,
     /// Time until outputs act, s.
     pub delay: f64,
-    /// Most outputs of earlier samples that are under way.
+    /// Largest number of earlier samples whose outputs are under way.
     pub under_way: usize,
 }
 
@@ -78,7 +78,7 @@ impl Combination {
         self.beyond.extend(other.beyond.iter().map(|&(stop, own)| (stop, factor * own)));
     }
 
-    /// Its row where limits are in these states.
+    /// The row while the limits are in these states.
     pub fn row_in(&self, stops: &[StopRows], states: &[StopState]) -> StateRow {
         let mut row = self.row.clone();
         for &(stop, factor) in self.beyond.iter().filter(|own| states[own.0] == StopState::Pressed) {
@@ -87,7 +87,7 @@ impl Combination {
         row
     }
 
-    /// Its value.
+    /// The value of the combination.
     pub fn at(&self, stops: &[StopRows], z: &DVector<f64>) -> f64 {
         let beyond =
             self.beyond.iter().map(|&(stop, own)| own * stops[stop].excess.at(z.as_slice()).max(0.0));
@@ -115,12 +115,12 @@ impl Sampler {
 }
 
 impl BlockRows {
-    /// The place of the output that acts, or of one under way by its turn.
+    /// The index of an output in the state: the one that acts, or one under way by its turn.
     pub fn place_of_output(&self, turn: Option<usize>, output: usize) -> usize {
         self.first + self.states + turn.map_or(0, |turn| 1 + turn) * self.outputs.len() + output
     }
 
-    /// The place of a state or of an output that acts among [`kept`](Self::kept).
+    /// The index, among [`kept`](Self::kept), of a state or of an output that acts.
     fn place_among_kept(&self, what: What) -> Option<usize> {
         match what {
             What::State(k) => Some(k),
@@ -129,7 +129,7 @@ impl BlockRows {
         }
     }
 
-    /// Numbers that it keeps: states, outputs that act, outputs under way.
+    /// Count of stored values: states, outputs that act, outputs under way.
     pub fn kept(&self) -> usize {
         self.states + self.sampler.as_ref().map_or(0, |own| self.outputs.len() * (1 + own.under_way))
     }
@@ -140,15 +140,15 @@ pub(super) fn count(d: &Description) -> usize {
     d.blocks.iter().map(|block| block.start.len() + block.kept()).sum()
 }
 
-/// The states of first order of all blocks at time 0, and zeros for outputs.
+/// The states of first order of all blocks at time 0, with zeros for outputs.
 pub(crate) fn starts(d: &Description) -> impl Iterator<Item = f64> + '_ {
     let of = |block: &Block| block.start.iter().copied().chain(vec![0.0; block.kept()]).collect::<Vec<_>>();
     d.blocks.iter().flat_map(of)
 }
 
 impl System {
-    /// Adds the blocks, with the limits of continuous ones behind all stops and corners, and what
-    /// loads take from them.
+    /// Adds the blocks, their limits after all stops and corners (for continuous blocks), and the
+    /// loads that follow them.
     pub(super) fn add_blocks(&mut self, d: &Description, sources: &[StateRow]) {
         if d.blocks.is_empty() {
             return;
@@ -201,7 +201,7 @@ impl System {
         row
     }
 
-    /// The outputs, each after those on which it depends.
+    /// Adds the outputs, each after the outputs on which it depends.
     fn add_outputs(&mut self, d: &Description, sources: &[StateRow]) {
         for block in 0..self.blocks.len() {
             for output in 0..self.blocks[block].outputs.len() {
@@ -239,7 +239,7 @@ impl System {
             let elongation = self.acting(&Functional::zeros(self.coordinates));
             let law = StopLaw::Compliant { stiffness: 0.0, damping: 0.0, limit: DampingLimit::Pull };
             limited.beyond.push((self.stops.len(), -sign));
-            // How far the output would be beyond the limit is the force of the stop.
+            // The force of the stop is the output's excess beyond the limit.
             let (force, spring) = (excess.clone(), excess.clone());
             let limit = Some(OutputLimit { block, output, is_upper: sign > 0.0 });
             let elongation = Elongation { e: excess.clone(), ..elongation };
@@ -250,7 +250,7 @@ impl System {
         limited
     }
 
-    /// An elongation without rows whose force acts along w.
+    /// An elongation without rows; its force acts along w.
     fn acting(&self, w: &Functional) -> Elongation {
         let [e, rate, drift] = [(); 3].map(|()| Functional::zeros(self.signals.size));
         self.reaching(e, rate, drift, w.clone())
@@ -292,13 +292,13 @@ impl System {
         }
     }
 
-    /// The force of a load where limits are in these states.
+    /// The force of a load while the limits are in these states.
     pub fn load_row(&self, load: usize, states: &[StopState]) -> StateRow {
         let own = Combination { row: (*self.loads[load]).clone(), beyond: self.load_limits[load].clone() };
         own.row_in(&self.stops, states)
     }
 
-    /// Adds what limits that are passed take from the rates of states of first order.
+    /// Subtracts the effect of passed limits from the rates of states of first order.
     pub(crate) fn add_limits(&self, states: &[StopState], z: &DVector<f64>, rates: &mut DVector<f64>) {
         for (stop, _) in self.passed_limits(states) {
             let beyond = stop.excess.at(z.as_slice());
@@ -306,7 +306,7 @@ impl System {
         }
     }
 
-    /// The limits that outputs are beyond, with their places.
+    /// The limits that outputs have passed, with their indices.
     pub(crate) fn passed_limits<'a>(
         &'a self,
         states: &'a [StopState],
@@ -320,8 +320,8 @@ impl System {
         self.stops.iter().filter(|own| own.limit.is_some())
     }
 
-    /// Sets what blocks that read no body put out at time 0: continuous ones from their starts,
-    /// sampled ones without delay by their first sample.
+    /// Sets the outputs at time 0 of blocks that read no body: for continuous blocks from their
+    /// starts, for sampled blocks without delay from their first sample.
     pub(crate) fn put_out_at_rest(&self, d: &Description, z: &mut StateRow) {
         let Some(first) = self.blocks.first().map(|own| own.first) else { return };
         starts(d).enumerate().for_each(|(k, x)| z[first + k] = x);
@@ -336,7 +336,7 @@ impl System {
         self.stops[stop].limit.is_some()
     }
 
-    /// The value of a signal, or an output of a block, where limits are in these states, by the
+    /// The row of a signal or of a block's output while the limits are in these states, by the
     /// index of the element.
     pub fn block_row(&self, element: usize, what: What, states: &[StopState]) -> StateRow {
         let first = self.parts.len() - self.blocks.len();
@@ -346,7 +346,7 @@ impl System {
         }
     }
 
-    /// The place of a quantity of a sampled block, by its element, among
+    /// The index of a quantity of a sampled block, by its element, among
     /// [`Motion::kept_by_samples`](crate::Motion::kept_by_samples).
     pub fn place_by_samples(&self, element: usize, what: What) -> Option<usize> {
         let own = (element + self.blocks.len()).checked_sub(self.parts.len())?;
@@ -355,7 +355,7 @@ impl System {
         Some(before.map(BlockRows::kept).sum::<usize>() + block.place_among_kept(what)?)
     }
 
-    /// The place of a state of a block, by the index of the element.
+    /// The index of a block's state, by the index of the element.
     pub fn block_place(&self, element: usize, what: What) -> usize {
         let block = &self.blocks[element + self.blocks.len() - self.parts.len()];
         match what {

@@ -27,7 +27,7 @@ pub(super) fn bodies(
     let of = |i: usize| {
         let own = reduction.q[i].terms();
         let shifted = |first: usize| Functional::from_terms(size, own.iter().map(|&(k, x)| (first + k, x)));
-        // The places of the coordinates come before those of the signals.
+        // The coordinates come before the signals.
         let both = |first: usize, order: usize| {
             Functional::sum(size, [(1.0, &shifted(first)), (1.0, &prescribed(i, order))])
         };

@@ -1,10 +1,10 @@
-//! States of first order, which stand in the augmented state between the rates and the signals:
-//! each has a row that gives its rate, y' = row · z. The stretches y = e - x of springs in series
-//! are such states (docs/assembly-law.md, section 15).
+//! States of first order, which follow the rates in the augmented state and precede the signals. A
+//! row gives the rate of each: y' = row · z. The stretches y = e - x of springs in series are such
+//! states (docs/assembly-law.md, section 15).
 //!
-//! The augmented state has y and not the inner place x: stiffness · (e - x) would have the rounding
-//! of e, and the difference is far larger than a small force of a stiff spring. States that are
-//! given or told outside have x ([`System::take_given`], [`System::given`]).
+//! The augmented state has y and not the inner place x: stiffness · (e - x) would have the
+//! rounding of e, which may exceed a small force of a stiff spring. States that users give or read
+//! have x ([`System::take_given`], [`System::given`]).
 
 use super::{Elongation, FirstOrder, Part, StopRows, System};
 use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
@@ -16,15 +16,15 @@ use std::ops::Range;
 /// Rows of a spring in series with a partner.
 #[derive(Clone, Debug)]
 pub struct BranchRows {
-    /// Elongation e of both together.
+    /// Elongation e of the spring and its partner together.
     pub elongation: Elongation,
-    /// N/m or N m/rad, positive.
+    /// Stiffness, N/m or N m/rad; positive.
     pub stiffness: f64,
     /// The partner.
     pub law: SeriesLaw,
     /// Index of the stretch y = e - x in the augmented state.
     pub place: usize,
-    /// b = stiffness · y, from which a slipping slider departs: [`System::branch_force`].
+    /// Spring force b = stiffness · y, which a slipping slider limits ([`System::branch_force`]).
     pub force: Functional,
     /// The inner place x = e - y.
     pub inner: Functional,
@@ -36,7 +36,7 @@ impl BranchRows {
         matches!(self.law, SeriesLaw::Slider { .. })
     }
 
-    /// The stretch at which the force is at the level `slip` of the slider.
+    /// The stretch at which the force is at the slider's level `slip`.
     fn stretch_at(&self, slip: f64) -> f64 {
         slip / self.stiffness
     }
@@ -69,7 +69,7 @@ impl System {
         self.parts[element].iter().find_map(|part| if let Part::Branch(i) = *part { Some(i) } else { None })
     }
 
-    /// By branch: the elongation in an augmented state.
+    /// The elongation of each branch in an augmented state.
     pub(crate) fn elongations_in_series(&self, z: &[f64]) -> Vec<f64> {
         self.branches.iter().map(|branch| branch.elongation.e.at(z)).collect()
     }
@@ -81,8 +81,8 @@ impl System {
         }
     }
 
-    /// The states of an augmented state as they are given: coordinates, rates, then the inner
-    /// places of springs in series and what blocks keep.
+    /// The states that users read: coordinates, rates, then the inner places of springs in series
+    /// and the states of blocks.
     pub fn given(&self, z: &[f64]) -> Vec<f64> {
         let mut states = z[..self.states()].to_vec();
         self.branches.iter().for_each(|branch| states[branch.place] = branch.inner.at(z));
@@ -103,8 +103,8 @@ impl System {
         Part::Branch(self.branches.len() - 1)
     }
 
-    /// The row of the rate of a state of first order where the branches are in given states, by its
-    /// place among these; `None` where it stands.
+    /// The row of the rate of state of first order `k` while the branches are in given states;
+    /// `None` if the state does not change.
     pub(crate) fn rate_of_first_order(&self, k: usize, sliders: &[SliderState]) -> Option<&Functional> {
         let own = &self.first_order[k];
         let moves =
@@ -135,8 +135,8 @@ impl System {
         }
     }
 
-    /// The force of a branch in a state of its slider: the level while the slider slips, whatever
-    /// the stretch.
+    /// The force of a branch in a state of its slider. While the slider slips it is the level,
+    /// whatever the stretch.
     pub fn branch_force(&self, i: usize, state: SliderState) -> Functional {
         match self.slip_level(i) {
             Some(level) if state != SliderState::Held => state.direction() * &level,
@@ -173,14 +173,14 @@ impl System {
         (0..self.branches.len()).filter(|&i| self.branches[i].is_slider())
     }
 
-    /// Puts the stretch of each branch whose slider slips where its force is at its level.
+    /// Sets the stretch of each branch whose slider slips so that its force is at its level.
     pub(crate) fn keep_levels(&self, sliders: &[SliderState], z: &mut [f64]) {
         for (i, state) in sliders.iter().enumerate().filter(|(_, state)| **state != SliderState::Held) {
             self.keep_level(i, state.direction(), z);
         }
     }
 
-    /// Puts the force of each branch at its level whose slider an event has moved.
+    /// Sets the force of a branch to its level if an event has moved the branch's slider.
     pub(crate) fn keep_moved(&self, [before, after]: [&[f64]; 2], variation: &mut [f64]) {
         for i in 0..self.branches.len() {
             if let Some(direction) = self.was_moved(i, before, after) {
@@ -189,8 +189,8 @@ impl System {
         }
     }
 
-    /// The direction of the force of a branch whose slider an event has moved: after a jump the
-    /// force is at its level.
+    /// The direction of a branch's force if an event has moved its slider: after a jump the force
+    /// is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
         let SeriesLaw::Slider { slip } = branch.law else { return None };
@@ -205,8 +205,8 @@ impl System {
         }
     }
 
-    /// Reduces the stretch of each branch whose force is above its level to the stretch at which it
-    /// is at its level. Returns by branch the way of the inner place.
+    /// Reduces the stretch of each branch whose force exceeds its level until the force is at its
+    /// level. Returns the distances that inner places move.
     pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
         let way = |branch: &BranchRows, z: &mut [f64]| {
             let SeriesLaw::Slider { slip } = branch.law else { return 0.0 };

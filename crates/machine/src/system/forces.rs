@@ -1,5 +1,5 @@
-//! Forces of elements in states of contacts, and the accelerations that they give
-//! (docs/assembly-law.md (A5)).
+//! Forces of elements in states of contacts, and the resulting accelerations (docs/assembly-law.md
+//! (A5)).
 
 use super::{Elongation, System};
 use crate::functional::{Functional, StateRow};
@@ -16,7 +16,7 @@ impl System {
         }
     }
 
-    /// The force of a compliant stop in a state in which it is not zero.
+    /// The force of a compliant stop; `None` in a state without a force.
     pub fn stop_force(&self, i: usize, state: StopState) -> Option<Functional> {
         state.force(&self.stops[i].force, &self.stops[i].spring)
     }
@@ -57,8 +57,8 @@ impl System {
         }
     }
 
-    /// Accelerations without contact forces, in given states of stops, frictions and sliders, as
-    /// rows.
+    /// Rows of the accelerations without contact forces, in given states of stops, frictions and
+    /// sliders.
     pub fn free_acceleration(
         &self,
         stops: &[StopState],
@@ -68,8 +68,8 @@ impl System {
         self.accelerations(&self.forces, stops, (frictions, stops), sliders)
     }
 
-    /// M⁻¹ times the sum of the forces `always` and the forces that the given states determine:
-    /// those of stops, of frictions with the states of the stops that they follow, and of sliders.
+    /// Returns M⁻¹ times the sum of the forces `always` and the forces of stops, frictions and
+    /// sliders that the given states determine. Frictions may follow stops in states `followed`.
     pub(crate) fn accelerations(
         &self,
         always: &DMatrix<f64>,
@@ -93,7 +93,7 @@ impl System {
                 add_outer(&mut forces, &self.branches[i].elongation.w, &self.branch_force(i, state));
             }
         }
-        // Forces are summed before they are divided, so that cancelling ones leave exact zeros.
+        // Forces are summed before they are divided, so that forces that cancel leave exact zeros.
         if self.is_diagonal {
             for (mut row, inertia) in forces.row_iter_mut().zip(self.mass.diagonal().iter()) {
                 row /= *inertia;

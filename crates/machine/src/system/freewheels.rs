@@ -1,9 +1,9 @@
-//! Freewheels: rigid stops of e' in place of e (docs/assembly-law.md, section 18).
+//! Freewheels: rigid stops that act on e' instead of e (docs/assembly-law.md, section 18).
 //!
-//! A freewheel takes part in the law as a rigid stop whose e - gap is e': it is closed where e' = 0
-//! is kept by a force that is not negative, and open where e' < 0. What differs is asked for by
-//! [`System::keeps_place`] and [`System::freewheels`]: it holds no place, and its impacts are those
-//! of (A53).
+//! In the law, a freewheel is a rigid stop with e' instead of e - gap. It is closed while a force
+//! that is not negative keeps e' = 0, and open while e' < 0. Differences are found by
+//! [`System::keeps_place`] and [`System::freewheels`]: it holds no place, and its impacts follow
+//! (A53).
 
 use super::{Part, StopRows, System};
 use crate::description::{Description, StopLaw};
@@ -12,7 +12,7 @@ use crate::mode::Contact;
 use std::ops::Range;
 
 impl System {
-    /// Adds the freewheels, behind all stops and corners.
+    /// Adds the freewheels after all stops and corners.
     pub(super) fn add_freewheels(&mut self, d: &Description) {
         self.first_freewheel = self.stops.len();
         for (i, element) in d.elements().enumerate() {
@@ -24,12 +24,12 @@ impl System {
         }
     }
 
-    /// The places of the freewheels among the stops.
+    /// The indices of the freewheels among the stops.
     pub fn freewheels(&self) -> Range<usize> {
         self.first_freewheel..self.stops.len()
     }
 
-    /// Whether a contact keeps a place, e = gap, and not a rate alone.
+    /// Whether a contact keeps a place, e = gap, and not only a rate.
     pub fn keeps_place(&self, contact: Contact) -> bool {
         matches!(contact, Contact::Stop(i) if !self.stops[i].is_freewheel)
     }

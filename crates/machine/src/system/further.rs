@@ -1,11 +1,11 @@
-//! Parts whose force depends on that of others: corners of springs by points, friction that follows
-//! a stop.
+//! Parts whose force depends on other parts: corners of piecewise linear springs, friction that
+//! follows a stop.
 
 use super::{FrictionRows, LevelRows, Part, System};
 use crate::description::{Arms, Follows};
 
 impl System {
-    /// Whether a stop is a corner of a spring's force, or one of its levels.
+    /// Whether a stop is a corner of a spring's force, or one of a spring's levels.
     pub fn is_corner(&self, stop: usize) -> bool {
         let is_own = (self.first_corner..self.first_freewheel).contains(&stop);
         is_own && self.stops[stop].level.is_none_or(|own| own.stop.is_none())

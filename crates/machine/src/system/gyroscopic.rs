@@ -5,23 +5,23 @@ use crate::description::Description;
 use crate::functional::StateRow;
 use nalgebra::DMatrix;
 
-/// A skew matrix on the normal coordinates from a first body on.
+/// A skew-symmetric matrix on consecutive normal coordinates.
 #[derive(Clone, Debug)]
 pub struct Gyroscopic {
-    /// Index of the first of these bodies.
+    /// Index of the first coordinate's body.
     pub first: usize,
     /// G in normal coordinates.
     pub matrix: DMatrix<f64>,
 }
 
 impl Gyroscopic {
-    /// Those of a machine.
+    /// The gyroscopic matrices of a machine.
     pub(super) fn of(d: &Description) -> Vec<Self> {
         let own = d.matrices.iter().filter_map(|own| Some((own.first, own.gyroscopic.clone()?)));
         own.map(|(first, matrix)| Self { first, matrix }).collect()
     }
 
-    /// The force against each of its bodies, (G v) by body, where `rate` is a body's rate.
+    /// The force (G v) against each of the bodies; `rate` returns a body's rate.
     pub(crate) fn forces<'r>(
         &self,
         size: usize,

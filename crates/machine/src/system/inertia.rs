@@ -1,4 +1,4 @@
-//! The factored inertia matrix, by the blocks of coordinates that links and nodes couple.
+//! The factored inertia matrix, in blocks of coordinates that links and nodes couple.
 
 use super::RowMatrix;
 use crate::components::components;
@@ -7,17 +7,17 @@ use crate::kernel::sort_by_place;
 use nalgebra::{Cholesky, DMatrix, DVector, Dim, Dyn, Matrix, OMatrix, StorageMut};
 use std::sync::OnceLock;
 
-/// Cholesky's factor L of the inertia matrix M = L Lᵀ.
+/// Cholesky factor L of the inertia matrix M = L Lᵀ.
 #[derive(Clone, Debug)]
 pub struct Inertia {
     blocks: Vec<Block>,
-    /// By coordinate its block, and its place there.
+    /// Block of each coordinate, and its index there.
     homes: Vec<(usize, usize)>,
     /// L with all entries.
     lower: OnceLock<DMatrix<f64>>,
 }
 
-/// Coordinates that M couples, ascending.
+/// Coordinates that M couples, in ascending order.
 #[derive(Clone, Debug)]
 struct Block {
     places: Vec<usize>,
@@ -25,7 +25,7 @@ struct Block {
 }
 
 impl Inertia {
-    /// The factor; `None` where the matrix is not positive definite in double precision.
+    /// The factor; `None` if the matrix is not positive definite in double precision.
     pub(crate) fn new(mass: &RowMatrix) -> Option<Self> {
         let n = mass.diagonal().len();
         let pairs = (0..n).flat_map(|i| mass.entries(i).iter().map(move |&(j, _)| (i, j)));
@@ -52,7 +52,7 @@ impl Inertia {
         x
     }
 
-    /// Replaces each column by M⁻¹ times it.
+    /// Replaces each column x by M⁻¹ x.
     pub fn solve_mut<C: Dim, S: StorageMut<f64, Dyn, C>>(&self, b: &mut Matrix<f64, Dyn, C, S>) {
         for Block { places, factor } in &self.blocks {
             for column in 0..b.ncols() {
@@ -101,7 +101,7 @@ impl Inertia {
         rows
     }
 
-    /// The entry of M⁻¹ on the diagonal.
+    /// The diagonal entry of M⁻¹ at a coordinate.
     pub(crate) fn compliance(&self, k: usize) -> f64 {
         let (block, place) = self.homes[k];
         let Block { places, factor } = &self.blocks[block];
@@ -110,7 +110,7 @@ impl Inertia {
         factor.solve(&unit)[place]
     }
 
-    /// L.
+    /// The factor L.
     pub fn l(&self) -> &DMatrix<f64> {
         self.lower.get_or_init(|| {
             let mut lower = DMatrix::zeros(self.homes.len(), self.homes.len());

@@ -1,5 +1,5 @@
-//! The powers that a machine's loads put in and its losses take out, as products of two functionals
-//! of the state, with the states of contacts in which each is there (docs/assembly-law.md (A20)).
+//! The powers of a machine's loads and losses, as products of two linear functions of the state,
+//! with the contact states that each requires (docs/assembly-law.md (A20)).
 
 use super::System;
 use crate::description::{SeriesLaw, StopLaw};
@@ -25,39 +25,39 @@ pub enum Account {
     Branch(usize),
 }
 
-/// A factor times the product of two functionals.
+/// A factor times the product of two linear functions of the state.
 #[derive(Clone, Debug)]
 pub struct Power {
-    /// Where its work is summed.
+    /// The account to which its work is added.
     pub account: Account,
     /// The factor.
     pub factor: f64,
-    /// Places of the two functionals.
+    /// Indices of the two functions.
     pub of: [usize; 2],
 }
 
-/// When a power is there.
+/// Contact states that a power requires.
 #[derive(Clone, Copy, Debug)]
 enum When {
     Always,
     Stop(usize, StopState),
     Friction(usize, FrictionState),
-    /// A friction in a state while the stop that it follows is in another.
+    /// A friction in a state while the stop that it follows is in a given state.
     Following((usize, FrictionState), (usize, StopState)),
     Slider(usize, SliderState),
 }
 
-/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work of
-/// its force beyond the stored energy ½ k max(0, e - gap)².
+/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work
+/// of its force in excess of the stored energy ½ k max(0, e - gap)².
 #[derive(Clone, Debug)]
 pub struct Losses {
-    /// The functionals of all powers.
+    /// The linear functions of all powers.
     pub rows: Arc<Vec<Sparse>>,
     all: Vec<(When, Power)>,
 }
 
 impl Losses {
-    /// Of a machine.
+    /// The powers of a machine.
     pub fn new(system: &System) -> Self {
         let mut rows: Vec<Sparse> = Vec::new();
         let mut all = Vec::new();
@@ -123,7 +123,7 @@ impl Losses {
         Self { rows: Arc::new(rows), all }
     }
 
-    /// Those of a mode.
+    /// The powers that act in a mode.
     pub fn of_mode(&self, mode: &Mode) -> impl Iterator<Item = &Power> {
         let acts = |when: When| match when {
             When::Always => true,

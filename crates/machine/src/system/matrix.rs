@@ -1,4 +1,4 @@
-//! The matrix A of z' = A z from rows of accelerations (docs/assembly-law.md (A5)).
+//! The matrix A of z' = A z, built from rows of accelerations (docs/assembly-law.md (A5)).
 
 use super::System;
 use crate::kernel::SparseMatrix;
@@ -16,7 +16,7 @@ impl System {
         self.rows_of(|k, a| a.push_row((0..size).map(|j| (j, acceleration[(k, j)]))), states)
     }
 
-    /// The matrix A where `push` adds the row of each coordinate's acceleration.
+    /// The matrix A; `push` adds the row of each coordinate's acceleration.
     fn rows_of(
         &self,
         push: impl Fn(usize, &mut SparseMatrix),
@@ -31,12 +31,12 @@ impl System {
         a
     }
 
-    /// A of the mode in which no stop is pressed, no friction slips and no contact is held, without
-    /// the forces of stiff springs and of springs with sliders.
+    /// The matrix A of the mode in which no stop is pressed, no friction slips and no contact is
+    /// held, without the forces of stiff springs and of springs with sliders.
     pub(crate) fn base(&self) -> SparseMatrix {
         let forces = self.soft_forces();
         if self.is_diagonal {
-            // Forces are summed before they are divided, so that cancelling ones leave exact zeros.
+            // Sum before dividing, so that forces that cancel leave exact zeros.
             let row = |k: usize| forces.entries(k).iter().map(move |&(j, x)| (j, x / self.mass[(k, k)]));
             return self.rows_of(|k, a| a.push_row(row(k)), (&[], &[]));
         }

@@ -39,7 +39,7 @@ impl System {
         }
     }
 
-    /// The force of a part in a mode as a row. `lambda` are the rows of the contact forces of the
+    /// The row of a part's force in a mode. `lambda` has the rows of the contact forces of the
     /// mode's [basis](Mode::basis).
     pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Sparse]) -> Functional {
         let held = |contact: Contact| {

@@ -1,4 +1,4 @@
-//! The choice of minimal coordinates: what links and nodes determine follows from the rest
+//! The choice of minimal coordinates: links and nodes determine the other coordinates
 //! (docs/assembly-law.md (A1)).
 
 use crate::description::{BodyKind, Description};
@@ -6,26 +6,26 @@ use crate::error::Error;
 use crate::kernel::Sparse;
 use nalgebra::DVector;
 
-/// Pivot of a redundant link: after elimination its largest arm on a free coordinate is below this
-/// part of its largest arm.
+/// A link is redundant if, after elimination, its largest arm on a free coordinate is below this
+/// fraction of its largest original arm.
 const NO_PIVOT: f64 = 1e-12;
 
 /// All bodies' coordinates in terms of q and of the prescribed bodies' coordinates.
 pub struct Reduction {
     /// The bodies whose coordinates are q.
     pub kept: Vec<usize>,
-    /// Weights of q, by body.
+    /// Weights of q for each body.
     pub q: Vec<Sparse>,
-    /// Weights of the prescribed bodies' coordinates, by body.
+    /// Weights of the prescribed bodies' coordinates for each body.
     pub prescribed: Vec<Sparse>,
 }
 
-/// Eliminates one coordinate for each link, the one with the largest remaining arm, so that no arm
-/// is divided by a small one.
+/// Eliminates one coordinate for each link: the one with the largest remaining arm, so that no arm
+/// is divided by a small arm.
 pub fn reduce(d: &Description) -> Result<Reduction, Error> {
     let count = d.bodies.len();
     let free: Vec<bool> = d.bodies.iter().map(|b| matches!(b.kind, BodyKind::Free(_))).collect();
-    // A node follows from its row; no link takes it out.
+    // A node follows from its row; links do not eliminate it.
     let mut equations: Vec<(usize, DVector<f64>)> = nodes(d).collect();
     let follows: Vec<bool> = d.bodies.iter().map(|b| !b.kind.is_prescribed()).collect();
     for link in &d.links {

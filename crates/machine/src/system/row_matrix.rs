@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::{Deref, Index};
 use std::sync::OnceLock;
 
-/// A matrix by the nonzero entries of its rows. The matrix of all entries, to which it
-/// dereferences, is made at the first such use.
+/// A matrix, stored by the nonzero entries of its rows. It dereferences to the full matrix, which
+/// is made on first use.
 #[derive(Clone, Debug)]
 pub struct RowMatrix {
     columns: usize,
@@ -42,7 +42,7 @@ impl RowSums {
 }
 
 impl RowMatrix {
-    /// The entries of a row that are not zero, with their places.
+    /// The nonzero entries of a row, with their column indices.
     pub fn entries(&self, i: usize) -> &[(usize, f64)] {
         self.rows[i].terms()
     }
@@ -52,12 +52,12 @@ impl RowMatrix {
         DVector::from_fn(self.rows.len(), |k, _| self[(k, k)])
     }
 
-    /// Whether it has no entry but on the diagonal.
+    /// Whether all entries off the diagonal are zero.
     pub(crate) fn is_diagonal(&self) -> bool {
         self.rows.iter().enumerate().all(|(i, row)| row.terms().iter().all(|&(j, _)| i == j))
     }
 
-    /// Whether it has no entry.
+    /// Whether all entries are zero.
     pub(crate) fn is_zero(&self) -> bool {
         self.rows.iter().all(|row| row.terms().is_empty())
     }
@@ -67,7 +67,7 @@ impl RowMatrix {
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| row.dot(z.as_slice())))
     }
 
-    /// The product of the entries' absolute values with those of a vector.
+    /// The product of the entries' absolute values and a vector's absolute values.
     pub(crate) fn sizes(&self, z: &DVector<f64>) -> DVector<f64> {
         let sizes = z.abs();
         DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| row.size(sizes.as_slice())))

@@ -8,30 +8,30 @@ use nalgebra::DVector;
 /// The elongation e = Σ arm · s of an element, with its rate.
 #[derive(Clone, Debug)]
 pub struct Elongation {
-    /// e.
+    /// Elongation e.
     pub e: Functional,
-    /// e'.
+    /// Rate e'.
     pub rate: Functional,
     /// The direction of its force on the coordinates, w = ∂e'/∂v; e'' = w·a + drift·z.
     pub w: Functional,
     /// Part of e'' due to prescribed bodies.
     pub drift: Functional,
-    /// L⁻¹ w.
+    /// The vector L⁻¹ w.
     pub column: Functional,
     /// The change of the velocities by a unit impulse, M⁻¹ w.
     pub mobility: Functional,
-    /// The coordinates at which any of w, L⁻¹ w and M⁻¹ w is not zero, ascending.
+    /// The coordinates at which w, L⁻¹ w or M⁻¹ w is not zero, ascending.
     pub reach: Vec<usize>,
 }
 
-/// A body's coordinate as rows.
+/// Rows of a body's coordinate.
 #[derive(Clone, Debug)]
 pub struct BodyRows {
-    /// s.
+    /// Coordinate s.
     pub s: Functional,
     /// Its rate.
     pub v: Functional,
-    /// s'' = weights·a + drift·z.
+    /// Weights of the accelerations: s'' = weights·a + drift·z.
     pub weights: Functional,
     /// Part of s'' due to prescribed bodies.
     pub drift: Functional,
@@ -42,41 +42,41 @@ pub struct BodyRows {
 pub struct SpringRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// N/m or N m/rad.
+    /// Stiffness, N/m or N m/rad.
     pub stiffness: f64,
-    /// N s/m or N m s/rad.
+    /// Damping, N s/m or N m s/rad.
     pub damping: f64,
-    /// N or N m.
+    /// Preload, N or N m.
     pub preload: f64,
     /// Its force.
     pub force: Functional,
 }
 
-/// A side of the limits of a continuous block's output, which stands among the stops: how far the
-/// output would be beyond it is the excess and the force of one.
+/// One side of the limits of a continuous block's output. It is listed among the stops, with the
+/// output's excess beyond the limit as the stop's excess and force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutputLimit {
     /// Index of the block.
     pub block: usize,
     /// Index among its outputs.
     pub output: usize,
-    /// Whether it is the upper one.
+    /// Whether it is the upper limit.
     pub is_upper: bool,
 }
 
-/// A part that acts while a stiffness that steps has one of its levels.
+/// A part that acts while a stepped stiffness has one of its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLevel {
     /// The coordinate of the signal that counts the levels.
     pub counter: usize,
-    /// The level, which the counter has while the part acts.
+    /// The counter's value while the part acts.
     pub level: f64,
-    /// The stop to whose section it belongs; `None` for that of a spring, which has no gap.
+    /// The stop to which the part belongs; `None` for a spring, which has no gap.
     pub stop: Option<usize>,
 }
 
 impl StopLevel {
-    /// Whether another level holds.
+    /// Whether the stiffness is at another level.
     #[inline]
     pub fn is_off(&self, z: &DVector<f64>) -> bool {
         (z[self.counter] - self.level).abs() > 0.5
@@ -88,7 +88,7 @@ impl StopLevel {
 pub struct StopRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// e - gap; of a freewheel e', which it keeps at 0 as a rigid stop does e - gap.
+    /// e - gap. For a freewheel e', which it keeps at 0 as a rigid stop keeps e - gap.
     pub excess: Functional,
     /// Contact law.
     pub law: StopLaw,
@@ -96,15 +96,15 @@ pub struct StopRows {
     pub force: Functional,
     /// The spring's share of a compliant stop's force: stiffness (e - gap).
     pub spring: Functional,
-    /// Whether a friction follows its force.
+    /// Whether a friction follows the stop's force.
     pub is_followed: bool,
-    /// The level at which it acts, of a stiffness that steps in time.
+    /// The level at which the stop acts, if its stiffness steps in time.
     pub level: Option<StopLevel>,
-    /// Whether it is a freewheel, which keeps no place.
+    /// Whether this is a freewheel, which keeps no place.
     pub is_freewheel: bool,
-    /// The limit of a continuous block's output that it is.
+    /// The limit of a continuous block's output, if this is one.
     pub limit: Option<OutputLimit>,
-    /// What a unit of its force takes from the rates of states of first order, with their places.
+    /// Decrease of rates of states of first order per unit of the force, with the states' indices.
     pub further: Vec<(usize, f64)>,
 }
 
@@ -117,7 +117,7 @@ impl StopRows {
         }
     }
 
-    /// Whether it is rigid and keeps e <= gap, which a freewheel does not.
+    /// Whether this is a rigid stop that keeps e <= gap, which a freewheel does not.
     pub fn keeps_gap(&self) -> bool {
         self.restitution().is_some() && !self.is_freewheel
     }
@@ -136,22 +136,22 @@ impl StopRows {
         if self.is_elastogap() && self.is_damped() { StopState::Capped } else { StopState::Pressed }
     }
 
-    /// Whether it has a dashpot.
+    /// Whether the stop has a dashpot.
     pub fn is_damped(&self) -> bool {
         self.force != self.spring
     }
 
-    /// Whether its force has a limit that is a multiple of its spring's.
+    /// Whether the force has a limit that is a multiple of the spring's force.
     pub fn is_limited(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::NoPull | DampingLimit::Elastogap, .. })
     }
 
-    /// Whether its dashpot acts only while e grows.
+    /// Whether the dashpot acts only while e grows.
     pub fn turns(&self) -> bool {
         self.is_damped() && self.may_rebound()
     }
 
-    /// The states in which it has a force, of a compliant stop.
+    /// The states of a compliant stop that have a force.
     pub fn states_with_force(&self) -> Vec<StopState> {
         let other = match self.law {
             _ if !self.is_damped() => None,
@@ -162,12 +162,12 @@ impl StopRows {
         std::iter::once(StopState::Pressed).chain(other).collect()
     }
 
-    /// Whether its force may be negative.
+    /// Whether the force may be negative.
     pub fn may_pull(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::Pull, .. })
     }
 
-    /// Whether its law is that of stops without a dashpot in the rebound.
+    /// Whether the stop's law has no dashpot in the rebound.
     pub fn may_rebound(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::UndampedRebound, .. })
     }
@@ -183,13 +183,13 @@ impl StopRows {
 pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// Its levels: one, or of one that follows a stop one for each state in which the stop has a
-    /// force.
+    /// The friction's levels: usually one. If it follows a stop, one for each state in which the
+    /// stop has a force.
     pub levels: Vec<LevelRows>,
-    /// By level the stop that it follows, with its state: one or, where the stop's stiffness steps,
-    /// several.
+    /// For each level, the stop that it follows, with its state. There are several stops if the
+    /// stop's stiffness steps.
     pub follows: Option<Vec<(usize, StopState)>>,
-    /// Whether its levels may pass zero while they act.
+    /// Whether the levels may pass zero while they act.
     pub passes: bool,
     /// Whether the static level is given separately.
     pub has_static: bool,
@@ -205,8 +205,8 @@ pub struct LevelRows {
 }
 
 impl FrictionRows {
-    /// Which levels it has in these states of the stops; `None` where the stop that it follows has
-    /// no force.
+    /// The index of the levels in these states of the stops; `None` if the followed stop has no
+    /// force.
     #[inline]
     pub fn place(&self, stops: &[StopState]) -> Option<usize> {
         match &self.follows {
@@ -215,7 +215,7 @@ impl FrictionRows {
         }
     }
 
-    /// Its levels in these states of the stops.
+    /// The levels in these states of the stops.
     #[inline]
     pub fn at(&self, stops: &[StopState]) -> Option<&LevelRows> {
         self.place(stops).map(|place| &self.levels[place])
@@ -225,8 +225,8 @@ impl FrictionRows {
 /// A state of first order.
 #[derive(Clone, Debug)]
 pub struct FirstOrder {
-    /// Its rate while it moves.
+    /// The state's rate while it moves.
     pub rate: Functional,
-    /// The branch with a slider whose stretch it is: it moves only while the slider is held.
+    /// The branch with a slider whose stretch this is; it moves only while the slider is held.
     pub slider: Option<usize>,
 }

@@ -1,5 +1,5 @@
-//! The system of a mode without held contacts as what always acts and a term for each force that
-//! acts in the mode: A = base - Σ by ⊗ force. Nothing dense is made when such a mode is met.
+//! The matrix of a mode without held contacts, as a constant part and one term for each force that
+//! acts in the mode: A = base - Σ by ⊗ force. No dense matrix is made when such a mode is met.
 
 use super::System;
 use crate::functional::Functional;
@@ -8,75 +8,75 @@ use crate::mode::{FrictionState, Mode, SliderState, StopState, Watch, WatchTable
 use crate::norm::{LEAST_RATE, swept};
 use std::sync::Arc;
 
-/// The part of the rate that signals may add to it in the norm of (A6).
+/// The fraction of the rate that signals may add to it in the norm of (A6).
 const SHARE: f64 = 0.1;
 
-/// A force with what a unit of it takes from z'.
+/// A force, and the decrease of z' per unit of it.
 #[derive(Clone, Debug)]
 pub struct Term {
     /// The force.
     pub force: Arc<Functional>,
-    /// M⁻¹ w in the places of the velocities.
+    /// The vector M⁻¹ w at the indices of the velocities.
     pub by: Arc<Sparse>,
 }
 
-/// What is known of the modes without held contacts before any is met.
+/// Data of the modes without held contacts, prepared before any mode is met.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// A where nothing is pressed or slips, without stiff springs and springs with sliders.
+    /// Matrix A if nothing is pressed or slips, without stiff springs and springs with sliders.
     pub base: Arc<SparseMatrix>,
     /// Stiff springs.
     stiff: Vec<Term>,
-    /// By stop, pressed, and at its cap or rebounding.
+    /// Forces of each stop, pressed, and at its cap or rebounding.
     stops: Vec<[Term; 2]>,
-    /// By friction and its levels, in the states of [`LEVELS`].
+    /// Forces of each friction and each of its levels, in the states of [`LEVELS`].
     frictions: Vec<Vec<[Term; 4]>>,
-    /// By friction: the stop that it follows, with the states in which it has levels.
+    /// The stop that each friction follows, with the states that give it levels.
     follows: Vec<Option<Vec<(usize, StopState)>>>,
-    /// By stop and state what is watched.
+    /// Event functions of each stop, by state.
     watched_stops: Vec<[Vec<Known>; STATES.len()]>,
-    /// By friction and its levels what is watched where it is off, slips upwards and downwards, and
-    /// sticks.
+    /// Event functions of each friction and each of its levels if it is off, slips upwards or
+    /// downwards, or sticks.
     watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
-    /// By branch with a slider, in the states of [`SLIDERS`]: the force and, while the slider is
-    /// held, the rate of the stretch.
+    /// Terms of each branch with a slider, in the states of [`SLIDERS`]: the force and, while the
+    /// slider is held, the rate of the stretch.
     sliders: Vec<(usize, [Vec<Term>; 3])>,
-    /// By branch what is watched where its slider is held, slips upwards and downwards.
+    /// Event functions of each branch whose slider is held, slips upwards or slips downwards.
     watched_sliders: Vec<[Vec<Known>; 3]>,
-    /// By stop, of limits of outputs, what is added to A where they are passed.
+    /// For each stop that is a limit of an output: the term of A while it is passed.
     limits: Vec<Option<Term>>,
     norm: Norm,
 }
 
-/// A watched functional; with entries on velocities or on states of first order its slope depends
-/// on the mode.
+/// An event function, and whether its slope depends on the mode, because it has entries on
+/// velocities or on states of first order.
 pub type Known = (Arc<WatchTable>, bool);
 
-/// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities, where d²
-/// are the entries of M⁻¹ on its diagonal, with which stiffness is symmetric.
+/// The norm of (A6) of a machine's modes: weights d of coordinates and Ω d of velocities. d² are
+/// the diagonal entries of M⁻¹, for which stiffness is symmetric.
 #[derive(Clone, Debug)]
 struct Norm {
     scales: Vec<f64>,
     /// Weights of the states of first order.
     inner: Vec<f64>,
-    /// By signal the largest weight beside which no velocity's rate feels it by more than one.
+    /// Largest weight of each signal with which it changes no velocity's rate by more than one.
     signals: Vec<f64>,
     /// The rate of the signals among themselves.
     rate: f64,
 }
 
-/// The states in which a friction's force is its level, in the order of [`Split::frictions`].
+/// States of a friction whose force is its level, in the order of [`Split::frictions`].
 const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
-/// The places of the states in [`Split::sliders`] and [`Split::watched_sliders`].
+/// The order of the states in [`Split::sliders`] and [`Split::watched_sliders`].
 const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
 
 fn place_of_slider(state: SliderState) -> usize {
     SLIDERS.iter().position(|own| *own == state).unwrap_or_default()
 }
 
-/// The places of the states in [`Split::watched_stops`].
+/// The order of the states in [`Split::watched_stops`].
 const STATES: [StopState; 8] = [
     StopState::Open,
     StopState::Closed,
@@ -187,7 +187,7 @@ impl Split {
         }
     }
 
-    /// The elastic forces that act in a mode: those of stiff springs, then those of stops.
+    /// Returns the elastic forces of a mode: first of stiff springs, then of stops.
     pub fn elastic(&self, mode: &Mode) -> Vec<Term> {
         let stops = self.stops.iter().zip(&mode.stops).zip(&self.limits).filter(|own| own.1.is_none());
         let stops = stops.filter_map(|((own, state), _)| match state {
@@ -198,8 +198,8 @@ impl Split {
         self.stiff.iter().chain(stops).cloned().collect()
     }
 
-    /// The forces of frictions whose state determines them, the forces of sliders, the rates of
-    /// stretches of held sliders, and limits of outputs that are passed.
+    /// Returns the forces of frictions that their state determines, the forces of sliders, the
+    /// rates of stretches of held sliders, and the terms of passed limits of outputs.
     pub fn frictional(&self, mode: &Mode) -> Vec<Term> {
         let frictions = self.frictions.iter().zip(&mode.frictions).enumerate();
         let place = |state: &FrictionState| LEVELS.iter().position(|own| own == state);
@@ -212,7 +212,7 @@ impl Split {
         frictions.filter_map(acting).chain(sliders.cloned()).chain(limits).collect()
     }
 
-    /// Which levels a friction has in a mode.
+    /// Returns the index of a friction's levels in a mode.
     fn levels_of(&self, i: usize, mode: &Mode) -> Option<usize> {
         match &self.follows[i] {
             None => Some(0),
@@ -220,12 +220,12 @@ impl Split {
         }
     }
 
-    /// A with forces beside base.
+    /// Returns A with these forces in addition to base.
     pub fn with<'t>(&self, terms: impl Iterator<Item = &'t Term>) -> SparseMatrix {
         self.base.less(terms.map(|term| [term.by.terms(), term.force.terms()]))
     }
 
-    /// What ends a mode, but for the forces of held contacts.
+    /// Returns the event functions of a mode, except for the forces of held contacts.
     pub fn watched(&self, mode: &Mode) -> impl Iterator<Item = &Known> {
         let stops = self.watched_stops.iter().zip(&mode.stops).map(|(own, state)| &own[place_of(*state)]);
         let frictions = self.watched_frictions.iter().zip(&mode.frictions).enumerate();
@@ -243,11 +243,11 @@ impl Split {
         stops.chain(frictions).chain(sliders).flatten()
     }
 
-    /// A bound of the norm of a mode's A, and by coordinate 1/w (A6).
+    /// Returns a bound of the norm of a mode's A, and 1/w for each coordinate (A6).
     pub fn norm(&self, a: &SparseMatrix) -> (f64, Vec<f64>) {
         let Norm { scales, inner, signals, rate } = &self.norm;
         let (n, first, one) = (scales.len(), 2 * scales.len(), 2 * scales.len() + inner.len());
-        // Ω = κ/Ω + γ + SHARE Ω of each row, and the largest Ω of all.
+        // Solve Ω = κ/Ω + γ + SHARE Ω for each row, and take the largest Ω.
         let of_row = |k: f64, c: f64| (c + (c * c + 4.0 * (1.0 - SHARE) * k).sqrt()) / (2.0 * (1.0 - SHARE));
         let (mut rate, mut excess) = (rate.max(LEAST_RATE), 1.0f64);
         for (k, scale) in scales.iter().enumerate() {
@@ -257,7 +257,7 @@ impl Split {
                     _ if j < n => stiffness += x.abs() * scales[j] / scale,
                     _ if j < first => damping += x.abs() * scales[j - n] / scale,
                     _ if j < one => stiffness += x.abs() * inner[j - first] / scale,
-                    // Held contacts may hand a body more of a signal than it has by itself.
+                    // Held contacts may pass more of a signal to a body than it has on its own.
                     _ => excess = excess.max(x.abs() * signals[j - one] / scale),
                 }
             }
@@ -280,7 +280,7 @@ impl Norm {
     fn new(system: &System, base: &SparseMatrix, scales: Vec<f64>, terms: [&[Term]; 3]) -> Self {
         let (n, one, size) = (system.coordinates, system.signals.one, system.signals.size);
         let mut signals = vec![f64::INFINITY; size - one];
-        // By row the sizes that signals may add to it in any mode.
+        // The sizes that signals may add to a row in any mode.
         let mut added = vec![0.0; size - one];
         let mut by_row: Vec<Vec<(&Term, f64)>> = vec![Vec::new(); n];
         for term in terms.into_iter().flatten() {
@@ -328,9 +328,9 @@ impl Norm {
         Self { inner: inner.collect(), scales, signals, rate }
     }
 
-    /// The weight of the state of first order at a place, by the row of its rate: with it the terms
-    /// of the coordinates are as large as its own, or those of the velocities leave the share of
-    /// the signals.
+    /// Returns the weight of state of first order `i`, from the row of its rate. With it, the
+    /// terms of the coordinates are at most as large as the state's own term, and the terms of the
+    /// velocities leave the signals their share.
     fn inner(scales: &[f64], i: usize, rate: &Functional) -> f64 {
         let n = scales.len();
         let sum = |first: usize| {
@@ -341,8 +341,8 @@ impl Norm {
         if weight.is_finite() && weight > 0.0 { weight } else { 1.0 }
     }
 
-    /// The largest sum of a state's row of first order where velocities have Ω = `rate`, with the
-    /// share of the signals, and the largest part by which a signal exceeds its share.
+    /// Returns the largest row sum of a state of first order, with Ω = `rate` and the signals'
+    /// share, and the largest ratio of a signal to its share.
     fn of_inner(&self, a: &SparseMatrix, rate: f64) -> (f64, f64) {
         let (n, first) = (self.scales.len(), 2 * self.scales.len());
         let one = first + self.inner.len();

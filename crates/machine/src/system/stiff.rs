@@ -1,20 +1,20 @@
-//! Stiff ties: springs and pressed compliant stops that tie coordinates to a group, which much
-//! softer forces move as a whole.
+//! Stiff ties: springs and pressed compliant stops that tie coordinates to a group. Much softer
+//! forces move the group as a whole.
 //!
 //! A tie exerts no net force on its group: terms of the size k times a coordinate cancel. If each
-//! term were rounded separately, a force of 1e-16 k times the coordinate would remain on the group,
-//! in the same direction in many sub-steps: relative to a softer k' an error of 1e-16 k/k' of the
-//! motion. So a tie's force is evaluated once and then applied to both sides.
+//! term were rounded separately, a force of 1e-16 k times the coordinate would remain on the
+//! group, in the same direction in many sub-steps. With a softer k', the motion's relative error
+//! would be 1e-16 k/k'. So a tie's force is evaluated once and then applied to both sides.
 
 use super::{Elongation, System};
 use crate::description::StopLaw;
 use vibro_numerics::sorting::{sort_by, sort_by_key};
 
-/// A tie is stiff where the mode's rate is more than this many times the rate without it.
+/// A tie is stiff if the mode's rate exceeds the rate without it by more than this factor.
 pub(crate) const STIFF: f64 = 30.0;
 
-/// A spring, a pressed compliant stop, or a corner of a spring that is passed, whose stiffness may
-/// be negative.
+/// A spring, a pressed compliant stop, or a passed corner of a spring, whose stiffness may be
+/// negative.
 struct Tie<'a> {
     elongation: &'a Elongation,
     stiffness: f64,
@@ -22,7 +22,7 @@ struct Tie<'a> {
 }
 
 impl Tie<'_> {
-    /// The coordinates on which it acts, with their arms.
+    /// The coordinates on which the tie acts, with their arms.
     fn arms(&self) -> impl Iterator<Item = (usize, f64)> {
         self.elongation.w.terms().iter().copied()
     }
@@ -33,7 +33,7 @@ impl Tie<'_> {
         (self.stiffness.abs() * compliance).sqrt().max(self.damping * compliance)
     }
 
-    /// Adds its stiffness and damping, `times` 1 or -1, to those of its coordinates.
+    /// Adds the tie's stiffness and damping, `times` 1 or -1, to its coordinates.
     fn add(&self, times: f64, outside: &mut [Outside]) {
         for (k, w) in self.arms() {
             outside[k].0 += times * w * w * self.stiffness;
@@ -46,9 +46,9 @@ impl Tie<'_> {
 type Outside = (f64, f64);
 
 impl System {
-    /// Sorted indices of the stiff ties in the list of all springs followed by the `pressed` stops.
-    /// Ties are merged into groups by descending rate; those in a group are stiff if they are
-    /// faster, by the factor [`STIFF`], than all that acts on the group from outside.
+    /// Returns sorted indices of the stiff ties in the list of all springs, then `pressed` stops.
+    /// Ties are merged into groups by descending rate. Ties in a group are stiff if they are
+    /// faster, by the factor [`STIFF`], than everything outside that acts on the group.
     pub(crate) fn stiff_ties(&self, pressed: &[usize]) -> Vec<usize> {
         let springs = self.springs.iter().map(|s| Tie {
             elongation: &s.elongation,
@@ -97,8 +97,8 @@ impl System {
         stiff
     }
 
-    /// The rate of a coordinate under this stiffness and damping, rad/s; negative rounding residues
-    /// count as zero.
+    /// The rate of a coordinate under this stiffness and damping, rad/s; negative rounding
+    /// residues count as zero.
     fn rate_of(&self, k: usize, (stiffness, damping): Outside) -> f64 {
         let inertia = self.mass[(k, k)];
         (stiffness.max(0.0) / inertia).sqrt().max(damping / inertia)

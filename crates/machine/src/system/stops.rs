@@ -1,5 +1,5 @@
-//! Stops of the law: which elements make them, in which order, and the rows of each. The
-//! derivative of a machine by its numbers builds the rows of its stops by the same functions.
+//! Stops of the law: their elements, their order and their rows. The derivative of a machine by
+//! its numbers builds the rows of its stops by the same functions.
 
 use super::{Elongation, Part, StopLevel, StopRows, System};
 use crate::description::{Arms, DampingLimit, Description, ForcePoint, Signal, StopLaw};
@@ -41,9 +41,9 @@ pub(crate) struct MadeStop {
     pub law: StopLaw,
 }
 
-/// The stops that stops and springs make, in the order of [`System::stops`]: stops, further levels
-/// of their stiffnesses, levels of springs, corners of springs. With `along`, a description whose
-/// numbers are derivatives of the numbers of `d`, each has the derivatives of its numbers.
+/// Returns the stops that stops and springs make, in the order of [`System::stops`]: stops,
+/// further levels of their stiffnesses, levels of springs, corners of springs. With `along`, whose
+/// numbers are derivatives of the numbers of `d`, they have the derivatives of their numbers.
 pub(crate) fn made_stops(d: &Description, along: Option<&Description>) -> Vec<MadeStop> {
     let numbers = along.unwrap_or(d);
     let (mut all, mut levels, mut stiffnesses) = (Vec::new(), Vec::new(), 0..);
@@ -80,12 +80,12 @@ pub(crate) fn made_stops(d: &Description, along: Option<&Description>) -> Vec<Ma
     all
 }
 
-/// By level its stiffness, or the derivative of its stiffness.
+/// The stiffness of each level, or its derivative.
 fn levels_of(signal: &Signal, along: Option<&Signal>) -> Vec<f64> {
     along.map_or_else(|| stepped::levels(signal), |along| stepped::along(signal, along))
 }
 
-/// By corner its elongation and how much steeper the force is beyond it, or their derivatives.
+/// The elongation of each corner and the increase of stiffness beyond it, or their derivatives.
 fn corners_of(points: &[ForcePoint], along: Option<&[ForcePoint]>) -> Vec<(f64, f64)> {
     match along {
         _ if points.is_empty() => Vec::new(),
@@ -103,8 +103,8 @@ where
     e - &(gap * one)
 }
 
-/// The spring's share of a stop's force without its limit, and the force; linear in the numbers of
-/// the law and in the rows.
+/// The spring's share of a stop's force without its limit, and the force. Both are linear in the
+/// numbers of the law and in the rows.
 pub(crate) fn forces<R>(law: StopLaw, excess: &R, rate: &R) -> [R; 2]
 where
     f64: for<'r> Mul<&'r R, Output = R>,
@@ -120,7 +120,7 @@ where
 }
 
 impl StopRows {
-    /// The rows of a stop by its elongation, how far it is beyond its gap, and its law.
+    /// The rows of a stop from its elongation, its excess beyond the gap, and its law.
     pub(super) fn new(elongation: Elongation, excess: Functional, law: StopLaw) -> Self {
         let [spring, force] = forces(law, &excess, &elongation.rate);
         Self {

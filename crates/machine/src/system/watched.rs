@@ -1,4 +1,4 @@
-//! The functionals that are watched for an element in a state, each negative while the state lasts
+//! The event functions of an element in a state. Each is negative while the state lasts
 //! (docs/assembly-law.md (A5)).
 
 use super::System;
@@ -7,7 +7,7 @@ use crate::kernel::Sparse;
 use crate::mode::{FrictionState, SliderState, StopState, Watch};
 
 impl System {
-    /// Functionals that are watched for a stop in a state, without the force of a closed stop.
+    /// Event functions of a stop in a state, without the force of a closed stop.
     pub(crate) fn watched_of_stop(&self, i: usize, state: StopState) -> Vec<(Watch, Functional)> {
         let stop = &self.stops[i];
         let damped = stop.is_damped();
@@ -18,7 +18,7 @@ impl System {
             StopState::Below => vec![(Watch::Presses(i), stop.excess.clone())],
             StopState::Off => Vec::new(),
             StopState::Pressed if stop.is_gapless() => Vec::new(),
-            // Of stiffness 0 the force does not tell where it ends.
+            // Without stiffness the force does not show where it ends.
             StopState::Pressed if stop.level.is_some() && !damped => vec![leaves()],
             StopState::Pressed if stop.turns() => vec![(Watch::Turns(i), -&stop.elongation.rate)],
             StopState::Pressed if !stop.is_limited() => vec![leaves()],
@@ -37,9 +37,9 @@ impl System {
         }
     }
 
-    /// Functionals that are watched for a friction with these of its levels in a state, without the
-    /// force of one that sticks. Where a level passes zero with the force of a stop that never
-    /// pulls, the stop's own functional ends the mode.
+    /// Event functions of a friction in a state, with these of its levels, without the force of a
+    /// sticking friction. If a level passes zero with the force of a stop that never pulls, the
+    /// stop's own event function ends the mode.
     pub(crate) fn watched_of_friction(
         &self,
         i: usize,
@@ -55,7 +55,7 @@ impl System {
         stops.into_iter().chain(level).collect()
     }
 
-    /// Functionals that are watched for a branch in a state.
+    /// Event functions of a branch in a state.
     pub(crate) fn watched_of_slider(&self, i: usize, state: SliderState) -> Vec<(Watch, Functional)> {
         let (branch, Some(level)) = (&self.branches[i], self.slip_level(i)) else { return Vec::new() };
         match state {
@@ -67,7 +67,7 @@ impl System {
         }
     }
 
-    /// Whether a row is a negative constant, such as that of a constant friction level.
+    /// Whether a row is a negative constant, for example a constant friction level.
     pub(crate) fn is_constant_and_negative(&self, row: &Sparse) -> bool {
         matches!(row.terms(), [(j, x)] if *j == self.signals.one && *x < 0.0)
     }

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// A host's solver leaves a moving closed stop slightly off its gap, on either side: this neither
-/// violates nor opens it.
+/// A host's solver leaves a moving closed stop slightly off its gap, on either side. This is
+/// neither a violation nor an opening.
 #[test]
 fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     let text = "name = \"Shaken\"\ngravity = 10.0\n[body.base]\nmotion = { amplitude = 0.1, frequency = 0.5, phase = 0.5 }\n\
@@ -19,7 +19,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
         let (sine, cosine) = (w * time + 0.5).sin_cos();
         [0.1 * sine, 0.1 * w * cosine, -0.1 * w * w * sine]
     };
-    // It falls onto the base, and stays.
+    // The box falls onto the base, and stays.
     let [place, rate, _] = base(1.0);
     host.at(1.0, &[place - 1e-9, rate - 1.0]);
     unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
@@ -38,7 +38,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// An impossible value is refused when the event ends, and has no effect once it is taken back.
+/// An impossible value is refused when the event ends, and has no effect after it is corrected.
 #[test]
 fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
     let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\

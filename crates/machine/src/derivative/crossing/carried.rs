@@ -1,4 +1,4 @@
-//! Derivatives carried over an event, once it is known by how much it comes later.
+//! Carries derivatives over an event, given the derivative δt of its time.
 
 use super::super::columns::Columns;
 use super::super::jump::share;
@@ -19,7 +19,7 @@ fn add_outer(deltas: &mut Columns, factor: f64, rates: &DVector<f64>, later: &[f
 }
 
 impl Crossing<'_> {
-    /// Carries the derivative over impacts of stops that are not coupled, each with its own δt.
+    /// Carries the derivative over impacts of uncoupled stops, each with its own δt.
     pub(super) fn one_by_one(&self, p: usize, times: &[(Contact, f64)], delta: &mut DVector<f64>) {
         let system = &self.machine.system;
         let mut alone = Columns::zeros(delta.len(), 1);
@@ -37,7 +37,7 @@ impl Crossing<'_> {
     }
 
     /// Carries columns over an event with a single δt: δ⁺ = J (δ + f⁻ δt) + dJ z - f⁺ δt. `later`
-    /// has the δt in the columns' places. A column that is `apart` is changed in vain.
+    /// has the δt of each column. The result of a column in `apart` is not used.
     pub(super) fn at_once(
         &self,
         mut later: Vec<f64>,
@@ -65,8 +65,8 @@ impl Crossing<'_> {
         add_outer(deltas, -1.0, self.after.rates, &later);
     }
 
-    /// The signals and what bodies behind links share of their jumps, before impacts; returns the
-    /// δt of all that follows.
+    /// Applies the change of the signals and of bodies that links tie to them, before impacts.
+    /// Returns the δt for everything after it.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
         if self.is_sample() {
@@ -75,7 +75,7 @@ impl Crossing<'_> {
         }
         let knots: Vec<_> = tangent.signals.all_later(time).collect();
         let count = machine.system.signals.knots_at(time);
-        // Knots that are all delayed alike delay what happens as one knot does.
+        // Knots with the same delay delay the event as one knot does.
         let alike = knots.len() == count && knots.iter().all(|knot| knot.later == later);
         if count > 1 && !knots.is_empty() && !alike {
             return knots.iter().try_for_each(|knot| self.some_of_many_knots(knot, delta)).map(|()| 0.0);
@@ -98,7 +98,7 @@ impl Crossing<'_> {
         Ok(later)
     }
 
-    /// A step at a time with several knots: δt delays the height of this step only.
+    /// Treats a step at a time with several knots: δt delays only this step's height.
     fn some_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, own) = (self.machine, self.machine.system.states());
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {

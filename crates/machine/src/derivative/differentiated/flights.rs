@@ -11,7 +11,7 @@ use crate::mode::Watch;
 use crate::motion::{Motion, Reached};
 use nalgebra::DVector;
 
-/// The watched functionals of the present mode that are zero throughout it.
+/// Returns the present mode's event functions that are zero throughout it.
 pub(in super::super) fn throughout<'a>(
     mode: &'a VariedMode,
     motion: &'a Motion,
@@ -20,7 +20,7 @@ pub(in super::super) fn throughout<'a>(
 }
 
 impl Differentiated {
-    /// Follows the motion to a time or to the next event, before its law.
+    /// Advances the motion to a time or to the next event, whose law is not yet applied.
     pub(super) fn follow(&mut self, end: f64, extremes: &mut [Extremes]) -> Result<Reached, Error> {
         let begin = self.motion.time();
         let outcome = self.motion.advance_flight(end, &mut |_| ());
@@ -38,7 +38,7 @@ impl Differentiated {
         outcome
     }
 
-    /// Takes the turning points of a flight into account.
+    /// Updates the extreme values with the turning points of a flight.
     fn look_along(&mut self, (from, to): (f64, f64), extremes: &mut [Extremes]) {
         let Self { machine, mode, deltas, lost, memory, vectors, .. } = self;
         let mut carry = |varied: &mut Columns, time: f64| mode.carry(*vectors, varied, memory, time);
@@ -47,7 +47,7 @@ impl Differentiated {
         }
     }
 
-    /// Carries the derivatives over a flight to a touch, and ends those that move it.
+    /// Carries the derivatives over a flight to a touch; ends the columns that vary the touch.
     fn touch(&mut self, place: usize, (from, time): (f64, f64)) {
         let Self { machine, motion, mode, deltas, scales, lost, memory, vectors, .. } = self;
         mode.carry(*vectors, deltas, memory, time - from);
@@ -67,8 +67,7 @@ impl Differentiated {
         }
     }
 
-    /// Carries the derivatives over the rest of a flight of length `span`, from the state that they
-    /// have.
+    /// Carries the derivatives over the remaining time `rest` of a flight of length `span`.
     fn fly(&mut self, span: f64, rest: f64) {
         let Self { machine, motion, mode, deltas, scales, lost, memory, met, vectors, .. } = self;
         let time = motion.time();
@@ -96,7 +95,7 @@ impl Differentiated {
             let scale = scales.column(p).sup(&delta.abs());
             *place = machine.keep(p, &mut delta, &scale, &at).err();
             if place.is_none() && is_still {
-                // The changed motion leaves what is zero throughout this one.
+                // A column that varies these functions leads out of the mode.
                 let still: Vec<_> = throughout(mode, motion).collect();
                 *place = machine.check(Varied { p, delta: &delta, scale: &scale }, &at, &still).err();
             }

@@ -1,22 +1,22 @@
-//! Knots of signals at which nothing but the signals changes: by far the commonest event of a
-//! motion that a record drives.
+//! Knots of signals at which only the signals change: by far the commonest event of a motion that
+//! a record drives.
 
 use super::super::passed::Passed;
 use super::Differentiated;
 use crate::error::Error;
 use crate::motion::{Event, EventKind};
 
-/// The event of a knot: passed without a change of the columns, or as the general way has it.
+/// Outcome of a knot: passed without a change of the columns, or left to the general treatment.
 pub(super) enum Knot {
     /// The columns stay as they are.
     Kept(Vec<Event>),
-    /// The law has been applied, and the columns are still to be carried over the event.
+    /// The law has been applied; the columns still have to be carried over the event.
     Applied(Box<Passed>),
 }
 
 impl Differentiated {
-    /// Whether the pending event is a knot at which no column has a contact or a functional that it
-    /// could move.
+    /// Whether the pending event is a knot at which no contact is held and no event function is
+    /// zero, so that no column changes.
     pub(super) fn is_lone_knot(&self) -> bool {
         let Self { machine, motion, mode, .. } = self;
         motion.is_knot_due()

@@ -13,8 +13,8 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Differentiated {
-    /// A motion that is under way, with its derivatives by numbers that change from now on. The
-    /// present state is moved by no parameter, but follows what contacts hold, as that of
+    /// Differentiates a motion under way by numbers that change from now on. No parameter varies
+    /// the present state, except that it follows the constraints of held contacts, unlike after
     /// [`from_state`](Self::from_state).
     ///
     /// # Errors
@@ -23,8 +23,8 @@ impl Differentiated {
         Self::of(motion, columns, false)
     }
 
-    /// The partial derivatives of a motion's present values, with its coordinates, rates and mode
-    /// fixed: what [`derivative`](Self::derivative) tells before it is advanced.
+    /// Returns partial derivatives of a motion's present values, with its coordinates, rates and
+    /// mode fixed. Read them by [`derivative`](Self::derivative) before advancing.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -62,7 +62,7 @@ impl Differentiated {
         Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met })
     }
 
-    /// Advances to a time, or to an event before it, whose law is not yet applied.
+    /// Advances to a time or to an earlier event, whose law is not yet applied.
     ///
     /// # Errors
     /// As [`Motion::advance_before_event`].
@@ -76,7 +76,7 @@ impl Differentiated {
         }
     }
 
-    /// Applies the law of the event that is due.
+    /// Applies the law of the pending event.
     ///
     /// # Errors
     /// As [`Motion::apply_event`].
@@ -85,7 +85,7 @@ impl Differentiated {
     }
 }
 
-/// Column `p` with the state fixed: what varies are the signals.
+/// Column `p` with the state fixed: only the signals vary.
 fn fixed(start: &Start, p: usize) -> DVector<f64> {
     let (machine, at) = (start.machine, &start.at);
     let (one, mut delta) = (machine.system.signals.one, DVector::zeros(at.z.len()));

@@ -6,7 +6,7 @@ use crate::functional::StateRow;
 use crate::mode::{FrictionState, SliderState, StopState};
 
 impl Selection<'_> {
-    /// The sign -1, 0 or 1 of a row's derivative of an order, 0 where it is rounding.
+    /// Returns the sign -1, 0 or 1 of a row's derivative of an order; 0 if it is only rounding.
     pub(super) fn sign(&self, row: &StateRow, order: usize) -> f64 {
         let value = row.dot(&self.derivatives[order]);
         if value.abs() <= self.sizes[order].zero(row) { 0.0 } else { value.signum() }
@@ -43,7 +43,7 @@ impl Selection<'_> {
             if rate < 0.0 {
                 return Stop::Is(StopState::Below);
             }
-            // A stop that has drifted from its edge by more than rounding is no longer at it.
+            // A stop that has drifted by more than rounding is no longer at its edge.
             if excess == 0.0 {
                 return Stop::AtEdge;
             }
@@ -51,7 +51,7 @@ impl Selection<'_> {
         if excess < 0.0 {
             return Stop::Is(StopState::Below);
         }
-        // Of stiffness 0 the force does not tell where it ends.
+        // Without stiffness the force does not show where it ends.
         if stop.level.is_some() && !stop.is_damped() {
             return Stop::Is(StopState::Pressed);
         }
@@ -88,7 +88,7 @@ impl Selection<'_> {
         Stop::Is(StopState::Pressed)
     }
 
-    /// Verdict on a branch by its force, e' and the event. One with a dashpot has no slider.
+    /// Classifies a branch by its force, e' and the event. A branch with a dashpot has no slider.
     pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag) -> Slider {
         let branch = &self.system.branches[i];
         let Some(level) = self.system.slip_level(i) else { return Slider::Is(SliderState::Held) };
@@ -102,13 +102,13 @@ impl Selection<'_> {
         if rate == 0.0 { Slider::AtLevel(direction) } else { slid(direction, rate) }
     }
 
-    /// Verdict on a friction by its level, e' and the event.
+    /// Classifies a friction by its level, e' and the event.
     pub(super) fn classify_friction(&self, i: usize, resting: bool) -> Friction {
         let friction = &self.system.frictions[i];
         let rate = self.sign(&friction.elongation.rate, 0);
         let rests = rate == 0.0 || resting;
         if friction.follows.is_some() {
-            // Its level is found with the stop's state.
+            // The level is found with the stop's state.
             return if rests { Friction::Resting(usize::MAX) } else { Friction::Is(slipping(rate)) };
         }
         let mut level = (*friction.levels[0].level).clone();

@@ -1,4 +1,4 @@
-//! The contacts' quadratic program at one order, and the decisions by its solution.
+//! The contacts' quadratic program at one order, and the decisions from its solution.
 
 use super::{Friction, Selection, Stop, slipping};
 use crate::functional::StateRow;
@@ -65,15 +65,15 @@ impl Selection<'_> {
         })
     }
 
-    /// The level up to which a resting friction holds: the static one until it is released.
+    /// Returns the level up to which a resting friction holds: static until it is released.
     pub(super) fn level(&self, i: usize) -> &StateRow {
         let friction = &self.system.frictions[i];
-        // Without a force of the stop that it follows no bound is asked for.
+        // If the followed stop has no force, the bound is not used.
         let own = friction.at(&self.pressing).unwrap_or(&friction.levels[0]);
         if self.released[i] { &own.level } else { &own.static_level }
     }
 
-    /// Finds the orders at which levels that follow stops leave zero, and ends the friction where a
+    /// Finds the orders at which levels that follow stops leave zero, and ends the friction if its
     /// stop pulls.
     pub(super) fn follow(&mut self, order: usize) {
         self.pressing = self.states().0;
@@ -103,7 +103,7 @@ impl Selection<'_> {
         }
     }
 
-    /// The frictions that slip at their static level.
+    /// Returns the frictions that slip at their static level.
     pub(super) fn leaving(&self, contacts: &[Contact], solution: &Solution) -> Vec<usize> {
         let slips = |(k, &contact): (usize, &Contact)| match contact {
             Contact::Friction(i) if !matches!(self.frictions[i], Friction::Is(_)) => {
@@ -163,8 +163,8 @@ impl Selection<'_> {
         }
     }
 
-    /// Adds contacts whose force lies strictly inside its bounds to the preferred ones, in the
-    /// order in which they leave their bounds.
+    /// Adds contacts whose force lies strictly inside its bounds to the preferred contacts, in the
+    /// order of leaving their bounds.
     pub(super) fn prefer(&mut self, contacts: &[Contact], problem: &BoxProblem, solution: &Solution) {
         for &k in &solution.free {
             let (contact, force) = (contacts[k], solution.lambda[k]);
@@ -177,8 +177,8 @@ impl Selection<'_> {
     }
 }
 
-/// The row of the acceleration along a direction w. Directions of one or two terms, as most have,
-/// skip the zeros.
+/// Returns the row of the acceleration along a direction w. Directions of one or two terms, as
+/// most are, skip the zeros.
 fn along(free: &DMatrix<f64>, w: &DVector<f64>) -> StateRow {
     let mut terms = w.iter().enumerate().filter(|(_, w)| **w != 0.0);
     let two = [terms.next(), terms.next()];

@@ -1,13 +1,13 @@
-//! What the proofs of a passage say of polynomials, against their values at many places.
+//! The proofs of a passage for polynomials, compared with their values at many places.
 
 use super::*;
 
-/// Places of an interval at which a polynomial is looked at.
+/// A polynomial is evaluated at this number of places of an interval.
 const PLACES: usize = 64;
-/// Some roundings of a polynomial's terms, which are of order one.
+/// Some rounding errors of a polynomial's terms, which are of order one.
 const ROUNDING: f64 = 1e-12;
 
-/// Numbers in [-1, 1), by a seed.
+/// Random numbers in [-1, 1), from a seed.
 struct Random(u64);
 
 impl Random {
@@ -24,8 +24,8 @@ fn cubic(c: &[f64; 4], t: f64) -> [f64; 2] {
 
 #[test]
 fn invariant_every_interval_with_a_passage_is_near() {
-    // With the bound of the second derivative that just holds; and none is near where all is as far
-    // below zero as to need no proof.
+    // The bound of the second derivative is exact. No interval is near if all values are so far
+    // below zero that they need no proof.
     let (mut random, mut far) = (Random(3), 0);
     for case in 0..20_000 {
         let order = case % 4;
@@ -53,22 +53,22 @@ fn invariant_every_interval_with_a_passage_is_near() {
             );
             let most = (0..=PLACES).map(at).fold(f64::NEG_INFINITY, f64::max);
             highest = highest.max(most);
-            // Whose ends are farther below than the bound can bring it up is not searched.
+            // Not searched: an interval whose ends are farther below zero than the bound.
             let is_far = |value: f64| value < -bend * step * step / 8.0 - ROUNDING;
             if is_far(at(0)) && is_far(at(PLACES)) {
                 far += 1;
                 assert!(near & (1 << interval) == 0, "{case}: {c:?} is searched in {interval}");
             }
         }
-        // One that goes down from zero with a slope that outweighs its bend is not searched in the
-        // first interval.
+        // A polynomial that falls from zero with a slope that outweighs its bend is not searched
+        // in the first interval.
         if order == 1
             && c[1] + 0.5 * bend * step < -ROUNDING
             && cubic(&c, 2.0 * step)[0] < -bend * step * step
         {
             assert!(near & 1 == 0, "{case}: {c:?}");
         }
-        // Below a parabola that is below zero at both ends nothing is searched.
+        // Nothing is searched if the bounding parabola is below zero at both ends.
         if order == 0 && c[0] + length * (c[1] + 0.5 * bend * length) < -ROUNDING {
             assert!(near == 0 && highest < 0.0, "{case}: {c:?}");
         }
@@ -80,8 +80,8 @@ fn invariant_every_interval_with_a_passage_is_near() {
 
 #[test]
 fn closed_form_what_turns_round_beyond_zero() {
-    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁ +
-    // 2 c₂ is its slope.
+    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁
+    // + 2 c₂ is its slope.
     let of = |begin: f64, terms: &[f64], zero: f64| {
         let mut c = [0.0; LOCAL];
         c[0] = begin;
@@ -99,8 +99,8 @@ fn closed_form_what_turns_round_beyond_zero() {
         count[usize::from(comes_back)] += 1;
     }
     assert!(count.iter().all(|n| *n > 400), "{count:?}");
-    // u³ has at 1 a slope of 3 and a second derivative of 6: with -2 u³ and 6.5 u a slope of 0.5
-    // and of -12.
+    // At 1, u³ has the slope 3 and the second derivative 6: with -2 u³ and 6.5 u they are 0.5 and
+    // -12.
     assert!(
         of(-4.0, &[6.5, 0.0, -2.0], 0.25 / 24.0 + 1e-9) && !of(-4.0, &[6.5, 0.0, -2.0], 0.25 / 24.0 - 1e-9)
     );
@@ -116,8 +116,8 @@ fn closed_form_sums_behind_the_first_coefficient() {
 
 #[test]
 fn second_method_roots_of_series_from_below() {
-    // Series of motions with rates up to 4 over the span, which wave: with the roots by halving,
-    // and none that it does not have.
+    // Series of oscillating motions with rates up to 4 over the span: the roots agree with
+    // bisection, and there are no others.
     let (mut random, mut roots, mut none) = (Random(11), 0, 0);
     for case in 0..20_000 {
         let rate = [0.5, 1.5, 4.0][case % 3];

@@ -1,4 +1,4 @@
-//! What samples make of the augmented state, and of its variations.
+//! Effect of samples on the augmented state and on its variations.
 
 use super::super::System;
 use super::{Combination, Sampler};
@@ -6,85 +6,85 @@ use crate::functional::StateRow;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// What happens to a block at an instant.
+/// An action of a sampled block at an instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SampleAction {
     /// Index of the block.
     pub block: usize,
-    /// What a sample does with the outputs.
+    /// Kind of the action.
     pub kind: SampleKind,
 }
 
-/// The two things that happen to a sampled block.
+/// The two actions of a sampled block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SampleKind {
-    /// Outputs under way act from now on.
+    /// The first outputs under way begin to act.
     Acts,
-    /// It reads its inputs; its outputs act at once or, with a turn, after so many others.
+    /// The block reads its inputs. Its outputs act at once or, with a turn, after so many others.
     Reads(Option<usize>),
 }
 
 /// The derivative of a [`Combination`] by a parameter.
 #[derive(Clone, Debug)]
 pub struct CombinationTangent {
-    /// Of the row.
+    /// Derivative of the row.
     pub row: StateRow,
-    /// Of the factors of limits.
+    /// Derivatives of the limits' factors.
     pub beyond: Vec<f64>,
 }
 
-/// The derivative of what a sampled block does by a parameter.
+/// The derivative of a sampled block's law by a parameter.
 #[derive(Clone, Debug)]
 pub struct SamplerTangent {
-    /// By state and state.
+    /// Derivative of `a`, by state and state.
     pub a: DMatrix<f64>,
-    /// By state and input.
+    /// Derivative of `b`, by state and input.
     pub b: DMatrix<f64>,
-    /// By output and state.
+    /// Derivative of `c`, by output and state.
     pub c: DMatrix<f64>,
-    /// By output and input.
+    /// Derivative of `d`, by output and input.
     pub d: DMatrix<f64>,
-    /// By output.
+    /// Derivatives of each output's limits.
     pub limits: Vec<[f64; 2]>,
-    /// u.
+    /// Derivatives of the inputs u.
     pub inputs: Vec<CombinationTangent>,
-    /// By input: of the quantum.
+    /// Derivative of each input's quantum.
     pub quanta: Vec<f64>,
 }
 
 /// A variation of the state at an instant at which blocks are sampled.
 pub struct SampledVariation<'a> {
-    /// δ.
+    /// The variation δ.
     pub delta: &'a mut [f64],
-    /// By block the derivative of what it does; empty where nothing but the state varies.
+    /// Derivative of each block's law; empty if only the state varies.
     pub blocks: &'a [Option<SamplerTangent>],
-    /// By stop the derivative of its excess; empty as `blocks`.
+    /// Derivative of each stop's excess; `None` if only the state varies.
     pub excess: &'a dyn Fn(usize) -> Option<&'a StateRow>,
     /// Whether a rounded input keeps its multiple of the quantum. If not, it varies like the
     /// quantity that the block reads.
     pub rounds: bool,
 }
 
-/// An output that a sample makes anew.
+/// An output that a sample computes.
 pub(super) struct ReadOutput<'s> {
     /// The block.
     pub block: usize,
     /// The output.
     pub output: usize,
-    /// Where the state keeps it.
+    /// The output's index in the state.
     pub place: usize,
-    /// What the block does.
+    /// The block's law at samples.
     pub sampler: &'s Sampler,
 }
 
-/// The derivatives of the matrices of states and of inputs, and of the inputs.
+/// Derivatives of the matrices of states and of inputs, of the inputs, and of the quanta.
 type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>, &'a [f64]);
 
-/// Distance from the middle between two multiples, in quanta and relative to a large input, within
-/// which either may be read: roundings of the input.
+/// Distance from the middle between two multiples within which rounding may choose either, in
+/// quanta and relative to a large input: some roundings of the input.
 const MIDDLE: f64 = 1e-12;
 
-/// The number that an input is read as: the nearest multiple, halves away from zero.
+/// Returns the value of a rounded input: the nearest multiple, halves away from zero.
 fn rounded(value: f64, quantum: f64) -> f64 {
     if quantum == 0.0 { value } else { quantum * (value / quantum).round() }
 }
@@ -94,9 +94,9 @@ fn dot(row: &StateRow, z: &[f64]) -> f64 {
 }
 
 impl System {
-    /// Applies what happens to blocks at an instant: first outputs under way act, then blocks put
-    /// out what they read, in the order of their d, then their states follow. Variations are
-    /// carried over it.
+    /// Applies the actions of blocks at an instant. First, outputs under way act. Then blocks
+    /// compute outputs from what they read, in the order of their d. Finally, their states follow.
+    /// Variations are carried along.
     pub(crate) fn sample(
         &self,
         actions: &[SampleAction],
@@ -134,8 +134,8 @@ impl System {
         }
     }
 
-    /// The outputs of the blocks that read their inputs, in the order in which they need each
-    /// other.
+    /// Returns the outputs of the blocks that read their inputs, in the order in which they depend
+    /// on each other.
     pub(super) fn read_outputs<'s>(
         &'s self,
         actions: &'s [SampleAction],
@@ -153,7 +153,7 @@ impl System {
         })
     }
 
-    /// x⁺ = a x + b u.
+    /// Applies x⁺ = a x + b u.
     fn follow_inputs(&self, block: usize, z: &mut DVector<f64>, variations: &mut [SampledVariation]) {
         let own = &self.blocks[block];
         let Some(sampler) = &own.sampler else { return };
@@ -169,7 +169,7 @@ impl System {
         z.as_mut_slice()[own.first..own.first + own.states].copy_from_slice(&next);
     }
 
-    /// Lets the first outputs under way of a block act.
+    /// Makes the first outputs under way of a block act.
     pub(super) fn act(&self, block: usize, z: &mut [f64]) {
         let own = &self.blocks[block];
         let (first, count) = (own.place_of_output(None, 0), own.outputs.len());
@@ -178,7 +178,7 @@ impl System {
         z[end - count..end].fill(0.0);
     }
 
-    /// Row i of the matrices of states and inputs, times what they are.
+    /// Returns row i of the matrices of states and inputs times the states and inputs.
     fn sum(
         &self,
         block: usize,
@@ -194,8 +194,8 @@ impl System {
         states + inputs.sum::<f64>()
     }
 
-    /// The derivative of [`sum`](Self::sum). A rounded input is n q with its quantum q, and n does
-    /// not vary, unless the rounding is left out.
+    /// Returns the derivative of [`sum`](Self::sum). A rounded input is n q with its quantum q; n
+    /// does not vary, unless rounding is ignored.
     fn sum_by(
         &self,
         block: usize,
@@ -229,7 +229,7 @@ impl System {
         sum
     }
 
-    /// The first block that reads an input which varies from the middle between two multiples.
+    /// Returns the first block with a varying input in the middle between two multiples.
     pub(crate) fn between_multiples(
         &self,
         actions: &[SampleAction],

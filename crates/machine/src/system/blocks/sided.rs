@@ -1,5 +1,5 @@
-//! Samples as a linear map of the augmented state (docs/assembly-law.md (A56)): with given sides of
-//! all limits, and without rounding to a quantum.
+//! Samples as a linear map of the augmented state (docs/assembly-law.md (A56)): the sides of all
+//! limits are given, and nothing is rounded to a quantum.
 
 use super::super::System;
 use super::samples::ReadOutput;
@@ -15,18 +15,18 @@ pub struct LimitedValue {
     pub value: f64,
     /// Size of its terms.
     pub size: f64,
-    /// The limits, lower and upper, of which one may be infinite.
+    /// Lower and upper limit; one of them may be infinite.
     pub limits: [f64; 2],
 }
 
 impl LimitedValue {
-    /// 1 at or beyond the upper limit, -1 at or beyond the lower one, else 0.
+    /// 1 at or beyond the upper limit, -1 at or beyond the lower limit, otherwise 0.
     pub fn side(&self) -> i8 {
         let [low, high] = self.limits;
         i8::from(self.value >= high) - i8::from(self.value <= low)
     }
 
-    /// How far the value is on a side of its limits, relative to its terms: positive where it is.
+    /// Distance of the value into a side of its limits, relative to its terms; negative outside.
     pub fn margin(&self, side: i8) -> f64 {
         let [low, high] = self.limits;
         let way = match side {
@@ -39,12 +39,12 @@ impl LimitedValue {
     }
 }
 
-/// Tells the side of its limits on which a value counts as being.
+/// Callback that decides on which side of its limits a value counts.
 type Decide<'a> = &'a mut dyn FnMut(LimitedValue) -> i8;
 
 impl System {
-    /// Applies what happens to blocks at an instant to an augmented state or a variation. `decide`
-    /// is asked for the side of each limited value, in an order that depends on the machine alone.
+    /// Applies the actions of blocks at an instant to an augmented state or a variation. `decide`
+    /// returns the side of each limited value, in an order that depends only on the machine.
     pub fn sample_as(&self, actions: &[SampleAction], decide: Decide, z: &mut [f64]) {
         for action in actions.iter().filter(|own| own.kind == SampleKind::Acts) {
             self.act(action.block, z);
@@ -74,7 +74,7 @@ impl System {
         }
     }
 
-    /// Row i of the matrices of states and inputs times what they are, and the size of its terms.
+    /// Returns row i of the matrices times states and inputs, and the size of its terms.
     fn sum_as(
         &self,
         block: usize,
@@ -99,7 +99,7 @@ impl System {
         (sum, size)
     }
 
-    /// What is read, and the size of its terms.
+    /// Returns the value of an input, and the size of its terms.
     fn read_as(&self, read: &Combination, decide: Decide, z: &[f64]) -> (f64, f64) {
         let dot = |row: &[f64]| {
             let terms = row.iter().zip(z).map(|(a, x)| a * x);
