@@ -1,4 +1,4 @@
-//! What the tests of both pages share.
+//! Functions shared by the tests of both pages.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the package is in the workspace")
 }
 
-/// Builds a page; returns the folder of what is built, with the page in it.
+/// Builds a page; returns the build folder with the page in it.
 pub fn built(argument: &str) -> PathBuf {
     let output = Command::new(env!("CARGO_BIN_EXE_web-build")).arg(argument).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
