@@ -12,7 +12,7 @@ use vibro_orbits::{Family, Orbit, TreeOptions, branch, tree};
 use vibro_studies::Machine;
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Number of values at which a settled orbit is compared with a branch.
+/// Number of values for comparing settled orbits with a branch.
 const ROWS: usize = 161;
 /// Number of rounds; the smallest time counts.
 const ROUNDS: usize = 5;

@@ -57,7 +57,7 @@ fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> W
     Way { name: name.into(), motions: 1, periods, run }
 }
 
-/// Smallest time, which is nearest to the time on an otherwise idle machine.
+/// Smallest time: nearest to the time on an otherwise idle machine.
 fn least(times: &[f64]) -> f64 {
     times.iter().copied().fold(f64::INFINITY, f64::min)
 }

@@ -11,13 +11,13 @@ use vibro_studies::design_sweep::{BARS, DesignMachine};
 use vibro_studies::sobol::{DIMENSIONS, coordinate};
 use vibro_studies::{Machine, Measure, Measured, MotionClass};
 
-/// Number of further starts, besides the request's, from which attractors are sought.
+/// Number of further starts for finding attractors, besides the request's starts.
 const STARTS: usize = 16;
 /// Half width of the box of starts, in amplitudes of the settled motion.
 const WIDER: f64 = 1.5;
-/// Largest number of attempts per start that lies between the stops.
+/// Largest number of attempts per valid start between the stops.
 const ATTEMPTS: u32 = 16;
-/// Relative difference of a measure within which two motions of one class are one attractor.
+/// Relative tolerance for equal measures: motions of one class are then one attractor.
 const SAME: f64 = 1e-3;
 
 /// An attractor of the best design.
@@ -29,7 +29,7 @@ pub struct Attractor {
     pub impacts: f64,
     /// The goal on it.
     pub goal: Value,
-    /// Number of starts that lead to it.
+    /// Number of starts in its basin.
     pub starts: usize,
     /// One of these starts.
     pub start: Start,
@@ -39,7 +39,7 @@ pub struct Attractor {
     pub is_worse: bool,
 }
 
-/// The measures of the motion from a start; `None` if there is no motion or it has not settled.
+/// The measures of the motion from a start; `None` without a motion, or if it has not settled.
 fn measured(
     machine: &Machine,
     request: &DesignRequest,

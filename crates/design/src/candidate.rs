@@ -11,7 +11,7 @@ use vibro_studies::{Machine, Measure, Result, significant};
 
 /// Name of the axis of tolerances. Its values are indices of [`Candidate::tolerances`].
 pub const TOLERANCE: &str = "tolerance";
-/// Largest number of parameters for which all corners of the tolerances are measured.
+/// Largest number of parameters for measuring all corners of the tolerances.
 const ALL_CORNERS: usize = 4;
 /// Number of corners for more parameters.
 const SOME_CORNERS: u32 = 16;

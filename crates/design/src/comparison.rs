@@ -13,15 +13,15 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Relative excess between the values of a band that the search for peaks may miss.
+/// Relative excess between the values of a band, in case the search misses a peak.
 const BETWEEN: f64 = 0.01;
-/// Largest relative difference of values that counts as rounding.
+/// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
-/// Number of designs that are compared.
+/// Number of compared designs.
 const RIVALS: usize = 8;
 /// Distance to the end of a range, in the unit box, that counts as being at it.
 const AT_END: f64 = 1e-6;
-/// Number of Sobol points inside the tolerances at which the best design is measured.
+/// Number of Sobol points inside the tolerances for measuring the best design.
 const INSIDE: u32 = 32;
 
 /// Asks whether a choice between designs should continue.
@@ -44,7 +44,7 @@ impl PartStore for Wanted<'_> {
 /// A design in the comparison.
 struct Contender {
     own: Evaluation,
-    /// Whether its peaks between the values of the band are those of orbits, or there is no band.
+    /// Whether its peaks over the band are exact peaks of orbits; also true without a band.
     has_peaks: bool,
     /// Number of returns of its longest window.
     periods: u32,

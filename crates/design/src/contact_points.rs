@@ -5,8 +5,8 @@ use vibro_studies::design_sweep::{SearchedRow, SweepRequest};
 
 /// Largest number of points of one measure; more than a few peaks of a band are seldom equal.
 const MOST: usize = 6;
-/// Largest distance from the worst value, as a fraction of it, of a motion that is still followed:
-/// it may become the worst within a local search.
+/// Largest distance of a followed motion from the worst value, as a fraction of it: the motion may
+/// become the worst within a local search.
 const NEAR: f64 = 0.3;
 
 /// A motion whose measure is larger than at the adjacent points of the band.
@@ -22,7 +22,7 @@ pub struct ContactPoint {
     pub bracket: Option<(usize, f64, f64)>,
 }
 
-/// The points nearest to a peak, below and above, from which the values of an ascending line rise
+/// The nearest points below and above a peak beyond which the values of an ascending line rise
 /// again; the ends of the line if they do not.
 fn valleys(line: &[(f64, f64)], peak: f64) -> (f64, f64) {
     let at = line.partition_point(|own| own.0 < peak).min(line.len().saturating_sub(1));

@@ -205,7 +205,7 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(&Now) + Sync),
 }
 
-/// Number of evaluations that local searches and comparison count as in the progress.
+/// Number of evaluations to which local searches and comparison correspond in the progress.
 const FURTHER: f64 = 30.0;
 
 /// Evaluates designs and keeps all of them.
@@ -293,7 +293,7 @@ impl<'a> Evaluator<'a> {
         self.kept().designs.len()
     }
 
-    /// Sorts the evaluations from index `first` on, so that their order does not depend on
+    /// Sorts the evaluations beginning at index `first`: their order then does not depend on
     /// threads.
     pub fn sort_from(&self, first: usize) {
         let all = &mut self.kept().designs;
@@ -309,8 +309,8 @@ impl<'a> Evaluator<'a> {
         self.kept().designs.clone()
     }
 
-    /// Evaluations in ascending order of rank, without designs that have no value. Of equal ranks,
-    /// the earlier evaluation comes first.
+    /// Evaluations in ascending order of rank, without designs that have no value. If ranks are
+    /// equal, the earlier evaluation comes first.
     pub fn ranked(&self) -> Vec<Evaluation> {
         let mut all: Vec<Evaluation> =
             self.all().into_iter().filter(|own| own.score < Score::WORST).collect();

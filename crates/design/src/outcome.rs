@@ -59,7 +59,7 @@ pub struct Best {
     pub place: String,
     /// Each limited measure and whether its limit is met.
     pub limits: Vec<(Option<Value>, Check)>,
-    /// Largest number of returns over which its motions were measured, except those that repeat.
+    /// Largest number of returns for measuring its nonperiodic motions.
     pub periods: u32,
     /// A caveat about its motions.
     pub reason: Option<String>,
@@ -89,7 +89,7 @@ pub struct Designed {
     pub rivals: Vec<Rival>,
     /// All evaluated designs, in order.
     pub evaluations: Vec<Evaluation>,
-    /// Number of orbits that were sought for gradients.
+    /// Number of orbits sought for gradients.
     pub orbits: usize,
     /// Whether a local search by exact gradients found or confirmed the best design.
     pub has_gradients: bool,

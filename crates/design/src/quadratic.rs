@@ -19,12 +19,12 @@ const ITERATIONS: usize = 60;
 /// Mean product of slack and multiplier at which a quadratic problem is solved; far below it,
 /// rounding spoils the multipliers.
 const GAP: f64 = 1e-16;
-/// Largest residual, and largest mean product of slack and multiplier, of a solution that is
-/// accepted when rounding ends the iteration.
+/// Tolerance for the residual, and for the mean product of slack and multiplier, of an accepted
+/// solution when rounding ends the iteration.
 const ACCEPTED: f64 = 1e-8;
 /// Fraction of the distance to the nearest constraint that an iteration moves.
 const INSIDE: f64 = 0.995;
-/// Smallest fraction of the curvature along a step that an update keeps (Powell).
+/// Smallest fraction of the curvature along a step after an update (Powell).
 const KEPT: f64 = 0.2;
 
 /// A linear piece of the model: a peak at the design or at a nearby design.

@@ -80,7 +80,7 @@ impl fmt::Display for Limit {
 pub struct DesignRequest {
     /// The machine; its own values are evaluated first if they lie in the ranges.
     pub machine: Machine,
-    /// What is optimised.
+    /// The goal to optimise.
     pub goal: Goal,
     /// Varied parameters, with their ranges, SI.
     pub vary: Vec<ParameterInterval<String>>,
@@ -90,8 +90,7 @@ pub struct DesignRequest {
     pub between: Vec<String>,
     /// Limits that the worst motion must meet.
     pub limits: Vec<Limit>,
-    /// Relative tolerance of the varied parameters, within which the worst value counts; 0 for
-    /// none.
+    /// Relative tolerance of the varied parameters; the worst value within it counts. 0 for none.
     pub robust: f64,
     /// Starts of the motions of each design.
     pub starts: Vec<Start>,
@@ -99,9 +98,9 @@ pub struct DesignRequest {
     pub discard: u32,
     /// Returns over which a motion is measured.
     pub periods: u32,
-    /// Largest number of designs that the search evaluates.
+    /// Largest number of evaluated designs.
     pub evaluations: u32,
-    /// Largest number of periods for longer measurements of designs that may be the best.
+    /// Largest number of periods for longer measurements of possible best designs.
     pub again: u64,
 }
 

@@ -15,7 +15,7 @@ use vibro_studies::sobol::coordinate;
 /// neighbourhood of the best design.
 const SOBOL: f64 = 0.35;
 const EVOLUTION: f64 = 0.4;
-/// Number of basins in which a local search starts.
+/// Number of basins with a local search.
 const BASINS: usize = 3;
 /// Half width of the box around the best design for the last evolution, in the unit box.
 const NEARBY: f64 = 0.08;

@@ -229,7 +229,7 @@ impl Layer {
         Self { pale: true, ..self }
     }
 
-    /// The colour in which the layer is drawn.
+    /// The layer's drawing colour.
     pub fn tint(&self) -> Colour {
         if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
     }

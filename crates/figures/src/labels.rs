@@ -12,9 +12,9 @@ const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
 /// Distance between positions along a curve at which a name is tried.
 const STEP: f64 = 12.0;
-/// Largest number of positions along a curve at which a name is tried.
+/// Largest number of tried positions along a curve.
 const TRIES: f64 = 2000.0;
-/// Largest number of pieces of a curve at which a name is tried, the longest first.
+/// Largest number of tried pieces of a curve, the longest first.
 const MOST_PIECES: usize = 5;
 /// Height of a name's box.
 const HEIGHT: f64 = 1.1 * SMALL;

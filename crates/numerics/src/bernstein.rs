@@ -25,7 +25,7 @@ const DEPTH: u32 = 30;
 /// of about 25 halvings.
 const SUBDIVISIONS: u32 = 512;
 
-/// Relative excess of a bound over the largest value found so far that counts as round-off.
+/// Tolerance of a bound, relative to the largest value found before: round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Largest number of Newton steps. Each is safeguarded by bisection; bisection alone would need 52

@@ -177,7 +177,7 @@ pub fn flight_crossing<S: Simd>(
     hi: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
-    // The coefficients of the slope are k c_k, those of the curvature k (k-1) c_k.
+    // The coefficients of the slope are k c_k; the curvature has k (k-1) c_k.
     let (slope, sum, curvature) = weighted(simd, c, &ORDERS, &LOWER);
     let spare = c[1] - (sum - c[1].abs());
     if !(spare > 0.0 && curvature < 0.5 * spare) {

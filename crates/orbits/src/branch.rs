@@ -80,7 +80,7 @@ pub struct Branch<C = super::problem::Problem> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// The point from which it was followed in both directions.
+    /// The common start of both directions.
     pub(super) began_at: Option<usize>,
     pub(super) of: C,
 }

@@ -10,7 +10,7 @@ use vibro_studies::flight::{Series, coefficients, dot, turning_points};
 
 /// Value of an event function, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;
-/// Largest value of a condition, relative to its terms, that counts as rounding.
+/// Tolerance of a condition's value, relative to its terms: rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// A condition on a flight or an event of an orbit.

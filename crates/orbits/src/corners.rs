@@ -15,12 +15,12 @@ use vibro_studies::flight::{Flow, dot};
 /// Largest number of corners in a common period of the drive. Signals with more are records, whose
 /// jumps are small.
 const MOST: usize = 32;
-/// Largest relative jump of a signal's value that counts as rounding.
+/// Tolerance for a signal's relative jump: rounding.
 const ROUNDING: f64 = 1e-9;
 /// Largest difference of simultaneous times, in periods: rounding of different computations.
 const INSTANT: f64 = 1e-12;
 
-/// The piece of the signals in which an event lies.
+/// The piece of the signals at an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// The event's time, s.
@@ -30,7 +30,7 @@ pub(super) struct Piece {
     corners: Option<[f64; 2]>,
 }
 
-/// Corners of the signals in the order of time, over one common period from 0 on.
+/// Corners of the signals in the order of time, over one common period starting at 0.
 struct Corners {
     period: f64,
     ticks: Vec<(f64, Tick)>,

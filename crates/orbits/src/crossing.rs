@@ -19,7 +19,7 @@ const DIFFERENCE: f64 = 1e-6;
 const STEPS: usize = 12;
 /// Length of a step that counts as rounding, in units of the unknowns.
 const ROUNDING: f64 = 1e-12;
-/// Largest unfolding at a crossing that counts as rounding, in units of the equations.
+/// Tolerance for the unfolding at a crossing, in units of the equations: rounding.
 const KEPT: f64 = 1e-8;
 
 /// The bordered measure of a matrix, and the product of its left vector with the parameter's

@@ -14,7 +14,7 @@ const STEPS: usize = 8;
 /// start farther away.
 const CONDITION_STEPS: usize = 20;
 
-/// Relative size of a Newton step at which the iteration has converged: the next step is only
+/// Tolerance for convergence, as the relative size of a Newton step: the next step is only
 /// rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
@@ -40,7 +40,7 @@ pub(super) trait Equations {
     /// An obstacle if the equations are not defined at `u`.
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle>;
 
-    /// Relative size of a Newton step below which the next step is only rounding.
+    /// Tolerance for convergence, as the relative size of a Newton step: the next one is rounding.
     fn rounding(&self) -> f64 {
         STEP_ROUNDING
     }

@@ -94,7 +94,7 @@ impl Leg {
         begins.zip(ends).map(|((time, start), end)| LegPart { time, span: end - time, start })
     }
 
-    /// The augmented state after the event before it, at its start or that of its run of impacts.
+    /// The augmented state after the event before it: at its start, or at the start of its run.
     pub(super) fn entered(&self) -> &[f64] {
         self.run.as_ref().map_or(&self.states[0], |(_, z)| z)
     }

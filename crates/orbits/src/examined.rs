@@ -15,7 +15,7 @@ use vibro_studies::{Measure, QuantityName, Watcher};
 /// Largest difference of simultaneous times, relative to the time: rounding.
 const SAME_INSTANT: f64 = 1e-14;
 
-/// Largest multiplier with which a motion stays on its orbit for a period within rounding.
+/// Upper limit of the multipliers for a motion to stay on its orbit over a period.
 const STAYS: f64 = 1e6;
 
 impl Orbit {
@@ -213,7 +213,7 @@ fn no_measure(name: &str) -> Error {
     Error::Described { problem: format!("{name}: no measure of an orbit; allowed are {MEASURES}") }
 }
 
-/// Checks that a measure is defined for an orbit, and that the machine has what it names.
+/// Checks that a measure is defined for an orbit and for the machine's bodies and elements.
 ///
 /// # Errors
 /// [`Error::Described`] for a name that the machine does not have, and for powers, class and

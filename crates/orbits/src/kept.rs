@@ -1,4 +1,4 @@
-//! Storage of paths as bytes, from which an interrupted growth of branches continues.
+//! Storage of paths as bytes, for continuing an interrupted growth of branches.
 //!
 //! A path is found by its departure, so the bytes contain only its points and its end.
 

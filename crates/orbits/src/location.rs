@@ -16,7 +16,7 @@ use nalgebra::DVector;
 use std::cmp::Ordering;
 use vibro_numerics::sorting::sort_by;
 
-/// Largest difference of an orbit's halves that counts as rounding.
+/// Tolerance for equal halves of an orbit: rounding.
 const BIRTH: f64 = 1e-9;
 /// Step of the difference quotients of a test function. It affects how fast its zero converges,
 /// not the result.
@@ -30,8 +30,8 @@ const MERGED: f64 = 1e-5;
 /// fraction of the arc.
 const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 const NODE_STEP: f64 = 0.02;
-/// Largest parameter component of the tangent, per arc of a step, that counts as rounding. A
-/// family of orbits at one value of the parameter has no folds.
+/// Tolerance for the tangent's parameter component, per arc of a step: rounding. A family of
+/// orbits at one value of the parameter has no folds.
 const VERTICAL: f64 = 1e-5;
 /// Arc below which rounding no longer shrinks with the step.
 const SHORT_ARC: f64 = 1e-2;
@@ -246,8 +246,8 @@ impl Follower<'_> {
         Ok(is_own.then(|| (at, self.point(&position, special))))
     }
 
-    /// A zero of a test in a step with singular equations, as at a crossing of branches. No point
-    /// near it can be solved for, so the test and the unknowns are interpolated from points on
+    /// A zero of a test in a step with singular equations, as at a crossing of branches. Points
+    /// near it cannot be computed, so the test and the unknowns are interpolated from points on
     /// both sides.
     fn between_points(
         &self,

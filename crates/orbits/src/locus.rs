@@ -21,25 +21,25 @@ use nalgebra::DVector;
 use vibro_machine::Start;
 use vibro_studies::{Error, Result};
 
-/// Number of branch points on either side of a special point that are tried as a nearby orbit.
+/// Number of branch points to try as nearby orbits, on either side of a special point.
 const BESIDE: usize = 6;
 /// Least distance of a nearby orbit from a special point, in units of the unknowns.
 const APART: f64 = 1e-4;
-/// Largest multiplier of a nearby orbit that can be found again from its start in a table.
+/// Upper limit of a nearby orbit's multipliers: its start in a table then leads back to it.
 const LEADS_BACK: f64 = 1e6;
-/// Number of branch points that are traced to find a special point from a nearby orbit.
+/// Length of a traced branch, in points, for finding a special point from a nearby orbit.
 const SHORT: usize = 60;
 /// Largest distance of a special point from its value in a table, as a fraction of the range.
 const FOUND: f64 = 1e-6;
-/// Largest distance of two rows that are one point, as a fraction of the range and of the period.
-/// Regular points are found to 1e-9.
+/// Tolerance for equal points in two rows, as a fraction of the range and of the period. Regular
+/// points are found to 1e-9.
 const ONE_POINT: f64 = 1e-8;
 /// Half of the arc on which a special point is located again: long compared with rounding of the
 /// point, short compared with the curvature of a branch.
 const NEXT_TO: f64 = 1e-5;
 /// Accuracy of this location, as arc length.
 const ARC: f64 = 1e-14;
-/// Largest value of a condition that counts as ceasing to hold at a special point.
+/// Tolerance for the value of a condition at its special point.
 const CEASES: f64 = 1e-4;
 
 /// A starting point of a curve over two parameters.
@@ -121,8 +121,8 @@ impl LocusStart {
         })
     }
 
-    /// The special point in the shortest word of its orbit, in which its curve is followed. A
-    /// touch of a rigid stop is not listed in this word.
+    /// The special point in the shortest word of its orbit. Its curve is followed in this word,
+    /// which does not list a touch of a rigid stop.
     #[must_use]
     pub fn shortest(&self) -> Self {
         self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
@@ -252,7 +252,7 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     found.into_iter().map(|(w, end)| locus.seen(&w, end).map_err(failed)).collect()
 }
 
-/// The present value of a second parameter, from which curves begin.
+/// The present value of a second parameter, where curves begin.
 ///
 /// # Errors
 /// [`Error::Described`] if both parameters are the same, or if the present value of the second

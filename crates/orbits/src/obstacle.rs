@@ -15,7 +15,7 @@ pub(super) enum Obstacle {
     Asymmetric,
     /// Newton's method did not converge.
     NoConvergence,
-    /// The phases given for a special point are far from those of any orbit of the machine.
+    /// The phases given for a special point are far from any orbit of the machine.
     OtherMachine,
     /// The parameters are refused with an error.
     Refused(Error),

@@ -21,9 +21,9 @@ use vibro_studies::Error;
 const STEPS: usize = 60;
 /// Longest Newton step, in the units of the unknowns.
 const LONGEST_STEP: f64 = 1.0;
-/// Half width of the band around the unit circle in which a multiplier leaves stability undecided.
+/// Tolerance for multipliers on the unit circle: within it, stability is undecided.
 const MARGIN: f64 = 1e-6;
-/// Relative singular value of the Jacobian below which there is a family of orbits.
+/// Relative tolerance for a zero singular value of the Jacobian: there is a family of orbits.
 const FAMILY: f64 = 1e-11;
 /// Largest difference between states or times of the same orbit, in their units.
 const SAME: f64 = 1e-6;
@@ -69,7 +69,7 @@ pub struct Orbit {
     pub(super) numbers: Numbers,
     /// Largest first; the trivial multipliers come last.
     multipliers: Vec<Complex<f64>>,
-    /// Number of trivial multipliers, which are 1 by theory.
+    /// Number of trivial multipliers (1 by theory).
     trivial: usize,
     /// The conditions under which the cycle is a motion of the machine, with their values.
     conditions: Vec<(Condition, f64)>,
@@ -240,7 +240,7 @@ impl Orbit {
         &self.multipliers[..self.multipliers.len() - self.trivial.min(self.multipliers.len())]
     }
 
-    /// Number of trivial multipliers, which are 1 by theory.
+    /// Number of trivial multipliers (1 by theory).
     pub fn trivial_multipliers(&self) -> usize {
         self.trivial
     }

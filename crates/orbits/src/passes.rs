@@ -22,7 +22,7 @@ impl Problem {
         let cycle = self.cycle(place, u)?;
         let turns = |k: usize| (k / events.len(), k % events.len());
         let problem = Self { word: self.word.repeated(times), ..self.clone() };
-        // Each repetition begins where the previous one has drifted to.
+        // Each repetition starts from the drifted end of the previous one.
         let drift = |i: usize| cycle.back[i] - states[0][i];
         let state = |&k: &usize| {
             let (turn, k) = turns(k);

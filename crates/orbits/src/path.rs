@@ -9,14 +9,14 @@ use crate::path_options::PathOptions;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// Smallest step, as arc length; a branch that requires a smaller one ends with MX.
+/// Smallest step, as arc length; a branch ends with MX if it requires a smaller one.
 pub(super) const LEAST_STEP: f64 = 1e-7;
 /// Smallest cosine of the angle between the tangents at both ends of a step.
 pub(super) const COSINE: f64 = 0.95;
 /// Factor by which the step grows after few Newton steps, and shrinks after many.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
-/// Number of points before which a branch is not tested for closing.
+/// Minimum number of points of a closed branch.
 const SHORTEST_LOOP: usize = 10;
 /// Distance from the first point, in steps, within which a branch counts as closed.
 const CLOSED: f64 = 0.05;

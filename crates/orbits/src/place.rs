@@ -85,7 +85,7 @@ pub struct Family {
     pub range: (f64, f64),
 }
 
-/// Number of curve units in a parameter's range; one unit counts as much as one radian of phase.
+/// Number of curve units in a parameter's range; one unit is weighted like one radian of phase.
 const PARTS: f64 = 5.0;
 
 impl Family {

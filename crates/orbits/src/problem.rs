@@ -19,14 +19,14 @@ use std::sync::Arc;
 use vibro_machine::neutral::Neutral;
 use vibro_studies::carried;
 
-/// Relative size of a Newton step that counts as rounding if impacts accumulate.
+/// Tolerance for convergence with accumulating impacts, as the relative size of a Newton step.
 const CHATTER_ROUNDING: f64 = 1e-10;
 /// Size of a Newton step below which it may be rounding: an event whose function hardly rises has
 /// only half of the digits.
 const STALLED: f64 = 1e-7;
-/// Largest fraction of a flight by which a Newton step may shorten it.
+/// Limit of a flight's shortening in one Newton step, as a fraction of the flight.
 const SHORTENING: f64 = 0.5;
-/// Largest change of a signal over a period, relative to its values, that counts as rounding.
+/// Tolerance for a signal's change over a period, relative to its values: rounding.
 const EXACT: f64 = 1e-9;
 
 /// The equations of a word's orbits.

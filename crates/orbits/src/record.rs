@@ -8,7 +8,7 @@ use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
 use vibro_studies::flight::{ObservedFlight, Observer, Passage, dot};
 
-/// Largest relative difference of times, or of displacements at a knot, that counts as rounding.
+/// Relative tolerance for equal times, or equal displacements at a knot: rounding.
 pub(super) const WHOLE: f64 = 1e-9;
 /// Smallest unit of a state variable, relative to the largest of its kind.
 const LEAST: f64 = 1e-3;
@@ -26,7 +26,7 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     /// The drive's common period, s.
     pub period: f64,
-    /// Time of a knot at which prescribed bodies make others jump, s.
+    /// Time of a knot with a jump of prescribed bodies that moves others, s.
     pub jump: Option<f64>,
     /// Smallest and largest value of each state variable.
     pub extents: Vec<(f64, f64)>,
@@ -40,7 +40,7 @@ impl Record {
         }
     }
 
-    /// Units in which the state variables are of size one.
+    /// Units that make the state variables of size one.
     pub fn units(&self, system: &System, radian: f64) -> Units {
         let coordinates = system.coordinates;
         let extent = |i: usize| self.extents.get(i).copied().unwrap_or((0.0, 0.0));

@@ -14,19 +14,19 @@ use vibro_numerics::sorting::sort_by_key;
 use vibro_studies::{Error, Result, significant};
 use vibro_studies::{Machine, Section};
 
-/// Largest number of returns in a period that is tried if no period is given.
+/// Largest number of returns tried as a period if no period is given.
 const MOST_RETURNS: u32 = 6;
-/// Number of returns of each motion from which an orbit is sought.
+/// Number of returns of each motion; each starts a search for an orbit.
 const WINDOWS: u32 = 40;
-/// Factor by which the box of random starts exceeds the box of the motion from the given start.
+/// Ratio of the box of random starts to the box of the motion from the given start.
 const WIDER: f64 = 1.5;
 /// Largest number of attempts at a random start between the stops.
 const ATTEMPTS: u32 = 50;
-/// Relative tolerance within which a period counts as the requested one.
+/// Relative tolerance for the requested period.
 const SAME_PERIOD: f64 = 1e-3;
-/// Relative tolerance within which a time counts as a multiple of the drive period.
+/// Relative tolerance for a multiple of the drive period.
 const WHOLE: f64 = 1e-6;
-/// Largest number of other orbits that an error message names.
+/// Largest number of other orbits in an error message.
 const NAMED: usize = 5;
 
 /// Requested period of an orbit.
@@ -54,8 +54,8 @@ pub struct WordSearch {
 }
 
 impl WordSearch {
-    /// Largest number of returns from which an orbit is sought. The search asks at each of them
-    /// whether to continue.
+    /// Largest number of returns; each starts a search for an orbit, which asks first whether to
+    /// continue.
     pub fn most_returns(&self) -> usize {
         WINDOWS as usize * (1 + self.starts as usize)
     }

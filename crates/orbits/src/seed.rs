@@ -129,7 +129,7 @@ pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> V
     record.extents
 }
 
-/// The state of uniformly moving bodies, and of what they carry along, at an earlier time.
+/// The state of uniformly moving bodies, and of bodies carried along, at an earlier time.
 fn move_back(system: &System, state: &mut [f64], time: f64) -> Result<()> {
     let mut earlier = state.to_vec();
     with_signals(system, time, &mut earlier);

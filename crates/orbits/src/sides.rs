@@ -22,9 +22,9 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// Largest number of events of a visit: a stop with damping is met, no longer pulls, and opens,
 /// and a friction reverses meanwhile.
 const MOST_EVENTS: usize = 5;
-/// Largest distance of a stop from its gap, relative to its terms, that counts as zero.
+/// Tolerance for a stop at its gap, relative to its terms.
 const RESTS: f64 = 1e-9;
-/// Largest duration of a visit, in periods, that counts as zero.
+/// Tolerance for a visit of zero duration, in periods.
 const BRIEF: f64 = 1e-4;
 
 /// An orbit in another word, with the condition that ceases to hold in that word.
@@ -107,7 +107,7 @@ impl At<'_> {
             numbers.states = vec![state];
             numbers.times = vec![time];
         } else {
-            // An impact is no node.
+            // An impact is not a node of the word.
             numbers.times.insert(index, time);
         }
         let word = Word::new(letters.into(), problem.word.mode.clone(), problem.word.periods);
@@ -232,7 +232,7 @@ fn element_of(contact: Contact) -> ElementState {
     }
 }
 
-/// Time in a flight, s, at which an event function has its largest value in the interior.
+/// Time in a flight, s, of the largest interior value of an event function.
 fn highest(leg: &Leg, functional: usize) -> f64 {
     let row = leg.flow.watched[functional].1.as_slice();
     let (mut best, mut past) = ((f64::NEG_INFINITY, 0.0), 0.0);

@@ -19,9 +19,9 @@ use vibro_machine::mode::Watch;
 const NEAR_END: f64 = 1e-5;
 /// Step lengths that are tried if shorter ones fail.
 const JUMPS: [f64; 4] = [1e-3, 3e-3, 1e-2, 3e-2];
-/// Smallest parameter component of the tangent at which the unbordered equations are used.
+/// Smallest parameter component of the tangent for using the unbordered equations.
 const STEEP: f64 = 1e-2;
-/// Largest distance from a touch at which a bifurcation counts as part of the touch.
+/// Largest distance of a touch's own bifurcation from the touch.
 const AT_TOUCH: f64 = 1e-5;
 /// Fractions of the arc to a touch at which its multipliers are tried. The first fraction with all
 /// multipliers below [`LIMITED`] is used.

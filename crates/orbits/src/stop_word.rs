@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_studies::{Error, Result};
 
-/// Largest difference of phases, rad, within which passages or halves of an orbit count as equal.
+/// Tolerance for equal passages or halves of an orbit, as a difference of phases, rad.
 pub(super) const REPETITION: f64 = 1e-8;
 
 /// Largest numbers of letters and half periods of a parsed word. The memory for the equations
@@ -43,7 +43,7 @@ pub struct OrbitWord {
 /// then the mirror image if `mirrored`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
-    /// Number of letters by which the first one moves, counted in the unfolded word.
+    /// Shift of the first letter, counted in letters of the unfolded word.
     pub by: usize,
     /// Whether the mirror image is taken: opposite stops, half a drive period later.
     pub mirrored: bool,

@@ -47,8 +47,7 @@ pub(super) fn pair_test(multipliers: &[Complex<f64>]) -> SignedLog {
     SignedLog { sign: product.re.signum(), log }
 }
 
-/// Largest distance from the unit circle at which a complex pair counts as on the circle, as for
-/// the exact orbit.
+/// Tolerance for a complex pair on the unit circle, as for the exact orbit.
 const ON_CIRCLE: f64 = 1e-5;
 
 /// Whether a complex multiplier is on the unit circle. If none is, a zero of the pair's test is a

@@ -36,7 +36,7 @@ pub struct Tick {
     pub per_period: i64,
 }
 
-/// What happens at a fixed time.
+/// Ticks and actions at a fixed time.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Timed {
     /// The ticks, all at one instant.
@@ -114,7 +114,7 @@ fn per_period(source: Source, system: &System, period: f64) -> i64 {
 }
 
 impl Timed {
-    /// What happens at a time reached by a motion, with the events reported there.
+    /// Ticks and actions at a time reached by a motion, with the events reported there.
     pub fn at(system: &System, period: f64, time: f64, events: &[Event]) -> Self {
         let actions: Vec<SampleAction> = events.iter().filter_map(Event::sample).collect();
         let tick = |source, number| Tick::new(source, number, system, period);
@@ -154,7 +154,7 @@ impl Timed {
             && self.ticks.iter().map(|tick| tick.later(periods)).eq(other.ticks.iter().copied())
     }
 
-    /// Number of the common period in which the first tick's source ticks, from 0.
+    /// Number of the common period, counted from 0, that contains the first tick.
     pub fn turn(&self) -> i64 {
         self.ticks.first().map_or(0, |tick| tick.number.div_euclid(tick.per_period.max(1)))
     }

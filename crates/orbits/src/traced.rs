@@ -11,7 +11,7 @@ pub(super) struct Traced<E> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// The point from which it was followed in both directions.
+    /// The common start of both directions.
     pub began_at: usize,
     /// The ends at the first and at the last point.
     pub ends: [PathEnd<E>; 2],

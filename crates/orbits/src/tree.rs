@@ -28,7 +28,7 @@ const FIRST_STEP: f64 = 1e-2;
 /// Steps from a special point at which the branch that begins there is compared with known ones;
 /// the longer step may lead beyond the end of a short branch.
 const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
-/// Largest distance of a fold from a crossing at which it is only the turn of the side branch.
+/// Tolerance for a fold at a crossing: it is only the turn of the side branch.
 const TURN: f64 = 1e-4;
 /// Number of branches followed in parallel. A constant, so that the result does not depend on the
 /// number of threads.
@@ -41,8 +41,8 @@ const MOST: usize = 400;
 pub struct TreeOptions {
     /// Start of the first motion.
     pub start: Start,
-    /// Number of parameter values at which motions are simulated until they settle: rising,
-    /// falling and, for a positive depth, from the start.
+    /// Number of parameter values with settled motions: rising, falling and, for a positive depth,
+    /// from the start.
     pub seeds: usize,
     /// Number of returns discarded at each value; fewer if the motion settles before.
     pub discard: u32,
@@ -59,7 +59,7 @@ impl Default for TreeOptions {
     }
 }
 
-/// A start from which a branch may be followed.
+/// A possible start of a branch.
 struct BranchStart {
     depth: u32,
     parent: Option<(usize, usize)>,
@@ -68,7 +68,7 @@ struct BranchStart {
 
 enum StartKind {
     Orbit(Box<Orbit>),
-    /// One departure, or two, the first of which is followed backwards.
+    /// One departure, or two; the first of the two is followed backwards.
     Departures(Vec<Departure>),
 }
 

@@ -12,7 +12,7 @@ const SPRING: &[&str] = &["corner"];
 const FRICTION: &[&str] = &["stick", "slip", "level"];
 /// Kinds that a word always names; a word may omit all events of any other kind.
 const NAMED: &[&str] = &["impact", "chatter", "press"];
-/// Pairs of kinds: an event of the second ends what one of the first began.
+/// Pairs of kinds: an event of the second kind ends an event of the first.
 const PAIRS: &[([&str; 2], &str)] =
     &[(["press", "press"], "free"), (["close", "chatter"], "open"), (["stick", "stick"], "slip")];
 

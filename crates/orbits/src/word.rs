@@ -68,7 +68,7 @@ impl Letter {
         if let Cause::Passes { watch, .. } = self.cause { Some(watch) } else { None }
     }
 
-    /// What happens at its fixed time; `None` for an event function.
+    /// Ticks and actions at its fixed time; `None` for an event function.
     pub fn timed(&self) -> Option<&Timed> {
         if let Cause::Timed(timed) = &self.cause { Some(timed) } else { None }
     }
@@ -150,7 +150,7 @@ impl Letter {
         state
     }
 
-    /// The event that stands for a word without events: the contacts of its mode are kept.
+    /// A placeholder event for a word without events: it keeps the contacts of the mode.
     pub(super) fn staying(word: &Word) -> Self {
         let modes = [word.mode.clone(), word.mode.clone()];
         let cause = Cause::Passes { watch: Watch::Meets(usize::MAX), place: 0 };

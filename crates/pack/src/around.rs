@@ -18,7 +18,7 @@ use zip::ZipArchive;
 /// [`Error::Archive`], [`Error::Missing`] if `kit` is not a kit; otherwise as [`content()`].
 pub fn around(version: Version, plan: &Plan, kit: &[u8]) -> Result<Vec<u8>> {
     let mut held = opened(kit)?;
-    // A kit in which each entry contains its own name instead of its bytes.
+    // A kit with each entry's name instead of its bytes.
     let named = named(&mut held)?;
     let mut entries = content(version, plan, &named)?;
     let borrowed: Vec<String> = entries.keys().filter(|name| is_borrowed(name)).cloned().collect();

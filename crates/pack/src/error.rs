@@ -29,7 +29,7 @@ pub enum Error {
     Missing {
         /// The archive.
         path: PathBuf,
-        /// The file looked for.
+        /// The missing file.
         name: String,
     },
     /// The machine cannot be packed as an FMU.

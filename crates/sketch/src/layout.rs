@@ -53,7 +53,7 @@ pub(crate) struct Placed {
     pub faces: bool,
     /// Texts of the lever arms at both ends.
     pub arms: [Option<String>; 2],
-    /// The boxes that its ends move with; `None` for ground.
+    /// The boxes attached to its ends; `None` for ground.
     pub with: With,
     /// Extension compared with its length in the layout.
     pub stretch: f64,
@@ -61,7 +61,7 @@ pub(crate) struct Placed {
     pub opening: Option<f64>,
 }
 
-/// Columns of the boxes that two points move with.
+/// Columns of the boxes attached to two points.
 pub(crate) type With = [Option<usize>; 2];
 
 /// Positions of all symbols.
@@ -132,7 +132,7 @@ struct Long {
 #[derive(Default)]
 struct Sorted {
     gaps: Vec<Vec<Item>>,
-    /// By column: items with the wall on the left, then on the right.
+    /// Items by column: first with the wall on the left, then on the right.
     under: Vec<[Vec<Item>; 2]>,
     over: Vec<Long>,
 }

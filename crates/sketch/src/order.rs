@@ -3,7 +3,7 @@
 
 use crate::connections::{Connection, Ends, Symbol};
 
-/// Largest number of bodies for which all orders are tried; with more, pairs are exchanged.
+/// Largest number of bodies for trying all orders; with more, pairs are exchanged.
 const ALL_ORDERS: usize = 7;
 /// Largest number of passes over all pairs in the search by exchanges.
 const TURNS: usize = 20;
@@ -45,7 +45,7 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
-            // With many bodies only nearby ones are exchanged, which bounds the time.
+            // For a large number of bodies only nearby ones are exchanged, which bounds the time.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
                 let changed = cost(&best, connections);

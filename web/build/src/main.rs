@@ -106,7 +106,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The workspace from which this program was compiled.
+/// The workspace of this program's sources.
 fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.ancestors().nth(2).unwrap_or(here)

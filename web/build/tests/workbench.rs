@@ -13,14 +13,13 @@ use vibro_studies::{columns, named, values};
 /// Largest difference relative to a column's largest value, without magnification. Sine and cosine
 /// differ in the last digit between C libraries, and WebAssembly has no fused multiply-add.
 const TOLERANCE: f64 = 1e-13;
-/// Relative change of the initial state by which the magnification is measured.
+/// Relative change of the initial state for measuring the magnification.
 const SHIFT: f64 = 1e-14;
-/// Largest magnification at which motions are compared.
+/// Largest magnification for a comparison of motions.
 const MOST: f64 = 1e9;
 /// Number of instants of the default experiment.
 const ROWS: usize = 60;
-/// Smallest fraction of all instants of the gallery at which motions are compared; the rest exceed
-/// [`MOST`].
+/// Smallest fraction of all instants of the gallery with a comparison; the rest exceed [`MOST`].
 const COMPARED: f64 = 0.5;
 
 /// The build folder with the page in it; built once.
@@ -36,7 +35,7 @@ fn advance(motion: &mut Motion, end: f64, events: &mut Vec<Event>) {
     }
 }
 
-/// Number of instants at which a machine's motion is compared.
+/// Number of compared instants of a machine's motion.
 fn compared(told: &serde_json::Value) -> usize {
     let name = told["file"].as_str().unwrap();
     let machine = file::read(&workspace().join("examples/assembly").join(name)).unwrap();
@@ -54,7 +53,7 @@ fn compared(told: &serde_json::Value) -> usize {
     let stop = told["stop"].as_f64().unwrap();
     let names = columns(&machine);
     let kind = |i: usize| names[i].rsplit('.').next().unwrap_or_default();
-    // By the last word of a column's name: a force of zero is compared with the other forces.
+    // Grouped by the last word of a column's name: a force of zero is compared with other forces.
     let mut largest: HashMap<&str, f64> = HashMap::new();
     let mut growth = 1.0f64;
     for (i, row) in told["rows"].as_array().unwrap().iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The current motion, and the numbers from which it is drawn.
+//! The current motion, and the numbers for drawing it.
 
 use crate::set::Set;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};

@@ -36,7 +36,7 @@ pub struct Bench {
     motion: Motion,
     events: Vec<Event>,
     sketch: Sketch,
-    /// By name of a drawn item: index of its body or element.
+    /// Index of the body or element of a drawn item, by name.
     bodies: HashMap<String, usize>,
     elements: HashMap<String, usize>,
 }

@@ -127,7 +127,7 @@ fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) ->
 mod tests {
     use super::*;
 
-    /// Outlines and advance widths equal those of the whole font, so the page's pictures equal the
+    /// Outlines and advance widths equal the whole font's, so the page's pictures equal the
     /// packager's.
     #[test]
     fn second_method_letters_of_the_pages_font_are_those_of_the_whole_one() {

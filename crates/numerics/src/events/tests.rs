@@ -175,9 +175,9 @@ fn second_method_roots_of_any_multiplicity() {
     assert!(subdivided > 1000, "{subdivided}");
 }
 
-/// No polynomial needs as many pieces as the limit. If the curvature of degree d is not certain,
-/// one of its roots is within 1/(2^(1/d) - 1) half lengths of the piece's centre, and the centres
-/// are two half lengths apart.
+/// Every polynomial needs fewer pieces than the limit. If the curvature of degree d is not
+/// certain, one of its roots is within 1/(2^(1/d) - 1) half lengths of the piece's centre, and the
+/// centres are two half lengths apart.
 #[test]
 fn closed_form_the_allowed_pieces_are_more_than_any_polynomial_needs() {
     for degree in 1..=MAX_COEFFICIENTS - 3 {

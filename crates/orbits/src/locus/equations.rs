@@ -20,12 +20,12 @@ use std::sync::Arc;
 const DIFFERENCE: f64 = 1e-6;
 /// Value of a further condition below which the end of a curve is a touch of this condition.
 const TOUCHES: f64 = 1e-4;
-/// Largest extent of a curve, as a fraction of the ranges, that counts as a point.
+/// Tolerance for the extent of a single-point curve, as a fraction of the ranges.
 const POINT: f64 = 1e-4;
-/// Largest value of a further condition that counts as zero along a curve, such as the second
-/// touch of a symmetric orbit.
+/// Tolerance for a further condition that is zero along a curve, such as the second touch of a
+/// symmetric orbit.
 const TWIN: f64 = 1e-8;
-/// Largest unfolding of a crossing that counts as rounding, in units of the equations.
+/// Tolerance for the unfolding of a crossing, in units of the equations: rounding.
 const KEPT: f64 = 1e-7;
 
 /// Condition that holds along a curve.

@@ -1,4 +1,4 @@
-//! Reference positions of the three bodies, from which the states of an orbit are measured.
+//! Reference positions of the three bodies for the states of an orbit.
 //!
 //! If springs hold the constant loads within reach of the stops, these are the rest positions,
 //! docs/theory.md (99). Otherwise they are positions close together, with unbalanced loads.
@@ -29,8 +29,8 @@ impl ConstantLoads {
     }
 }
 
-/// Largest stiffness, relative to mass times ω1², at which a spring counts as soft. Without an
-/// anchor the equations of an orbit lose at least three digits there.
+/// Upper limit of a soft spring's stiffness, relative to mass times ω1². Without an anchor the
+/// equations of an orbit lose at least three digits there.
 const SOFT: f64 = 1e-2;
 
 /// The bodies whose position a missing or soft spring does not determine, docs/theory.md (112).

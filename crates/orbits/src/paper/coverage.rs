@@ -15,11 +15,11 @@ use vibro_studies::Result;
 use vibro_studies::paper::attractor::Attractor;
 use vibro_studies::paper::stroboscopic::{StroboscopicState, dimensionless};
 
-/// Largest difference of phases, rad, at which two orbits at one parameter value count as equal.
+/// Tolerance for equal phases of two orbits at one parameter value, rad.
 const SAME_ORBIT: f64 = 1e-6;
 
-/// Largest difference, rad, between interpolated phases and an orbit's phases at which Newton's
-/// method is tried.
+/// Largest difference, rad, between interpolated phases and an orbit's phases for a Newton
+/// attempt.
 const NEAR_ORBIT: f64 = 0.2;
 
 /// An orbit of a tree at a parameter value.

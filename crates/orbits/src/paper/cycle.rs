@@ -27,7 +27,7 @@ pub(super) enum Functional {
 }
 
 impl Functional {
-    /// Value at a state from which the drive's motion is subtracted.
+    /// Value at a state without the drive's motion.
     fn of(self, z: &Vector6) -> f64 {
         match self {
             Self::Gap => z[1] - z[0],

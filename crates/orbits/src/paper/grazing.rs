@@ -123,7 +123,7 @@ pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> 
     Ok(Touch { u, ..touch.clone() })
 }
 
-/// Largest approach speed, units of ω1 L, at which another impact at a touch is a touch too.
+/// Tolerance for zero approach speed of another impact at a touch, units of ω1 L.
 const NO_SPEED: f64 = 1e-6;
 
 /// Properties of the cycle of the longer word at a touch.

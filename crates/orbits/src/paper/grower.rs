@@ -21,11 +21,11 @@ use crate::traced::Traced;
 /// number of threads.
 const TOGETHER: usize = 16;
 
-/// Largest difference of the parameter, in its curve unit, at which two special points of one kind
-/// count as the same.
+/// Tolerance for equal special points of one kind, as a difference of the parameter in its curve
+/// unit.
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
-/// A start from which a branch may be traced.
+/// A start for tracing a branch.
 #[derive(Clone, Debug)]
 pub(super) struct BranchStart {
     pub depth: u32,
@@ -49,8 +49,7 @@ pub(super) struct Grower<'a> {
     pub queue: Vec<BranchStart>,
     /// Traced branches that are not islands, because they are stable nowhere.
     left_out: Tree,
-    /// Special points from which branches were traced or at which they end: label, canonical word,
-    /// parameter.
+    /// Known special points, where branches were traced or end: label, canonical word, parameter.
     known: Vec<(Label, OrbitWord, f64)>,
 }
 

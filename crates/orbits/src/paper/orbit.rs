@@ -22,10 +22,10 @@ const STEPS: usize = 40;
 /// and lead to arbitrary phases.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Largest residual, units of L, at which phases are accepted as an orbit.
+/// Tolerance for the residual of an orbit, units of L.
 const RESIDUAL: f64 = 1e-9;
 
-/// Largest fraction of a flight by which one Newton step may shorten it.
+/// Limit of a flight's shortening in one Newton step, as a fraction of the flight.
 const SHORTENING: f64 = 0.5;
 
 /// A periodic orbit of a machine.

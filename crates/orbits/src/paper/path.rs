@@ -23,7 +23,7 @@ use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Largest difference of two values of the parameter, in its curve unit, that counts as rounding.
+/// Tolerance for equal values of the parameter, in its curve unit: rounding.
 const MARK: f64 = 1e-12;
 
 /// An end of a path where other branches begin.

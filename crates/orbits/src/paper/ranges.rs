@@ -5,8 +5,8 @@ use super::orbit::Orbit;
 use crate::branch::OrbitPoint;
 use crate::label::Label;
 
-/// Largest difference of the parameter, relative to its size, at which two points count as one. A
-/// branch and the branch born on it locate their common point separately.
+/// Tolerance for equal points, as a difference of the parameter relative to its size. A branch and
+/// the branch born on it locate their common point separately.
 const SAME_PLACE: f64 = 1e-9;
 
 /// An end of a stable range.
@@ -21,8 +21,8 @@ pub struct RangeEnd {
     pub is_branch_end: bool,
 }
 
-/// Largest piece of a branch that is stable throughout. The parameter is monotone along it, since
-/// it turns only at folds, where stability changes.
+/// A maximal stable piece of a branch. The parameter is monotone along it, since it turns only at
+/// folds, where stability changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableRange {
     /// The number of the branch.

@@ -6,7 +6,7 @@ use crate::obstacle::Obstacle;
 use crate::stop_word::OrbitWord;
 use vibro_studies::{Error, Result};
 
-/// Largest difference of phases, rad, at which two orbits count as one.
+/// Tolerance for equal orbits, as a difference of phases, rad.
 const SAME: f64 = 1e-6;
 
 /// The certified orbits of a word found by Newton's method from `tries` guesses, which fill the

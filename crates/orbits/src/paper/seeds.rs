@@ -57,8 +57,7 @@ pub struct SearchedValue {
     pub falling: Option<u32>,
     /// Number of starts between this value and the next.
     pub starts: u32,
-    /// Number of kept orbits near which motions from these starts passed; branches start from
-    /// them.
+    /// Number of kept orbits near motions from these starts; branches start from these orbits.
     pub found: u32,
 }
 
@@ -69,7 +68,7 @@ pub struct Searched {
     pub values: Vec<SearchedValue>,
     /// Length of each motion from a start, in drive periods.
     pub periods: u32,
-    /// Number of branches traced from orbits near which such motions passed.
+    /// Number of branches traced from orbits near such motions.
     pub followed: usize,
     /// Number of kept branches: stable somewhere and not known before.
     pub islands: usize,

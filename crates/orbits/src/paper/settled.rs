@@ -11,7 +11,7 @@ use vibro_studies::paper::attractor::distance;
 use vibro_studies::paper::stroboscopic::StroboscopicState;
 use vibro_studies::{Error, Result};
 
-/// Longest period to search for, in drive periods.
+/// Longest period in the search, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
 /// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method removes
@@ -21,8 +21,8 @@ const RETURN: f64 = 2e-3;
 /// Largest correction of a phase by Newton's method from a near return to an orbit, rad.
 const MOVE: f64 = 0.05;
 
-/// Largest difference of the phases of two repetitions, rad, that Newton's method may leave near a
-/// period doubling.
+/// Tolerance for equal phases of two repetitions, rad: Newton's method may leave such a difference
+/// near a period doubling.
 const ALIKE: f64 = 1e-5;
 
 /// Largest number of impacts of a word that is tried after a shorter one. The work grows with the

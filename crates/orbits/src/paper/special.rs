@@ -10,7 +10,7 @@ use crate::stop_word::OrbitWord;
 use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 
-/// Largest difference of the halves of an orbit, rad, that counts as rounding.
+/// Tolerance for equal halves of an orbit, rad: rounding.
 const BIRTH: f64 = 1e-9;
 
 /// Step of the difference quotients of a test function. It affects how fast its zero converges,

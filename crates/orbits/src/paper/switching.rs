@@ -29,7 +29,7 @@ pub(super) struct FlightTouch {
     pub shorter: OrbitWord,
     /// Phases and parameter.
     pub u: DVector<f64>,
-    /// The flight in which the stop is touched.
+    /// The flight with the touch.
     pub flight: usize,
     /// The phase of the touch.
     pub phase: f64,

@@ -9,7 +9,7 @@ use vibro_studies::paper::{ParameterSet, find_group};
 const SAME: f64 = 1e-9;
 /// The load of f10 = 1, N.
 const LOAD: f64 = 0.1;
-/// Largest relative difference of two periods that counts as rounding.
+/// Relative tolerance for equal periods: rounding.
 const ROUNDING: f64 = 1e-12;
 /// Distance within which a touch and a bifurcation count as one point.
 const MERGED: f64 = 1e-8;

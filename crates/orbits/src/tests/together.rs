@@ -3,7 +3,7 @@
 use super::*;
 use vibro_machine::Start;
 
-/// Relative difference of a value at which two branches end: rounding of a condition.
+/// Relative tolerance for the common end of two branches: rounding of a condition.
 const ROUNDING: f64 = 1e-11;
 /// Number of branch points from one comparison with the machine's own motion to the next.
 const EACH: usize = 7;

@@ -12,12 +12,12 @@ use nalgebra::DVector;
 const STEPS: [f64; 3] = [5e-3, 1e-5, 0.05];
 /// Largest number of points in one direction.
 const MOST_POINTS: usize = 600;
-/// Largest correction of a step relative to its length, and smallest cosine of the angle by which
-/// the tangent turns in a step.
+/// Largest correction of a step relative to its length, and smallest cosine of the tangent's turn
+/// in a step.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
-/// Number of points before which a curve is not tested for closing, and distance from its first
-/// point, in steps, within which it counts as closed.
+/// Minimum number of points of a closed curve, and distance from its first point, in steps, within
+/// which it counts as closed.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 

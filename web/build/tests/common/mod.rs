@@ -16,7 +16,7 @@ pub fn built(argument: &str) -> PathBuf {
     Path::new(page.trim()).parent().unwrap().to_owned()
 }
 
-/// Runs node; returns whether it succeeds, and what it prints.
+/// Runs node; returns whether it succeeds, and its output.
 pub fn node(arguments: &[&Path], input: &str) -> (bool, String) {
     let mut node =
         Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();

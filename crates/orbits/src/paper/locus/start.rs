@@ -23,11 +23,11 @@ use vibro_studies::{Error, Result as Outcome};
 const NO_SPEED: f64 = 1e-6;
 /// Largest distance of a touching extremum from its stop, units of L.
 const NO_DISTANCE: f64 = 1e-6;
-/// Largest differences of phases (rad) and parameters (per range) at which starts count as one.
+/// Tolerances for equal starts: phases (rad) and parameters (as fractions of their ranges).
 const SAME: f64 = 1e-6;
 /// Largest change of a phase, rad, from a start to its point on the curve.
 const NEAR: f64 = 0.2;
-/// Largest contact error, units of L, of a start that belongs to the machine.
+/// Tolerance for the contact error of a start from the same machine, units of L.
 const MISS: f64 = 0.05;
 
 /// A starting point of a curve in two parameters.
@@ -45,8 +45,8 @@ pub struct LocusStart {
 }
 
 impl LocusStart {
-    /// This special point in the shortest word of its orbit, in which its curve is followed. At a
-    /// touch this is the shortest word that lists the touch.
+    /// This special point in the shortest word of its orbit; its curve is followed in this word.
+    /// At a touch this is the shortest word that lists the touch.
     ///
     /// # Errors
     /// As [`locus`](super::locus).

@@ -15,7 +15,7 @@ use nalgebra::Complex;
 
 /// Accuracy of the `arc` of a special point, limited by the rounding of points.
 const LOCATION: f64 = 1e-14;
-/// Largest difference of the parameter, in its curve unit, that may be due to rounding.
+/// Tolerance for equal values of the parameter, in its curve unit: rounding.
 const ROUNDING: f64 = 1e-12;
 /// Accuracy of the first location of a sign change, as a fraction of a step.
 const ROUGHLY: f64 = 1e-4;

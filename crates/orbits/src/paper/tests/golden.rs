@@ -11,7 +11,7 @@ const PHASES: f64 = 2e-11;
 /// Distances from the point, in f10, at which its branch is entered, and to which followed.
 const ENTRY: f64 = 1e-3;
 const REACH: f64 = 0.02;
-/// Largest difference of the point's phases from the orbit at which the branch is entered, rad.
+/// Tolerance for the phases of the orbit at the branch's entry, compared with the point's, rad.
 const NEAR: f64 = 0.3;
 
 #[test]

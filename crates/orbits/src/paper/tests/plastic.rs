@@ -5,7 +5,7 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator};
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Largest acceleration after an impact, units of ω1² L, that counts as rounding.
+/// Tolerance for a zero acceleration after an impact, units of ω1² L.
 const NONE: f64 = 1e-9;
 
 /// The branch of symmetric orbits ends where the acceleration after the impact begins to point to

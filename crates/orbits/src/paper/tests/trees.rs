@@ -240,7 +240,7 @@ fn specials(tree: &Tree, mirrored: bool) -> Vec<(String, u32, &'static str, f64)
 
 #[test]
 fn invariant_opposite_loads_have_mirrored_branches() {
-    /// Largest difference of a point that is reached on two paths.
+    /// Tolerance for a point reached on two paths.
     const LOCATION: f64 = 1e-10;
     let of = |force: f64| {
         let family = loaded(1.4, 2.6, "load.block", force);
@@ -266,7 +266,7 @@ fn second_method_the_whole_tree_by_half_the_step() {
     /// Length of the longest compared words. A longer word passes near a shorter orbit many times,
     /// so that its special points are closer together than half a step.
     const LETTERS: usize = 24;
-    /// Largest difference of a point that is reached on two paths.
+    /// Tolerance for a point reached on two paths.
     const LOCATION: f64 = 1e-9;
     /// Smallest fraction of the points whose words both trees have.
     const COMMON: f64 = 0.98;
