@@ -1,6 +1,6 @@
 //! Machines from text files: compared with the 3-DOF core on its own machine, growth with the
-//! number of bodies, stiff contacts and stiff springs; as ratios in one run. `cargo bench -p
-//! benches --bench assembly`
+//! number of bodies, stiff contacts and stiff springs; as ratios in one run.
+//! `cargo bench -p benches --bench assembly`
 
 use std::fmt::Write as _;
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! Branches of orbits of machines from files: time per point, compared with the 3-DOF machine's
-//! own orbits on its branch, and growth with the number of bodies; as ratios in one run. `cargo
-//! bench -p benches --bench machine_orbits`
+//! own orbits on its branch, and growth with the number of bodies; as ratios in one run.
+//! `cargo bench -p benches --bench machine_orbits`
 
 use std::fmt::Write as _;
 use std::path::Path;

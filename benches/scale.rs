@@ -1,6 +1,6 @@
 //! Growth with the number of bodies: cost per body of a machine's matrices, its motion and its
-//! natural frequencies, for uncoupled oscillators and for a chain; as ratios in one run. `cargo
-//! bench -p benches --bench scale`
+//! natural frequencies, for uncoupled oscillators and for a chain; as ratios in one run.
+//! `cargo bench -p benches --bench scale`
 
 use std::fmt::Write as _;
 use std::hint::black_box;

@@ -14,9 +14,8 @@ pub struct Diagram(Direction);
 
 #[wasm_bindgen]
 impl Diagram {
-    /// A direction of a bifurcation diagram over a parameter, SI, with `count` values from `from`
-    /// to `to`. Shown are a quantity's local maxima, or its values at the section. `discard` and
-    /// `keep` are returns.
+    /// A direction of a diagram over a parameter, SI: `count` values from `from` to `to`, with a
+    /// quantity's local maxima or its values at the section. `discard` and `keep` are returns.
     ///
     /// # Errors
     /// The problems of the text as JSON; names and ranges that are not allowed.

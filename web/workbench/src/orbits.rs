@@ -14,8 +14,8 @@ extern "C" {
     fn progressed(branches: String, known: usize) -> Result<bool, JsValue>;
 }
 
-/// A branch as a list of points `[value, largest value of the quantity, 1 if stable, label, start
-/// on the orbit]`.
+/// A branch as a list of points
+/// `[value, largest value of the quantity, 1 if stable, label, start on the orbit]`.
 fn listed(branch: &Branch, measure: &Measure) -> Value {
     let points = branch.points.iter().map(|point| {
         let orbit = branch.orbit(point);

@@ -8,8 +8,8 @@ use vibro_impact::steady::exact_orbit;
 /// force and impacts cancel, and digits are lost.
 const CANCELLED: f64 = 1e-6;
 
-/// A machine whose box, or whose pair of block and secondary oscillator, oscillates undamped at `1
-/// + off` times the drive frequency.
+/// A machine whose box, or whose pair of block and secondary oscillator, oscillates undamped at
+/// `1 + off` times the drive frequency.
 fn machine(box_swings: bool, off: f64) -> Parameters {
     let frequency = 1.4 * (1.0 + off);
     let square = frequency * frequency;
