@@ -1,7 +1,7 @@
-//! The C interface in one process. Targets: a step without impact ≤ 0.5 µs, ten Reals read or
-//! written ≤ 50 ns, the FMU state taken and put back ≤ 200 ns; an FMI 3.0 step within 10 % of the
-//! FMI 2.0 step, as a ratio from alternating runs. `cargo test --test allocation` checks that
-//! none of these allocates.
+//! The C interface in one process. Targets: a step without impact ≤ 0.5 µs; ten Reals read or
+//! written ≤ 50 ns; the FMU state saved and restored ≤ 200 ns; an FMI 3.0 step within 10 % of the
+//! FMI 2.0 step, as a ratio from alternating runs. `cargo test --test allocation` checks that none
+//! of these allocates memory.
 #![allow(unsafe_code)] // the C interface
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -28,7 +28,7 @@ const OUTPUTS: [&str; 10] = [
     "stop.s",
 ];
 
-/// Three loads and seven parameters that may be set between steps.
+/// Three loads and seven parameters that can be set between steps.
 const SETTABLE: [&str; 10] = [
     "box.f",
     "block.f",
@@ -42,7 +42,7 @@ const SETTABLE: [&str; 10] = [
     "drive.frequency",
 ];
 
-/// Step of the bench of stepping, s: a hundredth of the drive period.
+/// Step size of the stepping bench, s: a hundredth of the drive period.
 const STEP: f64 = 0.06;
 
 fn initialized() -> FmiComponent {
@@ -59,17 +59,17 @@ fn initialized() -> FmiComponent {
 
 fn impacts(c: FmiComponent) -> i32 {
     let (references, mut counts) = ([reference("impacts.upper"), reference("impacts.lower")], [0; 2]);
-    // SAFETY: two of each.
+    // SAFETY: two references and two values.
     assert_eq!(unsafe { fmi2GetInteger(c, references.as_ptr(), 2, counts.as_mut_ptr()) }, 0);
     counts[0] + counts[1]
 }
 
 fn benches(criterion: &mut Criterion) {
     let c = initialized();
-    // A start from rest has no impact for 100 steps; the state is put back after them, once in a
-    // hundred steps.
+    // A start from rest has no impact for 100 steps; the state is restored once every hundred
+    // steps.
     let (mut start, mut state, mut time) = (null_mut(), null_mut(), 0.0);
-    // SAFETY (all below): a live component, arrays of as many elements as the count says.
+    // SAFETY (all below): a live component, arrays with the stated number of elements.
     unsafe {
         assert_eq!(fmi2GetFMUstate(c, &mut start), 0);
         criterion.bench_function("fmi2DoStep of 0.06 s without impact", |b| {
@@ -102,13 +102,13 @@ fn benches(criterion: &mut Criterion) {
     }
 }
 
-/// Benches of FMI 3.0, without event mode and with it; target: a step within 10 % of FMI 2.0's.
+/// Benches of FMI 3.0, without and with event mode; target: a step within 10 % of FMI 2.0's.
 fn benches_of_fmi3(criterion: &mut Criterion) {
     for (events, name) in [(0, ""), (1, " in event mode")] {
         let c = initialized3(events);
         let (mut start, mut state, mut time) = (null_mut(), null_mut(), 0.0);
         let (mut flags, mut reached) = ([0_u8; 3], 0.0);
-        // SAFETY (all below): a live instance, arrays of as many elements as the count says.
+        // SAFETY (all below): a live instance, arrays with the stated number of elements.
         unsafe {
             assert_eq!(fmi3GetFMUState(c, &mut start), 0);
             criterion.bench_function(&format!("fmi3DoStep of 0.06 s without impact{name}"), |b| {
@@ -187,7 +187,7 @@ fn initialized3(events: u8) -> FmiInstance {
 unsafe fn event_mode(c: FmiInstance) -> i32 {
     let (mut flags, mut next) = ([0_u8; 5], 0.0);
     let [a, b, d, e, f] = &mut flags;
-    // SAFETY: as the caller says; one of each.
+    // SAFETY: guaranteed by the caller; one variable per output argument.
     unsafe {
         fmi3EnterEventMode(c) + fmi3UpdateDiscreteStates(c, a, b, d, e, f, &mut next) + fmi3EnterStepMode(c)
     }
@@ -207,7 +207,7 @@ fn time_steps(mut step: impl FnMut(f64) -> i32, put_back: impl Fn() -> i32) -> f
 }
 
 /// Ratio of an FMI 3.0 step to an FMI 2.0 step, without and with event mode: the median over
-/// alternating runs, so that background load on the computer affects all alike.
+/// alternating runs, so that background load affects all alike.
 fn compare_steps(_: &mut Criterion) {
     const TURNS: usize = 301;
     let (c2, c3) = (initialized(), [0, 1].map(initialized3));

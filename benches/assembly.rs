@@ -1,5 +1,5 @@
-//! Machines from text files: against the 3-DOF core on its own machine, growth with the number of
-//! bodies, stiff contacts and stiff springs; as ratios in one run.
+//! Machines from text files: compared with the 3-DOF core on its own machine, growth with the
+//! number of bodies, stiff contacts and stiff springs; as ratios in one run.
 //! `cargo bench -p benches --bench assembly`
 
 use std::fmt::Write as _;
@@ -11,13 +11,13 @@ use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
-/// Rounds of each machine, of which the least time counts.
+/// Number of rounds of each machine; the smallest time counts.
 const ROUNDS: usize = 7;
-/// Rounds of the machine that the 3-DOF core has, too, so short that many are not interrupted. In
-/// each every way runs once, so that a change of the computer's speed affects all alike.
+/// Number of rounds of the 3-DOF core's machine, short enough that many are not interrupted. Each
+/// round runs every way once, so that changes of the computer's speed affect all ways alike.
 const TURNS: usize = 200;
 
-/// The 3-DOF machine as a file's text.
+/// The 3-DOF machine as the text of a file.
 fn paper_machine(p: &vibro_impact::Parameters) -> String {
     let spring = |name: &str, ends: &str, k: f64, c: f64| {
         format!("[spring.{name}]\nbetween = {ends}\nstiffness = {k:?}\ndamping = {c:?}\n")
@@ -48,8 +48,8 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain like a gear train: every second joint has play on both sides, with stops of this
-/// law, the others a spring; the first of these with `keys`.
+/// A driven chain like a gear train: every second joint has play on both sides with stops of this
+/// law; the others have a spring, the first of them with `keys`.
 fn chain_of(bodies: usize, law: &str, keys: &str) -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..bodies {
@@ -122,7 +122,7 @@ fn contact(keys: &str) -> String {
     )
 }
 
-/// Two oscillators with frequencies in a ratio of `ratio`, coupled.
+/// Two coupled oscillators whose frequencies have the ratio `ratio`.
 fn stiff(ratio: f64) -> String {
     format!(
         "name = \"Stiff\"\n[body.a]\nmass = 1.0\nstart = {{ s = 0.04, v = 1.0 }}\n[body.b]\nmass = 1.0\n[spring.soft]\nbetween = [\"ground\", \"a\"]\n\
@@ -132,8 +132,8 @@ fn stiff(ratio: f64) -> String {
     )
 }
 
-/// A beam of 60 modes with two stops, or 60 bodies on springs of the same frequencies and inertias,
-/// two of which have a stop.
+/// A beam of 60 modes with two stops, or 60 bodies on springs with the same frequencies and
+/// inertias, two of them with a stop.
 fn of_60(is_one: bool) -> String {
     let frequency = |k: usize| 2.0 + 1.5 * k as f64;
     let stops = |a: &str, b: &str, gap: f64| {
@@ -168,7 +168,7 @@ fn of_60(is_one: bool) -> String {
     text + &stops("b0", "b1", 4e-3)
 }
 
-/// A mass on a spring under a record of this many values, one in 0.4 ms, held or joined by lines.
+/// A mass on a spring under a record of `knots` values, one every 0.4 ms, held or linear.
 fn recorded(knots: usize, interpolation: &str) -> String {
     let value = |k: usize| ((k * 7919) % 1000) as f64 / 500.0 - 1.0;
     let knots: Vec<String> = (0..knots).map(|k| format!("[{:?}, {:?}]", k as f64 * 4e-4, value(k))).collect();
@@ -184,20 +184,20 @@ fn machine(text: &str) -> Arc<Assembly> {
     Arc::new(Assembly::new(description).expect("a machine"))
 }
 
-/// Time of a motion, ns, and its events.
+/// Time of a motion, ns, and its number of events.
 fn follow(assembly: &Arc<Assembly>, end: f64, accounts: bool) -> (f64, usize) {
     let mut m = Motion::new(assembly.clone()).expect("a motion");
     if !accounts {
         m = m.without_energy_accounts();
     }
-    // The tables of the modes, made once in a motion, are not part of the time.
+    // The tables of the modes, computed once per motion, are not timed.
     m.advance_to(0.2 * end).expect("it moves");
     let (begin, mut events) = (Instant::now(), 0);
     m.advance_observed(end, &mut |_| events += 1).expect("it moves");
     (begin.elapsed().as_nanos() as f64, events)
 }
 
-/// As [`follow`], with five columns of derivatives.
+/// As [`follow`], with derivatives with respect to five parameters.
 fn follow_varied(assembly: &Arc<Assembly>, end: f64) -> (f64, usize) {
     let all = assembly.description.parameters();
     let names: Vec<&str> = all.iter().step_by(all.len() / 5).take(5).map(|p| p.name.as_str()).collect();
@@ -208,8 +208,8 @@ fn follow_varied(assembly: &Arc<Assembly>, end: f64) -> (f64, usize) {
     (begin.elapsed().as_nanos() as f64, events)
 }
 
-/// Times, ns, of a motion with 200 values of a body and of the gradient of the sum of their squares
-/// by at most thirty numbers.
+/// Times, ns, of a motion with 200 values of a body, and of the gradient of the sum of their
+/// squares with respect to at most thirty parameters.
 fn follow_gradient(assembly: &Arc<Assembly>, end: f64) -> [f64; 2] {
     let all = assembly.description.parameters();
     let names: Vec<&str> = all.iter().take(30).map(|p| p.name.as_str()).collect();

@@ -1,8 +1,9 @@
 """A driven chain of bodies with clearances by this engine and by solvers with root finding: SciPy's DOP853, CVODE and heyoka.
 
-The clearances are compliant, so that every solver can follow the motion; with `rigid` they are the stops of `chain` in benches/assembly.rs,
-at which the bodies bounce ever faster. Each solver has relative and absolute tolerances of 1e-10, finds every contact as a root; heyoka,
-and at rigid stops all, begin anew there. CVODE's functions are compiled by numba, heyoka compiles its own; what compiling takes is left out. Ways take turns.
+The clearances are compliant, so that every solver can follow the motion; with `rigid` they are the stops of `chain` in
+benches/assembly.rs, at which the bodies bounce ever faster. Each solver has relative and absolute tolerances of 1e-10 and locates every
+contact as a root. After a contact heyoka restarts; with rigid stops all solvers do. CVODE's functions are compiled by numba, heyoka
+compiles its own; compile time is excluded. Ways alternate.
 
 pip install ./python scipy scikit-sundae heyoka numba
 python benches/assembly_beside_solvers.py [BODIES] [SECONDS] [rigid]
@@ -21,13 +22,12 @@ from sksundae.cvode import CVODE
 GAP, RESTITUTION, CONTACT = 0.05, 0.6, 2e4
 FORCE, OMEGA = 10.0, 2.0 * np.pi
 TOLERANCE = 1e-10
-# Seconds of work after which a solver is stopped, and number of turns, of which the least time
-# counts; least seconds of a turn.
+# Seconds of work after which a solver is stopped; number of turns, of which the smallest time counts; smallest duration of a turn, s.
 PATIENCE, TURNS, TURN = 60.0, 3, 0.2
 
 
 class Chain:
-    """Every second joint has play on both sides, the others a spring; every body weighs 1 kg."""
+    """Every second joint has play on both sides, the others have a spring; every body weighs 1 kg."""
 
     def __init__(self, bodies, rigid):
         self.bodies, self.rigid = bodies, rigid
@@ -40,7 +40,7 @@ class Chain:
                 matrix[[i - 1, i], [i, i - 1]] -= value
 
     def description(self):
-        """The machine as `vi.Machine` takes it."""
+        """The machine as input of `vi.Machine`."""
         spring = {f"g{i}": {"between": ["ground", f"b{i}"], "stiffness": 20.0, "damping": 0.2} for i in range(self.bodies)}
         for i in range(2, self.bodies, 2):
             spring[f"k{i}"] = {"between": [f"b{i - 1}", f"b{i}"], "stiffness": 400.0, "damping": 0.1}
@@ -61,7 +61,7 @@ class Chain:
             change = 0.5 * (1.0 + RESTITUTION) * (z[self.bodies + b] - z[self.bodies + a])
             z[self.bodies + a] += change
             z[self.bodies + b] -= change
-            # The bodies leave the stop by a rounding, as a root at the start is none.
+            # The bodies leave the stop by a rounding, since a root at the start does not count.
             z[b] -= max(0.0, z[b] - z[a] - GAP) + 1e-14
         return z
 
@@ -90,7 +90,7 @@ def functions(chain):
 
 
 class Engine:
-    """This engine, with all its accounts and event tables."""
+    """This engine, with all of its accounts and event tables."""
 
     name = "this engine"
 
@@ -104,14 +104,14 @@ class Engine:
 
 
 class Cvode:
-    """CVODE, in its method for motions that are not stiff."""
+    """CVODE with the method for non-stiff motions."""
 
     name = "CVODE (Adams)"
 
     def __init__(self, chain):
         rate, roots = functions(chain)
 
-        def events(t, z, values):  # what numba compiles takes no attributes
+        def events(t, z, values):  # functions compiled by numba have no attributes
             roots(t, z, values)
 
         count = len(chain.stops)
@@ -129,7 +129,7 @@ class Cvode:
             t, z = found.t[-1], found.y[-1].copy()
             if found.t_events is None:
                 continue
-            count += len(np.unique(found.t_events))  # one may be reported more than once
+            count += len(np.unique(found.t_events))  # a contact may be reported more than once
             if self.chain.rigid:
                 t, z = found.t_events[-1], found.y_events[-1]
                 for stop in np.flatnonzero(found.i_events[-1]):
@@ -172,7 +172,7 @@ class SciPy:
 
 
 class Heyoka:
-    """heyoka's Taylor series, whose coefficients for each contact are parameters that events change."""
+    """heyoka's Taylor series; events change parameters that are the coefficients of each contact."""
 
     name = "heyoka"
 
@@ -223,7 +223,7 @@ def main():
     chain = Chain(bodies, "rigid" in sys.argv)
     ways = [way(chain) for way in (Engine, Heyoka, Cvode, SciPy)]
     for way in ways:
-        way.run(0.01)  # compiles the functions, which happens at first use
+        way.run(0.01)  # compiles the functions at first use
     least, found = [np.inf] * len(ways), [None] * len(ways)
     for _ in range(1 if chain.rigid else TURNS):
         for i, way in enumerate(ways):

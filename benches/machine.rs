@@ -1,4 +1,4 @@
-//! Cost of the packaged FMU of a machine from a text file beside the engine's own work: a step, an
+//! Cost of a described machine's packaged FMU compared with the engine's own work: a step, an
 //! instance, an archive; in one run. `cargo bench -p benches --bench machine`
 
 use fmu_build::kit;
@@ -10,11 +10,11 @@ use std::time::Instant;
 use vibro_machine::Motion;
 use vibro_machine_component::Plan;
 
-/// Rounds, in each of which every way runs once; the least time of each way counts.
+/// Number of rounds; each runs every way once, and the smallest time of each way counts.
 const ROUNDS: usize = 25;
-/// Steps of a round.
+/// Number of steps in a round.
 const STEPS: u32 = 4000;
-/// Size of a step in s: short beside the fastest period, so that the flow takes little of the time.
+/// Step size, s: much less than the fastest period, so that the flow takes little of the time.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// Ten bodies on springs, with a clearance between the first two, a buffer, dry friction, a load
@@ -47,10 +47,10 @@ fn timed(work: &mut dyn FnMut()) -> f64 {
     begin.elapsed().as_secs_f64()
 }
 
-/// Name of a way to make all steps, and the way itself, which returns its time, s.
+/// Name of a way to make all steps, and the function, which returns its time, s.
 type Way<'a> = (&'a str, Box<dyn FnMut() -> f64 + 'a>);
 
-/// Time of all steps, s; calls `step` with the start of each.
+/// Time of all steps, s; calls `step` with the start time of each.
 fn steps(mut step: impl FnMut(f64)) -> f64 {
     timed(&mut || (0..STEPS).for_each(|k| step(f64::from(k) * STEP)))
 }
@@ -75,7 +75,7 @@ impl Unpacked {
     }
 }
 
-/// Time of all steps by the engine alone, s; with `talks`, the input is set at each.
+/// Time of all steps by the engine alone, s; with `talks`, each step sets the input.
 fn native(plan: &Plan, talks: bool) -> f64 {
     let mut motion = Motion::new(plan.assembly.clone()).expect("it has a start");
     steps(|point| {

@@ -1,5 +1,5 @@
-//! Branches of orbits of machines from files: time of a point, against the 3-DOF machine's own
-//! orbits on its branch, and growth with the number of bodies; as ratios in one run.
+//! Branches of orbits of machines from files: time per point, compared with the 3-DOF machine's
+//! own orbits on its branch, and growth with the number of bodies; as ratios in one run.
 //! `cargo bench -p benches --bench machine_orbits`
 
 use std::fmt::Write as _;
@@ -12,9 +12,9 @@ use vibro_orbits::{Family, Orbit, TreeOptions, branch, tree};
 use vibro_studies::Machine;
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Values at which a settled orbit is looked for on a branch.
+/// Number of values for comparing settled orbits with a branch.
 const ROWS: usize = 161;
-/// Rounds, of which the least time counts.
+/// Number of rounds; the smallest time counts.
 const ROUNDS: usize = 5;
 
 fn least(work: impl Fn() -> usize) -> (f64, usize) {
@@ -32,7 +32,7 @@ fn example(name: &str) -> Machine {
     Machine::read(&Path::new(folder).join(name)).expect("an example")
 }
 
-/// Time and points of the branch of a machine's settled motion.
+/// Time, number of points and events of the branch of a machine's settled motion.
 fn followed(machine: &Machine, parameter: &str, range: (f64, f64)) -> (f64, usize, usize) {
     let family = Family::new(machine, parameter, range).expect("a range");
     let orbit = Orbit::settled(machine, &Start::default(), 500).expect("an orbit");
@@ -61,7 +61,7 @@ fn chain(bodies: usize) -> Machine {
     Machine::parse(&text, "chain.toml", &no_records).expect("a machine")
 }
 
-/// Orbits on which motions settle at values of a family's parameter, each from the file's start.
+/// Orbits on which motions settle at parameter values of a family, each from the file's start.
 fn settled_rows(family: &Family) -> Vec<Orbit> {
     let (from, to) = family.range;
     let value = |i: usize| from + (to - from) * i as f64 / (ROWS - 1) as f64;

@@ -1,1 +1,1 @@
-//! Empty library: the benches of this package are the programs beside this file.
+//! Empty library: the benches of this package are the other programs in this folder.

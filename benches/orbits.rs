@@ -1,6 +1,6 @@
-//! Periodic orbits: an accepted point of a branch with n impacts, beside the cost of one point by
+//! Periodic orbits: the time of one accepted branch point with n impacts, compared with a point by
 //! simulation and by differences of the reference method; and the tree of all branches. Targets:
-//! 30, 60, 160 µs a point at n = 1, 2, 6; the tree under 5 s on two cores.
+//! 30, 60, 160 µs per point at n = 1, 2, 6; the tree in less than 5 s on two cores.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -13,11 +13,11 @@ use vibro_orbits::paper::{
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Rounds, of which the least time counts.
+/// Number of rounds; the smallest time counts.
 const ROUNDS: u32 = 5;
-/// Drive periods in which a transient decays, as for a point of a simulated diagram.
+/// Drive periods for a transient to decay, as for a point of a simulated diagram.
 const SETTLE: u32 = 600;
-/// Newton steps of a corrector by differences of the period map.
+/// Number of Newton steps of a corrector by differences of the period map.
 const CORRECTIONS: u32 = 3;
 
 fn least(mut work: impl FnMut()) -> Duration {
@@ -45,7 +45,7 @@ fn micros(time: Duration, count: usize) -> f64 {
     1e6 * time.as_secs_f64() / count as f64
 }
 
-/// Some periods of the reference method from a state.
+/// Simulates some periods from a state by the reference method.
 fn reference(system: &System, state: &State, periods: f64) {
     let p = system.parameters();
     let mut reference = Reference::new(p, state, 0.0, Tolerance::new(1e-12)).expect("a start");
@@ -75,7 +75,7 @@ fn main() {
             simulator.advance_to(f64::from(SETTLE) * system.parameters().period()).expect("a motion");
             black_box(simulator.state());
         });
-        // Seven motions over a period for a step of Newton's method.
+        // A Newton step takes seven motions over a period.
         let periods = f64::from(orbit.word().period());
         let differences = least(|| (0..7 * CORRECTIONS).for_each(|_| reference(&system, &start, periods)));
         println!(

@@ -2,10 +2,11 @@
 fmpy.
 
 `pip install ./python scipy fmpy`, then `python benches/python_package.py`. The work: the default machine over 1000 forces from 0.5 to 4,
-400 drive periods each, from the moving block on; DOP853 and fmpy do a part of it, since they take longer. The Rust library does the same
-work in a program of its own (`crates/studies/examples/many_motions.rs`, compiled first), in turns with the package. Least times of some
-rounds. `python benches/python_package.py assemblies` does so for machines of one's own: the impact damper with a rubber buffer of the gallery
-over 1000 gaps, 200 periods each (`crates/studies/examples/many_assemblies.rs`), and a bifurcation diagram of 200 values.
+400 drive periods each, from the moving block; DOP853 and fmpy do a part of it, since they take longer. The Rust library does the same
+work in a separate program (`crates/studies/examples/many_motions.rs`, compiled first), alternating with the package. The times are the
+smallest of several rounds. `python benches/python_package.py assemblies` does the same for described machines: the gallery's impact
+damper with a rubber buffer over 1000 gaps, 200 periods each (`crates/studies/examples/many_assemblies.rs`), and a bifurcation diagram of
+200 values.
 """
 
 import os
@@ -27,7 +28,7 @@ TURNS = 41
 
 
 def least(work, rounds=ROUNDS):
-    """The least time of some rounds, s."""
+    """The smallest time of several rounds, s."""
     times = []
     for _ in range(rounds):
         begin = time.perf_counter()
@@ -37,8 +38,8 @@ def least(work, rounds=ROUNDS):
 
 
 def beside_rust(example, work):
-    """Least times of the package and of the Rust library, s, in turns; and the median of their ratios of processor time, all threads
-    together, which other work on the machine disturbs little."""
+    """Smallest times of the package and of the Rust library, s, in alternation; and the median of their ratios of processor time over all
+    threads, which other work on the machine hardly affects."""
     subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "vibro-studies", "--example", example], cwd=ROOT, check=True)
     program = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "examples" / example
     with subprocess.Popen([program, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as rust:
@@ -52,8 +53,8 @@ def beside_rust(example, work):
             begin = processor_time(os.getpid())
             return least(work, 1), processor_time(os.getpid()) - begin
 
-        by_rust(), by_package()  # threads and tables that are made once
-        # The order changes from turn to turn, so that neither is always the first.
+        by_rust(), by_package()  # threads and tables that are created once
+        # The order alternates, so that neither is always the first.
         turns = [(by_package(), by_rust()) if i % 2 else (by_rust(), by_package())[::-1] for i in range(TURNS)]
         rust.stdin.close()
     times, processor = np.array(turns).transpose(2, 1, 0)
@@ -61,7 +62,7 @@ def beside_rust(example, work):
 
 
 def processor_time(process):
-    """Processor time of all threads of a process, s, where the system tells it (Linux: clock_getcpuclockid); else the time."""
+    """Processor time of all threads of a process, s, if available (Linux: clock_getcpuclockid); otherwise the wall time."""
     try:
         return time.clock_gettime((~process << 3) | 2)
     except (AttributeError, OSError):
@@ -69,7 +70,7 @@ def processor_time(process):
 
 
 def assemblies():
-    """The table of machines of one's own."""
+    """The table for described machines."""
     damper = vi.Machine(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
     machines = [damper.replace({"stop.steel.gap": gap}) for gap in np.linspace(5e-3, 130e-3, 1000)]
     (package, library), ratio = beside_rust("many_assemblies", lambda: vi.simulate_many(machines, until=20.0))
@@ -94,8 +95,7 @@ def main():
     machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
     (package, library), ratio = beside_rust("many_motions", lambda: vi.simulate_many(machines, periods=PERIODS))
     many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
-    # A call over no time: checks, conversions, threads and the machines' tables, which any
-    # caller of the core needs too.
+    # A call with zero periods: checks, conversions, threads and the machines' tables, which any caller of the core needs too.
     fixed = least(lambda: vi.simulate_many(machines, periods=0)) / (1000 * PERIODS)
     machine = machines[285]
     one = least(lambda: machine.simulate(periods=PERIODS, per_period=1)) / PERIODS

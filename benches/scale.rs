@@ -1,5 +1,5 @@
-//! Growth with the number of bodies: what a machine's matrices, its motion and its own frequencies
-//! cost for each body, of uncoupled oscillators and of a chain; as ratios in one run.
+//! Growth with the number of bodies: cost per body of a machine's matrices, its motion and its
+//! natural frequencies, for uncoupled oscillators and for a chain; as ratios in one run.
 //! `cargo bench -p benches --bench scale`
 
 use std::fmt::Write as _;
@@ -10,14 +10,14 @@ use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Motion};
 use vibro_studies::natural::natural;
 
-/// Numbers of bodies, to the first of which the others are compared.
+/// Numbers of bodies; the others are compared with the first.
 const COUNTS: [usize; 4] = [100, 400, 2_000, 10_000];
-/// Rounds of each machine, of which the least time counts.
+/// Number of rounds of each machine; the smallest time counts.
 const ROUNDS: usize = 3;
-/// Rows of a motion, and the time between them, s.
+/// Number of rows of a motion, and the time between them, s.
 const ROWS: (usize, f64) = (100, 1e-3);
 
-/// Oscillators, each on the ground or on the one before.
+/// Oscillators, each connected to ground or to the previous one.
 fn text(count: usize, is_chain: bool) -> String {
     let mut text = String::from("name = \"Many\"\n");
     for i in 0..count {
@@ -33,7 +33,7 @@ fn text(count: usize, is_chain: bool) -> String {
     text
 }
 
-/// Times of the matrices with the start, of the motion's rows, and of the own frequencies, s.
+/// Times of the matrices with the start, the motion's rows, and the natural frequencies, s.
 fn times(count: usize, is_chain: bool) -> [f64; 3] {
     let machine = parse(&text(count, is_chain), "many.toml", &no_records).expect("a machine");
     let mut least = [f64::INFINITY; 3];

@@ -1,5 +1,5 @@
-//! The standard work (benches/README.md) by every way of this repository, in one run, as ratios;
-//! writes its table to `benches/README.md`. `cargo bench --bench standard_work`
+//! The standard work (benches/README.md) in every way of this repository, in one run, as ratios.
+//! Writes its table to `benches/README.md`. `cargo bench --bench standard_work`
 
 use fmu_build::archive;
 use fmu_build::compile::{PLATFORM, Product, SHARED_LIBRARY};
@@ -21,30 +21,30 @@ mod golden;
 
 use golden::{standard, weak};
 
-/// Rounds, in each of which every way runs once, so that a change of the machine's speed affects
-/// all alike.
+/// Number of rounds. Each runs every way once, so that changes of the machine's speed affect all
+/// ways alike.
 const ROUNDS: usize = 15;
-/// Drive periods of a timed run.
+/// Length of a timed run in drive periods.
 const PERIODS: f64 = 2000.0;
-/// Drive periods of a timed run of the reference method, which is hundreds of times slower.
+/// Length of a timed run of the reference method in drive periods; it is hundreds of times slower.
 const REFERENCE_PERIODS: f64 = 100.0;
 
-/// Motions of a sweep of one system over starts, of which the first is the standard work.
+/// Number of motions of a sweep of one system over starts; the first is the standard work.
 const STARTS: usize = 16;
-/// Motions of a sweep from one start over systems, with as many drives and four restitutions; the
-/// first is the standard work.
+/// Number of motions of a sweep over systems from one start, with this many drives and four
+/// restitutions; the first is the standard work.
 const SYSTEMS: usize = 64;
-/// Drive periods of each motion of a timed sweep.
+/// Length of each motion of a timed sweep in drive periods.
 const SWEPT_PERIODS: f64 = 200.0;
-/// Marks of benches/README.md, between which this bench writes.
+/// Marks in benches/README.md that enclose the written text.
 const BEGIN: &str = "<!-- standard work -->";
 const END: &str = "<!-- /standard work -->";
 
-/// A run of n periods that returns the end state, set up already.
+/// A prepared run of n periods that returns the end state.
 type Run<'a> = Box<dyn FnOnce(f64) -> State + 'a>;
 
-/// A way to do the work: its name, its motions, the drive periods of a timed run, and the untimed
-/// setup of a run.
+/// A way to do the work: its name, number of motions, drive periods of a timed run, and the
+/// untimed setup of a run.
 struct Way<'a> {
     name: String,
     motions: usize,
@@ -57,7 +57,7 @@ fn single<'a>(name: &str, periods: f64, run: Box<dyn Fn() -> Run<'a> + 'a>) -> W
     Way { name: name.into(), motions: 1, periods, run }
 }
 
-/// Least time, which is nearest to that of a machine without other work.
+/// Smallest time: nearest to the time on an otherwise idle machine.
 fn least(times: &[f64]) -> f64 {
     times.iter().copied().fold(f64::INFINITY, f64::min)
 }
@@ -72,7 +72,7 @@ fn main() {
     let period = p.period();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let archive_path = folder.path().join("model.fmu");
-    // The library as it is distributed.
+    // The library in its distributed form.
     let binaries = platforms::own(Product::Vibro).expect("the library is compiled");
     package::write(&archive_path, &Version::USUAL, &binaries, None).expect("the FMU is packed");
     let name = format!("{MODEL_IDENTIFIER}{SHARED_LIBRARY}");

@@ -1,11 +1,11 @@
 //! Whole studies, as ratios to the paper's method (RKF45 with bisection, 1e-12) on the bare motion
-//! in the same run; motions side by side as ratios to one by one; and the work of a drive period in
-//! counts, which need no quiet machine. Writes its tables to `benches/STUDIES.md`.
-//! `cargo bench --bench studies`, or only some of it, which writes nothing: `-- studies`,
-//! `-- lanes`, `-- work`
+//! in the same run; motions side by side as ratios to one by one; and the work of a drive period
+//! as counts, which do not require a quiet machine. Writes its tables to `benches/STUDIES.md`.
+//! `cargo bench --bench studies`, or only a part, which writes nothing: `-- studies`, `-- lanes`,
+//! `-- work`
 //!
-//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, that of
-//! 1051 values ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
+//! Targets: the diagram of 451 values × 1200 periods with its maxima ≤ 2 s on two cores, the
+//! diagram of 1051 values ≤ 5 s, a spectrum of seven exponents over 1500 periods ≤ 10 ms.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -34,11 +34,11 @@ const THREADS: usize = 2;
 const DISCARD: u32 = 400;
 /// The paper's record, in drive periods.
 const KEEP: u32 = 800;
-/// Periods of the reference method, hundreds of times slower, at each of some values.
+/// Periods of the reference method at each value; it is hundreds of times slower.
 const REFERENCE_PERIODS: f64 = 25.0;
 
-/// Least wall time and least processor time of the rounds, s (processor time on Linux; elsewhere
-/// the wall time).
+/// Smallest wall time and smallest processor time of the rounds, s (outside Linux, the wall time
+/// for both).
 fn timed(mut run: impl FnMut()) -> (f64, f64) {
     let mut best = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
@@ -57,7 +57,7 @@ fn timed(mut run: impl FnMut()) -> (f64, f64) {
 /// Processor time of this process so far, s, in hundredths.
 fn processor() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // Fields 14 and 15, counted after the name in brackets, which may hold blanks.
+    // Fields 14 and 15, counted after the name in parentheses, which may contain spaces.
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: f64 = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
     Some(ticks * TICK)
@@ -105,7 +105,8 @@ fn studies() -> String {
     );
     let mut row = |name: &str, periods: f64, (wall, spent): (f64, f64)| {
         let slow = base * periods;
-        // Work too short for the processors' clock runs on one thread, where both times are equal.
+        // The clock is too coarse for short work; it runs on one thread, where both times are
+        // equal.
         let spent = if spent < 20.0 * TICK { wall.max(spent) } else { spent };
         writeln!(table, "| {name} | {wall:.4} | {spent:.4} | {slow:.2} | {:.0} |", slow / spent)
             .expect("memory");
@@ -173,7 +174,7 @@ struct Work {
     program: Program,
 }
 
-/// Pseudo-random numbers in [0, 1), equal on all machines.
+/// Pseudo-random numbers in [0, 1), the same on all machines.
 fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -181,7 +182,7 @@ fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Motions of the studies that run side by side, fewer than in a study but of all their kinds.
+/// Motions that the studies run side by side, fewer than in a study but of all kinds.
 fn works() -> Vec<Work> {
     const PLANE: usize = 20;
     let axis = |name| {
@@ -244,7 +245,7 @@ fn works() -> Vec<Work> {
         },
         Work {
             name: "random systems, a tenth with kappa = 0",
-            // Many, so that the last of them, which leave lanes empty, are a small part.
+            // So many that the last ones, which leave lanes empty, are a small part.
             starts: (0..800).map(&mut random).collect(),
             program: Program { discard: 400, ..Program::default() },
         },
@@ -256,8 +257,8 @@ fn works() -> Vec<Work> {
     ]
 }
 
-/// Motions side by side and one by one, in turns on one thread, with the widest vectors of the
-/// machine and with those of AVX2.
+/// Motions side by side and one by one, alternating on one thread, with the widest vectors of the
+/// machine and with AVX2.
 fn lanes() -> String {
     let mut table = String::from(
         "| work | motions | vectors | single path, µs a motion | one by one | side by side | single path / side by side | one by one / side by side | lanes occupied | lanes that moved | sub-steps for each passed on |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
@@ -303,8 +304,7 @@ fn lanes() -> String {
     )
 }
 
-/// Counts of the work of a drive period, one by one, which are equal in every run on one
-/// instruction set.
+/// Counts of the work of a drive period, one by one; equal in every run on one instruction set.
 fn work() -> String {
     const PERIODS: f64 = 200.0;
     let mut table =

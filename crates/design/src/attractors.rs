@@ -1,4 +1,4 @@
-//! Other motions of a design: attractors that coexist at its worst place.
+//! Other motions of a design: coexisting attractors at the place of its worst value.
 
 use crate::candidate::of_machine;
 use crate::evaluation::{Evaluator, Value};
@@ -11,13 +11,13 @@ use vibro_studies::design_sweep::{BARS, DesignMachine};
 use vibro_studies::sobol::{DIMENSIONS, coordinate};
 use vibro_studies::{Machine, Measure, Measured, MotionClass};
 
-/// Number of starts from which attractors are sought, besides those of the request.
+/// Number of further starts for finding attractors, besides the request's starts.
 const STARTS: usize = 16;
 /// Half width of the box of starts, in amplitudes of the settled motion.
 const WIDER: f64 = 1.5;
-/// Largest number of starts that are tried for each start that the stops allow.
+/// Largest number of attempts per valid start between the stops.
 const ATTEMPTS: u32 = 16;
-/// Relative difference of a measure up to which two motions of one class are one attractor.
+/// Relative tolerance for equal measures: motions of one class are then one attractor.
 const SAME: f64 = 1e-3;
 
 /// An attractor of the best design.
@@ -25,11 +25,11 @@ const SAME: f64 = 1e-3;
 pub struct Attractor {
     /// Class of its motions.
     pub class: MotionClass,
-    /// Impacts and first touches of all stops a return.
+    /// Impacts and first contacts of all stops per return.
     pub impacts: f64,
     /// The goal on it.
     pub goal: Value,
-    /// Number of the starts that lead to it.
+    /// Number of starts in its basin.
     pub starts: usize,
     /// One of these starts.
     pub start: Start,
@@ -39,7 +39,7 @@ pub struct Attractor {
     pub is_worse: bool,
 }
 
-/// The measures of the motion from a start; `None` where it has none, or has not settled.
+/// The measures of the motion from a start; `None` without a motion, or if it has not settled.
 fn measured(
     machine: &Machine,
     request: &DesignRequest,
@@ -75,8 +75,8 @@ fn spread(machine: &Machine, request: &DesignRequest) -> Vec<Start> {
     (1..=ATTEMPTS * STARTS as u32).filter_map(start).take(STARTS).collect()
 }
 
-/// The attractors of a machine to which the request's starts and further ones lead; the request's
-/// come first.
+/// The attractors of a machine reached from the request's starts and from further starts; the
+/// request's come first.
 pub(crate) fn attractors(evaluator: &Evaluator, machine: &Machine, worst: Value) -> Vec<Attractor> {
     let request = evaluator.request;
     let measures = [request.goal.measure.clone(), Measure::Impacts(None), Measure::Class];

@@ -1,5 +1,5 @@
-//! A machine as a sweep takes it: measures with a sign, so that the largest value is the worst, and
-//! tolerances of the numbers that vary as an axis.
+//! A machine for a sweep: signed measures, whose largest value is the worst, and tolerances of the
+//! varied parameters as an axis.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -11,13 +11,13 @@ use vibro_studies::{Machine, Measure, Result, significant};
 
 /// Name of the axis of tolerances. Its values are indices of [`Candidate::tolerances`].
 pub const TOLERANCE: &str = "tolerance";
-/// Largest number of parameters of which all corners of the tolerances are measured.
+/// Largest number of parameters for measuring all corners of the tolerances.
 const ALL_CORNERS: usize = 4;
-/// Number of corners of more parameters.
+/// Number of corners for more parameters.
 const SOME_CORNERS: u32 = 16;
 
-/// A measure whose largest value is the worst: the measure itself, or its negative where large
-/// values are good.
+/// A measure whose largest value is the worst: the measure itself, or its negative if large values
+/// are good.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Signed {
     /// The measure.
@@ -27,7 +27,7 @@ pub struct Signed {
 }
 
 impl Signed {
-    /// Factor from the measure to the value that is compared.
+    /// Factor from the measure to the compared value.
     pub fn sign(&self) -> f64 {
         if self.is_negative { -1.0 } else { 1.0 }
     }
@@ -39,7 +39,7 @@ impl fmt::Display for Signed {
     }
 }
 
-/// Request of measures of a machine's motions from some starts; `returns` are discarded and kept.
+/// Request for measures of a machine's motions; `returns` are the numbers discarded and kept.
 pub(crate) fn of_machine(
     starts: Vec<Start>,
     returns: (u32, u32),
@@ -50,19 +50,19 @@ pub(crate) fn of_machine(
     SweepRequest { designs, starts, discard, periods, measures, ..SweepRequest::default() }
 }
 
-/// A machine with the tolerances of the numbers that vary.
+/// A machine with the tolerances of the varied parameters.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The machine.
     pub machine: Machine,
-    /// Names of the numbers that vary.
+    /// Names of the varied parameters.
     names: Arc<[String]>,
-    /// Relative deviations of these numbers; the first entry is zero throughout.
+    /// Relative deviations of these parameters; all entries of the first one are zero.
     tolerances: Arc<[Vec<f64>]>,
 }
 
-/// Signs of the corners of a box: all of up to [`ALL_CORNERS`] numbers, else those nearest to
-/// points of the Sobol sequence.
+/// Signs of the corners of a box: all corners for up to [`ALL_CORNERS`] parameters, otherwise the
+/// corners nearest to points of the Sobol sequence.
 fn corners(count: usize) -> Vec<Vec<f64>> {
     let sign = |is_up: bool| if is_up { 1.0 } else { -1.0 };
     if count <= ALL_CORNERS {
@@ -75,8 +75,8 @@ fn corners(count: usize) -> Vec<Vec<f64>> {
 }
 
 impl Candidate {
-    /// The candidate whose tolerances are the corners of a box of `half`, relative, around the
-    /// numbers; none for a `half` of 0.
+    /// The candidate whose tolerances are the corners of a box around the parameters, with
+    /// relative half width `half`; none for a `half` of 0.
     pub fn new(machine: &Machine, names: Vec<String>, half: f64) -> Self {
         let mut tolerances = vec![vec![0.0; names.len()]];
         if half > 0.0 {
@@ -99,7 +99,7 @@ impl Candidate {
         self.tolerances.len()
     }
 
-    /// Factors of the numbers that vary at an index of the axis of tolerances.
+    /// Factors of the varied parameters at an index of the axis of tolerances.
     pub fn factors(&self, index: f64) -> Vec<f64> {
         let deviations = self.tolerances.get(index as usize);
         (0..self.names.len()).map(|i| 1.0 + deviations.map_or(0.0, |own| own[i])).collect()

@@ -1,4 +1,4 @@
-//! Comparison of the best designs of a search by longer measurements, and what is said of the best.
+//! Comparison of the best designs of a search by longer measurements, and the verdict on the best.
 
 use crate::attractors::attractors;
 use crate::candidate::Signed;
@@ -11,20 +11,20 @@ use vibro_studies::design_sweep::{Designs, SearchedRow, SweepRequest, choice, ro
 use vibro_studies::parts::{PartStore, Task};
 use vibro_studies::{Error, Machine, Result};
 
-/// Distance in the unit box from which designs count as different basins, and as rivals.
+/// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Relative excess that the search between the values of a band may leave unseen.
+/// Relative excess between the values of a band, in case the search misses a peak.
 const BETWEEN: f64 = 0.01;
-/// Relative difference of values that is rounding.
+/// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
-/// Number of designs that are compared.
+/// Number of compared designs.
 const RIVALS: usize = 8;
 /// Distance to the end of a range, in the unit box, that counts as being at it.
 const AT_END: f64 = 1e-6;
-/// Points of the Sobol sequence inside the tolerances at which the best is measured.
+/// Number of Sobol points inside the tolerances for measuring the best design.
 const INSIDE: u32 = 32;
 
-/// Asks whether a choice between designs is still wanted.
+/// Asks whether a choice between designs should continue.
 struct Wanted<'a>(&'a Control<'a>);
 
 impl PartStore for Wanted<'_> {
@@ -41,18 +41,18 @@ impl PartStore for Wanted<'_> {
     }
 }
 
-/// A design that is compared.
+/// A design in the comparison.
 struct Contender {
     own: Evaluation,
-    /// Whether its peaks between the values of the band are those of orbits, or it has none.
+    /// Whether its peaks over the band are exact peaks of orbits; also true without a band.
     has_peaks: bool,
-    /// Returns of its longest window.
+    /// Number of returns of its longest window.
     periods: u32,
 }
 
 impl Contender {
-    /// The goal, signed, with its error bar: value, lower end, upper end. Between the values of a
-    /// band a peak may be higher by what the search between them leaves.
+    /// The goal, signed, with its error bar: value, lower end, upper end. Without exact peaks, the
+    /// upper end includes the excess that may be missed between the values of a band.
     fn bar(&self, signed: &Signed) -> Option<(f64, f64, f64)> {
         let goal = self.own.goal?;
         let ends = [goal.bar.0, goal.bar.1].map(|x| signed.sign() * x);
@@ -61,7 +61,7 @@ impl Contender {
         Some((value, ends[0].min(ends[1]), ends[0].max(ends[1]) + unseen))
     }
 
-    /// The goal with this bar.
+    /// The goal with the error bar of [`bar`](Self::bar).
     fn goal(&self, signed: &Signed) -> Option<Value> {
         let (_, lower, upper) = self.bar(signed)?;
         let ends = [lower, upper].map(|x| signed.sign() * x);
@@ -88,8 +88,8 @@ fn with_peaks(evaluator: &Evaluator, own: &Evaluation) -> Contender {
     }
 }
 
-/// The designs that are compared: the best ones apart from each other, of those that keep the
-/// limits where any does; best first. `found` has those to which gradients led.
+/// The designs to compare, best first: the best ones that are apart from each other. If any design
+/// meets the limits, only such designs are kept. `found` are the results of descents.
 fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
     let mut tops = evaluator.apart(APART, RIVALS);
     tops.extend(found.iter().cloned());
@@ -110,7 +110,7 @@ fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
     kept
 }
 
-/// Compares the best designs by longer measurements, and looks for other motions of the best one.
+/// Compares the best designs by longer measurements; searches for other motions of the best.
 pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation]) -> Result<Designed> {
     let stopped = || !(evaluator.control.go_on)();
     let mut designed = Designed {
@@ -157,8 +157,8 @@ pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation])
     Ok(designed)
 }
 
-/// Measures the contenders that may be the best longer, where their motions do not repeat; returns
-/// how many could be measured longer still, or `None` where the search was ended.
+/// Extends the measurements of contenders that may be the best and whose motions do not repeat.
+/// Returns how many could be extended further, or `None` if the search was ended.
 fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
     let is_known = |own: &Contender| own.has_peaks && own.own.goal.is_some_and(|goal| goal.is_exact);
     if all.iter().all(is_known) {
@@ -179,7 +179,7 @@ fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
         }
         let parts = (&evaluator.candidate, &evaluator.sweep);
         let mut found = Evaluation::of(evaluator.request, parts, (row, contender.own.stage));
-        // The peaks of a limited measure were sought in the search alone.
+        // Peaks of a limited measure were only sought in the search.
         for ((found, before), signed) in
             found.limits.iter_mut().zip(&contender.own.limits).zip(&sweep.measures[1..])
         {
@@ -196,7 +196,7 @@ fn worse(signed: &Signed, a: Option<Value>, b: Option<Value>) -> Option<Value> {
     Some(if signed.sign() * b.value > signed.sign() * a.value { b } else { a })
 }
 
-/// Whether a limit is kept.
+/// Whether a limit is met.
 fn check(limit: &Limit, signed: &Signed, value: Option<Value>) -> Check {
     let Some(value) = value else { return Check::Undecided };
     let most = signed.sign() * limit.value;
@@ -208,7 +208,7 @@ fn check(limit: &Limit, signed: &Signed, value: Option<Value>) -> Check {
     }
 }
 
-/// The best design without its attractors; `None` where it has no value.
+/// The best design without its attractors; `None` if it has no value.
 fn best_of(evaluator: &Evaluator, contender: &Contender) -> Option<Best> {
     let own = contender.own.clone();
     let unit = evaluator.unit(&own.values);
@@ -227,7 +227,7 @@ fn best_of(evaluator: &Evaluator, contender: &Contender) -> Option<Best> {
     })
 }
 
-/// Measures the best design inside its tolerances, too, and keeps what is worse than at the
+/// Measures the best design inside its tolerances as well, and keeps values worse than at the
 /// corners.
 fn inside_tolerances(evaluator: &Evaluator, best: &mut Best) {
     let request = evaluator.request;
@@ -263,7 +263,7 @@ fn at_worst(evaluator: &Evaluator, values: &[f64]) -> Option<Machine> {
     evaluator.machine(values, &place)
 }
 
-/// What is known of the best design.
+/// The verdict on the best design.
 fn verdict(evaluator: &Evaluator, best: &Best, rivals: &[Rival], left: usize) -> Verdict {
     let limited = || evaluator.request.limits.iter().zip(&best.limits);
     let of = |check: Check| -> Vec<String> {

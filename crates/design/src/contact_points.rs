@@ -1,15 +1,15 @@
-//! Motions that decide the worst value of a design, as points of its band.
+//! Motions that determine the worst value of a design, as points of its band.
 
 use crate::candidate::Candidate;
 use vibro_studies::design_sweep::{SearchedRow, SweepRequest};
 
-/// Most points of one measure: more than a few peaks of a band are seldom equal.
+/// Largest number of points of one measure; more than a few peaks of a band are seldom equal.
 const MOST: usize = 6;
-/// Part of the worst value, by which a motion may be better and still be followed: within a local
-/// search it may become the worst.
+/// Largest distance of a followed motion from the worst value, as a fraction of it: the motion may
+/// become the worst within a local search.
 const NEAR: f64 = 0.3;
 
-/// A motion whose measure is the largest of its neighbours in the band.
+/// A motion whose measure is larger than at the adjacent points of the band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Index of the measure.
@@ -18,12 +18,12 @@ pub struct ContactPoint {
     pub place: Vec<f64>,
     /// Index of the start.
     pub start: usize,
-    /// The interval of the band in which the peak lies, from valley to valley: axis and ends.
+    /// The interval of the band that contains the peak, from valley to valley: axis and ends.
     pub bracket: Option<(usize, f64, f64)>,
 }
 
-/// The places nearest to a peak, below and above, from which the values of an ascending line rise
-/// again; its ends where they do not.
+/// The nearest points below and above a peak beyond which the values of an ascending line rise
+/// again; the ends of the line if they do not.
 fn valleys(line: &[(f64, f64)], peak: f64) -> (f64, f64) {
     let at = line.partition_point(|own| own.0 < peak).min(line.len().saturating_sub(1));
     let rises = |pair: &&[(f64, f64)]| pair[0].1 < pair[1].1;
@@ -47,7 +47,7 @@ pub(crate) fn contact_points(
     let axes: Vec<usize> =
         (0..sweep.over.len()).filter(|&k| sweep.between.contains(&sweep.over[k].name)).collect();
     let is_on_line = |a: &[f64], b: &[f64], axis: usize| (0..a.len()).all(|j| j == axis || a[j] == b[j]);
-    // The neighbours along an axis, below and above.
+    // The adjacent points along an axis, below and above.
     let beside = |place: &[f64], axis: usize| {
         let others = || {
             let all = found.places.iter().enumerate();

@@ -1,9 +1,9 @@
 //! Local search: steps of a quadratic model by exact derivatives of orbits.
 //!
-//! The worst value of a design is the largest of several smooth functions of its numbers: the peaks
-//! of the measure over the band, one for each corner of the tolerances and each start. Each step
-//! solves a [model](crate::quadratic) of these within a box, whose size follows from how well the
-//! model foretold the last step. Every step is a full evaluation, so that no peak is overlooked.
+//! The worst value of a design is the maximum of several smooth functions of its parameters: the
+//! peaks of the measure over the band, one for each corner of the tolerances and each start. Each
+//! step solves a [model](crate::quadratic) of these functions within a box, whose size depends on
+//! how well the model predicted the last step. Each step is a full evaluation: no peak is missed.
 
 use crate::contact_points::contact_points;
 use crate::evaluation::{Evaluation, Evaluator, Stage, is_near};
@@ -12,41 +12,40 @@ use crate::quadratic::{Curvature, Piece, Step, merit, step};
 use rayon::prelude::*;
 use vibro_studies::design_sweep::SearchedRow;
 
-/// Largest number of steps; smooth problems of the tests take four to ten.
+/// Largest number of steps; smooth test problems take four to ten.
 const ROUNDS: u32 = 25;
-/// Half width of the box of the first step, in the unit box, and its largest value.
+/// Half width of the box of the first step, in the unit box; also its largest value.
 const FIRST: f64 = 0.2;
-/// Half width below which no further step follows.
+/// Smallest half width for a further step.
 const LEAST: f64 = 1e-6;
-/// Factors of the half width after a step that the model did not foretell, and after one that it
-/// did.
+/// Factors of the half width after a badly predicted step, and after a well predicted one.
 const SHRINKS: f64 = 0.3;
 const GROWS: f64 = 2.0;
-/// Parts of the foretold improvement from which a step is taken, and from which the box grows.
+/// Fractions of the predicted improvement at which a step is accepted, and the box grows.
 const TAKEN: f64 = 0.05;
 const GOOD: f64 = 0.7;
-/// Foretold improvement, relative to the goal, below which the search ends.
+/// Predicted improvement, relative to the goal, below which the search ends.
 const IMPROVES: f64 = 1e-8;
-/// Part of a limit by which the search stays on its allowed side, so that rounding does not pass
-/// the limit.
+/// Distance to a limit that the search keeps, as a fraction of the limit, so that rounding does
+/// not violate it.
 const INSIDE: f64 = 1e-6;
-/// Distance in the unit box to another result at which a search ends: it leads to the same one.
+/// Distance in the unit box to another result below which a search ends: they are the same.
 const SAME: f64 = 0.02;
 
 /// Result of a local search.
 pub(crate) struct Descended {
-    /// The design, which may be the one of the begin.
+    /// The resulting design, which may be the initial one.
     pub found: Evaluation,
-    /// Whether every motion that decides the worst value at the begin is on an orbit with
+    /// Whether every motion that determines the initial worst value is on an orbit with
     /// derivatives.
     pub has_gradients: bool,
-    /// Whether the model foretells no further improvement.
+    /// Whether the model predicts no further improvement.
     pub is_stationary: bool,
-    /// Number of orbits whose derivatives were taken.
+    /// Number of orbits whose derivatives were computed.
     pub orbits: usize,
 }
 
-/// The orbits that decide the worst values of a design; `None` where a motion that does is on none.
+/// The orbits that determine a design's worst values; `None` if such a motion is not on an orbit.
 fn followed(evaluator: &Evaluator, (own, found): &(Evaluation, SearchedRow)) -> Option<Vec<Followed>> {
     let mut all = Vec::new();
     for measure in 0..evaluator.sweep.measures.len() {
@@ -62,8 +61,8 @@ fn followed(evaluator: &Evaluator, (own, found): &(Evaluation, SearchedRow)) -> 
     Some(all)
 }
 
-/// The value of a design with the exact peaks of its band in place of the values beside them, and
-/// the orbits at these peaks; `None` where a motion that decides it is on no orbit.
+/// The value of a design with the exact peaks of its band instead of nearby values, and the orbits
+/// at these peaks. `None` if a motion that determines the value is not on an orbit.
 pub(crate) fn refined(
     evaluator: &Evaluator,
     design: &(Evaluation, SearchedRow),
@@ -87,7 +86,7 @@ struct Around {
     orbits: Vec<Followed>,
 }
 
-/// The pieces around a design; `None` where a motion that decides its value has no derivatives.
+/// The pieces around a design; `None` if a motion that determines its value has no derivatives.
 fn around(evaluator: &Evaluator, size: f64, design: &(Evaluation, SearchedRow)) -> Option<Around> {
     let (found, mut orbits) = refined(evaluator, design)?;
     let slopes: Vec<Option<Slope>> =
@@ -123,7 +122,7 @@ fn piece(evaluator: &Evaluator, size: f64, (measure, slope): (usize, &Slope)) ->
     Piece { is_goal: measure == 0, value, gradient }
 }
 
-/// The pieces of a design beside another one, as seen from there.
+/// The pieces of a nearby design, relative to the present one.
 fn seen_from(pieces: &[Piece], step: &[f64]) -> Vec<Piece> {
     let moved = |own: &Piece| {
         let along: f64 = own.gradient.iter().zip(step).map(|(a, b)| a * b).sum();
@@ -132,8 +131,8 @@ fn seen_from(pieces: &[Piece], step: &[f64]) -> Vec<Piece> {
     pieces.iter().map(moved).collect()
 }
 
-/// Change of the Lagrangian's gradient from one design to another: each weighted piece with the
-/// nearest peak there.
+/// Change of the Lagrangian's gradient between two designs: each weighted piece is compared with
+/// the nearest peak at the other design.
 fn change(from: &Around, to: &Around, weights: &[f64]) -> Vec<f64> {
     let mut sum = vec![0.0; from.unit.len()];
     for ((own, piece), weight) in from.orbits.iter().zip(&from.pieces).zip(weights) {
@@ -156,8 +155,8 @@ fn change(from: &Around, to: &Around, weights: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// Improves a design by gradients until it improves no more, or comes near a point of the unit box
-/// to which another search has led.
+/// Improves a design by gradients until it stops improving, or comes near a known result of
+/// another search in the unit box.
 pub(crate) fn descend(
     evaluator: &Evaluator,
     begin: (Evaluation, SearchedRow),
@@ -193,7 +192,7 @@ pub(crate) fn descend(
         }
         let part = (merit(&own.pieces, &zero) - merit(&next.pieces, &zero)) / foretold;
         if part < TAKEN {
-            // Its peaks, which the model has not seen, count in the next one.
+            // Its peaks, which the model did not contain, are included in the next one.
             further.extend(seen_from(&next.pieces, &d));
             half *= SHRINKS;
             continue;

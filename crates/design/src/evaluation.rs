@@ -1,4 +1,4 @@
-//! The value of a design with its error, and all designs that a search has evaluated.
+//! The value of a design with its error bar, and all designs evaluated by a search.
 
 use crate::candidate::{Candidate, Signed};
 use crate::request::DesignRequest;
@@ -8,10 +8,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use vibro_studies::Machine;
 use vibro_studies::design_sweep::{BARS, DesignMachine, SearchedRow, Summary, SweepRequest, searched};
 
-/// What asks for an evaluation.
+/// Stage of the search that requests an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// The machine's own numbers.
+    /// The machine's own values.
     Own,
     /// A point of the Sobol sequence.
     Sobol,
@@ -19,7 +19,7 @@ pub enum Stage {
     Evolution,
     /// A local search by exact gradients of orbits.
     Gradient,
-    /// Differential evolution in a smaller box around the best.
+    /// Differential evolution in a smaller box around the best design.
     Nearby,
 }
 
@@ -35,7 +35,7 @@ impl Stage {
         }
     }
 
-    /// Words for the screen.
+    /// Name in progress messages.
     pub fn words(self) -> &'static str {
         match self {
             Self::Own => "the machine's own numbers",
@@ -54,7 +54,7 @@ pub struct Value {
     pub value: f64,
     /// Ends of its error bar, the lower one first.
     pub bar: (f64, f64),
-    /// Whether every motion repeats, so that the bar is rounding.
+    /// Whether every motion repeats, so that the error bar is only rounding.
     pub is_exact: bool,
 }
 
@@ -75,8 +75,7 @@ impl Value {
     }
 }
 
-/// Rank of a design: how far it violates limits, then its signed goal. Designs without a value come
-/// last.
+/// Rank of a design: violation of limits, then signed goal. Designs without a value come last.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Score(pub f64, pub f64);
 
@@ -98,15 +97,15 @@ impl Score {
 /// A design that was evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// The numbers that vary, SI.
+    /// The varied parameters, SI.
     pub values: Vec<f64>,
-    /// What asked for it.
+    /// The stage that requested it.
     pub stage: Stage,
-    /// The goal; `None` where a motion has no value.
+    /// The goal; `None` if a motion has no value.
     pub goal: Option<Value>,
     /// The limited measures.
     pub limits: Vec<Option<Value>>,
-    /// The motion with the worst goal, in words; empty where there is one motion.
+    /// The motion with the worst goal, in words; empty if there is one motion.
     pub place: String,
     /// Reason for missing values, or a caveat.
     pub reason: Option<String>,
@@ -115,12 +114,12 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Whether all values are known and no limit is violated by them.
+    /// Whether all values are known and meet the limits.
     pub fn is_feasible(&self) -> bool {
         self.score.is_feasible()
     }
 
-    /// The evaluation of a row.
+    /// The evaluation of a row of a sweep.
     pub(crate) fn of(
         request: &DesignRequest,
         (candidate, sweep): (&Candidate, &SweepRequest<Candidate>),
@@ -143,7 +142,7 @@ impl Evaluation {
         found
     }
 
-    /// Replaces a measure's value by a peak of the band that is worse, signed.
+    /// Replaces a measure's value by a peak in the band (signed) if the peak is worse.
     pub(crate) fn raise(&mut self, evaluator: &Evaluator, (measure, peak): (usize, f64), place: &[f64]) {
         let (request, sweep) = (evaluator.request, &evaluator.sweep);
         let sign = sweep.measures[measure].sign();
@@ -156,7 +155,7 @@ impl Evaluation {
         value.bar = (value.bar.0 + moved, value.bar.1 + moved);
         value.value = sign * peak;
         if measure == 0 {
-            // All starts lead to the worst value from a peak's place, or it is that of the first.
+            // The peak's value may be the worst over all starts; the first start is named.
             let start = sweep.starts.first().cloned().unwrap_or_default();
             self.place = sweep.place_in_words(&evaluator.candidate, (place.to_vec(), start));
         }
@@ -177,16 +176,16 @@ impl Evaluation {
     }
 }
 
-/// What a search is doing.
+/// Progress of a search.
 #[derive(Clone, Copy, Debug)]
 pub struct Now {
-    /// What asked for the last evaluation.
+    /// Stage of the last evaluation.
     pub stage: Stage,
     /// Number of evaluated designs.
     pub done: usize,
-    /// Best goal of a design that keeps the limits, SI.
+    /// Best goal of a design that meets the limits, SI.
     pub best: Option<f64>,
-    /// Completed part of the search, from 0 to 1.
+    /// Completed fraction of the search, from 0 to 1.
     pub part: f64,
 }
 
@@ -198,15 +197,15 @@ impl fmt::Display for Now {
     }
 }
 
-/// Progress and end of a search.
+/// Callbacks for progress and cancellation.
 pub struct Control<'a> {
-    /// Whether the search is still wanted; asked at each evaluation.
+    /// Whether to continue; called at each evaluation.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
     /// Called after each evaluation.
     pub progress: &'a (dyn Fn(&Now) + Sync),
 }
 
-/// Evaluations of local searches and of the comparison, for the progress.
+/// Number of evaluations to which local searches and comparison correspond in the progress.
 const FURTHER: f64 = 30.0;
 
 /// Evaluates designs and keeps all of them.
@@ -218,11 +217,11 @@ pub(crate) struct Evaluator<'a> {
     all: Mutex<Kept>,
 }
 
-/// Designs that were evaluated, in order.
+/// Evaluated designs, in order.
 #[derive(Default)]
 struct Kept {
     designs: Vec<Evaluation>,
-    /// Signed and plain goal of the best design that keeps the limits.
+    /// Signed and plain goal of the best design that meets the limits.
     best: Option<(f64, f64)>,
 }
 
@@ -249,18 +248,18 @@ impl<'a> Evaluator<'a> {
         Self { request, candidate, sweep, control, all: Mutex::default() }
     }
 
-    /// Values of a point of the unit box.
+    /// Values at a point of the unit box.
     pub fn values(&self, unit: &[f64]) -> Vec<f64> {
         let vary = self.request.vary.iter();
         vary.zip(unit).map(|(own, u)| (own.from * (1.0 - u) + own.to * u).clamp(own.from, own.to)).collect()
     }
 
-    /// The point of the unit box of some values.
+    /// The point of the unit box with given values.
     pub fn unit(&self, values: &[f64]) -> Vec<f64> {
         self.request.vary.iter().zip(values).map(|(own, x)| (x - own.from) / (own.to - own.from)).collect()
     }
 
-    /// Evaluates a design and keeps it; `None` where the search is not wanted any more.
+    /// Evaluates and records a design; `None` if the search was cancelled.
     pub fn evaluate(&self, values: Vec<f64>, stage: Stage) -> Option<(Evaluation, SearchedRow)> {
         if !(self.control.go_on)() {
             return None;
@@ -277,7 +276,7 @@ impl<'a> Evaluator<'a> {
         Some((own, found))
     }
 
-    /// The machine of a design at a place of the band.
+    /// The machine of a design at a point of the band.
     pub fn machine(&self, values: &[f64], place: &[f64]) -> Option<Machine> {
         let names = self.request.names().into_iter().zip(values.iter().copied());
         let own = self.candidate.varied(&names.collect::<Vec<_>>()).ok()?;
@@ -294,7 +293,8 @@ impl<'a> Evaluator<'a> {
         self.kept().designs.len()
     }
 
-    /// Sorts the evaluations from a number on, so that their order does not depend on threads.
+    /// Sorts the evaluations beginning at index `first`: their order then does not depend on
+    /// threads.
     pub fn sort_from(&self, first: usize) {
         let all = &mut self.kept().designs;
         let first = first.min(all.len());
@@ -309,8 +309,8 @@ impl<'a> Evaluator<'a> {
         self.kept().designs.clone()
     }
 
-    /// Evaluations in ascending order of rank, without those that have no value; the earlier one
-    /// comes first of equal ones.
+    /// Evaluations in ascending order of rank, without designs that have no value. If ranks are
+    /// equal, the earlier evaluation comes first.
     pub fn ranked(&self) -> Vec<Evaluation> {
         let mut all: Vec<Evaluation> =
             self.all().into_iter().filter(|own| own.score < Score::WORST).collect();
@@ -318,8 +318,8 @@ impl<'a> Evaluator<'a> {
         all
     }
 
-    /// The best designs that are apart from each other by a distance in the unit box, in some
-    /// coordinate.
+    /// The best designs that differ from each other by at least `distance` in the unit box, in
+    /// some coordinate.
     pub fn apart(&self, distance: f64, most: usize) -> Vec<Evaluation> {
         let mut kept: Vec<(Vec<f64>, Evaluation)> = Vec::new();
         for own in self.ranked() {

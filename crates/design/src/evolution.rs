@@ -1,4 +1,4 @@
-//! Global search: differential evolution in a box, from designs that are known.
+//! Global search: differential evolution in a box, from known designs.
 
 use crate::evaluation::{Evaluator, Score, Stage};
 use metaheuristics_nature as mh;
@@ -6,16 +6,16 @@ use mh::Strategy;
 
 /// Seed of the random numbers: a search with the same request gives the same designs.
 const SEED: u64 = 63;
-/// Spread of a generation, in parts of its box, below which it has converged.
+/// Spread of a generation, as a fraction of its box, below which it has converged.
 const CONVERGED: f64 = 1e-4;
 
-/// Number of designs of a generation for some numbers that vary: four a number keep several basins
-/// alive, and at least eight keep differences between them.
+/// Number of designs in a generation: four per varied parameter preserve several basins, and at
+/// least eight preserve differences between them.
 pub(crate) fn population(numbers: usize) -> usize {
     (4 * numbers).clamp(8, 32)
 }
 
-/// The designs of a box, for the library.
+/// The designs in a box, as the library requires.
 struct Designs<'a> {
     evaluator: &'a Evaluator<'a>,
     bounds: Vec<[f64; 2]>,
@@ -37,8 +37,8 @@ impl mh::ObjFunc for Designs<'_> {
     }
 }
 
-/// Evolves designs in a box of the unit box with at most `budget` evaluations, from points with
-/// their ranks. Fewer than five points do not make a generation, and nothing is done.
+/// Evolves designs in a box of the unit box with at most `budget` evaluations, from ranked points.
+/// Does nothing with fewer than five points, which are too few for a generation.
 pub(crate) fn evolve(
     evaluator: &Evaluator,
     bounds: Vec<[f64; 2]>,
@@ -66,6 +66,6 @@ pub(crate) fn evolve(
     let designs = Designs { evaluator, bounds, stage };
     let strategy = mh::De::new().strategy(Strategy::C1F3);
     let solver = mh::Solver::build(strategy, designs).seed(SEED);
-    // The evaluator keeps all designs.
+    // The evaluator records all designs.
     drop(solver.init_pool(mh::Pool::Ready { pool, pool_y: ranks }).task(over).solve());
 }

@@ -7,28 +7,28 @@ use vibro_machine::Start;
 use vibro_orbits::{Orbit, Stability};
 use vibro_studies::common_period;
 
-/// Largest number of steps towards a peak of the band: a secant method squares its error.
+/// Largest number of steps towards a peak of the band; a secant method squares its error.
 const STEPS: u32 = 8;
-/// Change of the band's parameter, in parts of its interval, at which a peak is found: its value is
-/// then known to the square of that.
+/// Change of the band's parameter, as a fraction of its interval, at which a peak is found: the
+/// error of its value is the square of this change.
 const FOUND: f64 = 1e-5;
-/// First step towards a peak, in parts of the interval to the neighbour.
+/// First step towards a peak, as a fraction of the interval to the neighbour.
 const FIRST: f64 = 0.05;
 
-/// An orbit that is followed while the numbers of the design change.
+/// An orbit followed while the parameters of the design change.
 #[derive(Clone, Debug)]
 pub(crate) struct Followed {
     /// Its point of the band; the value along the bracket's axis moves with the peak.
     pub point: ContactPoint,
-    /// A start on it, and the number of common periods of the drive after which it repeats.
+    /// A start on it, and the number of common drive periods after which it repeats.
     seed: Start,
     periods: Option<u32>,
-    /// The common period for which the seed's time holds, s.
+    /// The common period to which the seed's time refers, s.
     period: Option<f64>,
 }
 
-/// The measure of an orbit that is followed, signed so that large is bad, and its derivatives by
-/// the numbers that vary.
+/// The measure of a followed orbit, signed so that large is bad, and its derivatives with respect
+/// to the varied parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Slope {
     pub value: f64,
@@ -40,7 +40,7 @@ fn is_attractor(orbit: &Orbit) -> bool {
 }
 
 impl Followed {
-    /// The orbit on which the motion of a point settles; `None` where it settles on none.
+    /// The orbit on which the motion of a point settles; `None` if it does not settle on one.
     pub fn new(evaluator: &Evaluator, values: &[f64], point: ContactPoint) -> Option<Self> {
         let machine = evaluator.machine(values, &point.place)?;
         let start = evaluator.sweep.starts.get(point.start)?;
@@ -49,7 +49,7 @@ impl Followed {
         Some(Self { point, seed: orbit.start(), periods: orbit.word().periods, period })
     }
 
-    /// The orbit of other numbers, near the one that was found last.
+    /// The orbit for other values, near the last orbit found.
     fn orbit(&mut self, evaluator: &Evaluator, values: &[f64], place: &[f64]) -> Option<Orbit> {
         let machine = evaluator.machine(values, place)?;
         let period = common_period(&machine.description);
@@ -68,7 +68,7 @@ impl Followed {
         Some(found)
     }
 
-    /// The measure with its derivatives by some names, signed.
+    /// The signed measure with its derivatives with respect to given parameters.
     fn slope(
         &mut self,
         evaluator: &Evaluator,
@@ -83,7 +83,7 @@ impl Followed {
         Some(Slope { value, gradient: gradient.collect::<Option<_>>()? })
     }
 
-    /// Moves the point to the peak of the band near it; leaves it where no orbit leads there.
+    /// Moves the point to the nearby peak of the band; leaves it if no orbit leads there.
     fn climb(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<()> {
         let (axis, low, high) = self.point.bracket.filter(|own| own.1 < own.2)?;
         let name = [evaluator.sweep.over[axis].name.clone()];
@@ -104,21 +104,21 @@ impl Followed {
             }
             let slope = at(self, x)?;
             let curvature = (slope - slope_before) / (x - before);
-            // Where the curve is not concave, the secant leads away from the peak.
+            // If the curve is not concave, the secant leads away from the peak.
             let next = if curvature < 0.0 { x - slope / curvature } else { 0.5 * (x + end(slope)) };
             (before, slope_before, x) = (x, slope, next.clamp(low, high));
         }
         Some(())
     }
 
-    /// The measure at the peak near the point, signed.
+    /// The signed measure at the peak near the point.
     pub fn peak(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<f64> {
         self.climb(evaluator, values);
         let place = self.point.place.clone();
         Some(self.slope(evaluator, (values, &place), &[])?.value)
     }
 
-    /// The measure at the point's place, with its derivatives by the numbers that vary.
+    /// The measure at the point, with its derivatives with respect to the varied parameters.
     pub fn at(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<Slope> {
         let (names, place) = (evaluator.request.names(), self.point.place.clone());
         let mut slope = self.slope(evaluator, (values, &place), &names)?;

@@ -3,19 +3,19 @@
 use crate::attractors::Attractor;
 use crate::evaluation::{Evaluation, Value};
 
-/// Whether a limit is kept.
+/// Whether a limit is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Check {
-    /// Kept by the whole error bar.
+    /// The whole error bar meets the limit.
     Met,
-    /// Passed by the whole error bar.
+    /// The whole error bar violates the limit.
     NotMet,
     /// The limit lies within the error bar, or there is no value.
     Undecided,
 }
 
 impl Check {
-    /// The word for it.
+    /// Name of the result.
     pub fn name(self) -> &'static str {
         match self {
             Self::Met => "met",
@@ -25,14 +25,14 @@ impl Check {
     }
 }
 
-/// What is known of the best design.
+/// Verdict on the best design.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// One design is better than all others that were compared, beyond the error bars.
+    /// One design is better than all other compared designs, beyond the error bars.
     Decided,
-    /// Several designs may be the best, or something about the best one is open; the reason.
+    /// Several designs may be the best, or something about the best one is open; with the reason.
     Undecided(String),
-    /// No design that keeps the limits was found.
+    /// No design that meets the limits was found; with the reason.
     NoneFound(String),
 }
 
@@ -49,48 +49,48 @@ impl std::fmt::Display for Verdict {
 /// The best design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Best {
-    /// The numbers that vary, SI.
+    /// The varied parameters, SI.
     pub values: Vec<f64>,
-    /// Numbers at an end of their range, by name.
+    /// Names of parameters at an end of their range.
     pub at_ends: Vec<String>,
     /// The goal: the worst of all motions of the design.
     pub goal: Value,
-    /// The motion with this value, in words; empty where there is one motion.
+    /// The motion with this value, in words; empty if there is one motion.
     pub place: String,
-    /// Each limited measure and whether its limit is kept.
+    /// Each limited measure and whether its limit is met.
     pub limits: Vec<(Option<Value>, Check)>,
-    /// Largest number of returns over which its motions were measured, except those that repeat.
+    /// Largest number of returns for measuring its nonperiodic motions.
     pub periods: u32,
-    /// A caveat of its motions.
+    /// A caveat about its motions.
     pub reason: Option<String>,
-    /// Attractors at the place of the worst value.
+    /// Attractors at the worst point of the band.
     pub attractors: Vec<Attractor>,
 }
 
-/// Another design that was compared with the best one, far from it and from the others.
+/// Another compared design, far from the best and from the other rivals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rival {
-    /// The numbers that vary, SI.
+    /// The varied parameters, SI.
     pub values: Vec<f64>,
     /// The goal.
     pub goal: Value,
-    /// Whether it is worse than the best beyond the error bars.
+    /// Whether it is worse than the best design beyond the error bars.
     pub is_told_apart: bool,
 }
 
 /// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Designed {
-    /// What is known of the best design.
+    /// The verdict on the best design.
     pub verdict: Verdict,
-    /// The best design; `None` where no design has a value.
+    /// The best design; `None` if no design has a value.
     pub best: Option<Best>,
-    /// Other designs that were compared with it, best first.
+    /// Rivals, best first.
     pub rivals: Vec<Rival>,
     /// All evaluated designs, in order.
     pub evaluations: Vec<Evaluation>,
-    /// Number of orbits that were sought for gradients.
+    /// Number of orbits sought for gradients.
     pub orbits: usize,
-    /// Whether the best comes from, or was confirmed by, a local search by exact gradients.
+    /// Whether a local search by exact gradients found or confirmed the best design.
     pub has_gradients: bool,
 }

@@ -1,7 +1,7 @@
-//! Model of the worst value around a design: linear pieces and one curvature.
+//! Quadratic model of the worst value around a design: linear pieces and one curvature.
 //!
-//! With d the step in the unit box, t the worst goal and s the worst excess of a limit, the step is
-//! the solution of
+//! With d the step in the unit box, t the worst goal and s the worst excess of a limit, the step
+//! solves
 //!
 //! ```text
 //! least t + ρ s + ½ dᵀ B d  with  f_i + g_i·d ≤ t,  c_j + h_j·d ≤ s,  s ≥ 0,  |d| ≤ half width
@@ -12,29 +12,29 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Weight ρ of the excess of a limit against the goal, both in their units.
+/// Weight ρ of a limit's excess compared with the goal, both in their units.
 pub(crate) const WEIGHT: f64 = 100.0;
-/// Largest number of iterations of a quadratic problem; ten to twenty are usual.
+/// Largest number of iterations of a quadratic problem; usually ten to twenty suffice.
 const ITERATIONS: usize = 60;
-/// Mean product of slack and multiplier at which a quadratic problem is solved; far below it
+/// Mean product of slack and multiplier at which a quadratic problem is solved; far below it,
 /// rounding spoils the multipliers.
 const GAP: f64 = 1e-16;
-/// Residual of a solution, and its mean product of slack and multiplier, that is accepted where
-/// rounding ends the iteration.
+/// Tolerance for the residual, and for the mean product of slack and multiplier, of an accepted
+/// solution when rounding ends the iteration.
 const ACCEPTED: f64 = 1e-8;
-/// Part of the way to the nearest limit that an iteration goes.
+/// Fraction of the distance to the nearest constraint that an iteration moves.
 const INSIDE: f64 = 0.995;
-/// Part of the curvature along a step that an update keeps (Powell).
+/// Smallest fraction of the curvature along a step after an update (Powell).
 const KEPT: f64 = 0.2;
 
-/// A linear piece of the model: a peak at the design, or at a design beside it.
+/// A linear piece of the model: a peak at the design or at a nearby design.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// Whether it is one of the goal.
+    /// Whether it belongs to the goal.
     pub is_goal: bool,
-    /// Its value at d = 0, in its unit; of a limit its excess.
+    /// Value at d = 0, in its unit; for a limit, the excess.
     pub value: f64,
-    /// Its derivatives in the unit box.
+    /// Derivatives in the unit box.
     pub gradient: Vec<f64>,
 }
 
@@ -48,7 +48,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Worst goal plus the weighted worst excess of a limit, of some pieces after a step.
+/// Worst goal plus the weighted worst excess of a limit, after a step.
 pub(crate) fn merit(pieces: &[Piece], d: &[f64]) -> f64 {
     let most = |is_goal: bool| {
         let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.at(d));
@@ -62,7 +62,7 @@ pub(crate) fn merit(pieces: &[Piece], d: &[f64]) -> f64 {
 pub(crate) struct Curvature(Vec<Vec<f64>>);
 
 impl Curvature {
-    /// The unit matrix: a goal in its own unit bends by about as much over the unit box.
+    /// The identity matrix: a goal in its own unit curves by about as much over the unit box.
     pub fn unit(numbers: usize) -> Self {
         Self((0..numbers).map(|i| (0..numbers).map(|j| f64::from(u8::from(i == j))).collect()).collect())
     }
@@ -71,7 +71,7 @@ impl Curvature {
         self.0.iter().map(|row| dot(row, d)).collect()
     }
 
-    /// Takes up that the gradient of the Lagrangian changed by `change` over a step.
+    /// Updates the curvature with the change of the Lagrangian's gradient over a step.
     pub fn update(&mut self, step: &[f64], change: &[f64]) {
         let carried = self.times(step);
         let (own, found) = (dot(step, &carried), dot(step, change));
@@ -89,7 +89,7 @@ impl Curvature {
     }
 }
 
-/// A step of the model, with the weights of its pieces in the Lagrangian: those of the goal add
+/// A step of the model, with the weights of its pieces in the Lagrangian. The goal's weights sum
 /// to 1.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
@@ -97,10 +97,10 @@ pub(crate) struct Step {
     pub weights: Vec<f64>,
 }
 
-/// The step that solves the problem within bounds around 0; `None` where it is not found.
+/// The step that solves the problem within bounds around 0; `None` if none is found.
 pub(crate) fn step(pieces: &[Piece], curvature: &Curvature, bounds: &[(f64, f64)]) -> Option<Step> {
     let (n, m) = (bounds.len(), pieces.len());
-    // Unknowns: d in widths of the bounds, t, s. Rows: the pieces, s ≥ 0, the bounds.
+    // Unknowns: d in widths of the bounds, t, s. Rows: pieces, s ≥ 0, bounds.
     let width = |i: usize| bounds[i].1 - bounds[i].0;
     let mut hessian = DMatrix::zeros(n + 2, n + 2);
     for (i, row) in curvature.0.iter().enumerate() {
@@ -120,7 +120,7 @@ pub(crate) fn step(pieces: &[Piece], curvature: &Curvature, bounds: &[(f64, f64)
         (rows[(k, i)], most[k]) = (-1.0, -low / width(i));
         (rows[(k + 1, i)], most[k + 1]) = (1.0, high / width(i));
     }
-    // A point inside all limits: the middle of the bounds, t and s above all pieces there.
+    // A feasible point: the middle of the bounds, with t and s above all pieces there.
     let middle: Vec<f64> = bounds.iter().map(|own| 0.5 * (own.0 + own.1)).collect();
     let worst = |is_goal: bool| {
         let own = pieces.iter().filter(|own| own.is_goal == is_goal).map(|own| own.at(&middle));
@@ -133,8 +133,8 @@ pub(crate) fn step(pieces: &[Piece], curvature: &Curvature, bounds: &[(f64, f64)
     Some(Step { d: unscaled.collect(), weights: duals.iter().take(m).copied().collect() })
 }
 
-/// The least of ½ xᵀ H x + c·x with A x ≤ b, and its multipliers, from a point inside all limits:
-/// S. Mehrotra's predictor and corrector (SIAM J. Optim. 2 (1992) 575–601), dense.
+/// The minimum of ½ xᵀ H x + c·x with A x ≤ b, and its multipliers, from a feasible point: S.
+/// Mehrotra's predictor and corrector (SIAM J. Optim. 2 (1992) 575–601), dense.
 fn interior_point(
     hessian: &DMatrix<f64>,
     linear: &DVector<f64>,
@@ -144,7 +144,7 @@ fn interior_point(
     let count = most.len();
     let mut slack = most - rows * &x;
     let mut duals = DVector::from_element(count, 1.0);
-    // Far below the accuracy that rounding allows the iteration spoils its numbers again.
+    // Beyond the accuracy permitted by rounding, the iteration degrades again.
     let mut best: Option<(f64, DVector<f64>, DVector<f64>)> = None;
     for _ in 0..ITERATIONS {
         let stationary = hessian * &x + linear + rows.tr_mul(&duals);
@@ -160,7 +160,7 @@ fn interior_point(
         let ratio = duals.component_div(&slack);
         let scaled = DMatrix::from_fn(count, x.len(), |i, j| ratio[i] * rows[(i, j)]);
         let factors = (hessian + rows.tr_mul(&scaled)).lu();
-        // The Newton step to slack × multiplier = wanted.
+        // The Newton step to slack × multiplier = `wanted`.
         let newton = |wanted: &DVector<f64>| {
             let rest =
                 (wanted - slack.component_mul(&duals) + duals.component_mul(&primal)).component_div(&slack);
@@ -182,7 +182,7 @@ fn interior_point(
         let Some((dx, d_slack, d_duals)) = newton(&corrected) else { break };
         let part = INSIDE * longest(&slack, &d_slack).min(longest(&duals, &d_duals));
         let next = (&x + dx * part, &slack + d_slack * part, &duals + d_duals * part);
-        // Rounding ends the iteration before its numbers do.
+        // Rounding ends the iteration before its values become infinite or NaN.
         if !next.0.iter().chain(next.1.iter()).chain(next.2.iter()).all(|x| x.is_finite()) {
             break;
         }
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn closed_form_the_step_to_the_kink_of_two_pieces_and_their_weights() {
-        // |x - 0.1| + 2 y² with the curvature (1, 4): least at the kink x = 0.1, y = 0.
+        // x - 0.1| + 2 y² with the curvature (1, 4): minimum at the kink x = 0.1, y = 0.
         let piece = |slope: f64| Piece { is_goal: true, value: -0.1 * slope, gradient: vec![slope, 0.4] };
         let pieces = [piece(1.0), piece(-1.0)];
         let mut curvature = Curvature::unit(2);

@@ -1,4 +1,4 @@
-//! What is sought: goal, limits, ranges of the numbers that vary.
+//! Request of a design search: goal, limits, and ranges of the varied parameters.
 
 use crate::candidate::{Candidate, Signed, TOLERANCE};
 use std::fmt;
@@ -8,36 +8,35 @@ use vibro_studies::design_sweep::{DesignMachine, Designs, ParameterInterval, Sam
 use vibro_studies::sobol::DIMENSIONS;
 use vibro_studies::{Error, Machine, Measure, Result, Section};
 
-/// Least and largest number of evaluations of a search: fewer do not make a generation, more take
-/// days.
+/// Smallest and largest number of evaluations: fewer are less than a generation, more take days.
 const EVALUATIONS: std::ops::RangeInclusive<u32> = 10..=1_000_000;
-/// Largest relative tolerance of [`DesignRequest::robust`]; a number must keep its sign.
+/// Largest relative tolerance of [`DesignRequest::robust`]; a parameter must keep its sign.
 const MAX_TOLERANCE: f64 = 0.5;
 
-/// A measure that is to be small or large.
+/// A measure to minimise or maximise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Goal {
     /// The measure.
     pub measure: Measure,
-    /// Whether large values are sought.
+    /// Whether large values are wanted.
     pub maximize: bool,
 }
 
-/// Side of a limit on which values are allowed.
+/// Permitted side of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Up to the limit.
     AtMost,
-    /// From the limit on.
+    /// From the limit upwards.
     AtLeast,
 }
 
-/// A measure that must not pass a value.
+/// A measure with a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     /// The measure.
     pub measure: Measure,
-    /// The allowed side.
+    /// The permitted side.
     pub side: Side,
     /// The limit, in the measure's SI unit.
     pub value: f64,
@@ -47,7 +46,7 @@ impl Limit {
     /// Reads `OUTPUT<=VALUE` or `OUTPUT>=VALUE`; the value is in SI or has a unit.
     ///
     /// # Errors
-    /// [`Error::Form`] for another form, and for a value that is no number of the output's unit;
+    /// [`Error::Form`] for another form, and if the value is not a number in the output's unit;
     /// [`Error::Described`] for an output that the machine does not have.
     pub fn read(text: &str, machine: &Machine) -> Result<Self> {
         let form = |expected| Error::Form { text: text.into(), expected };
@@ -79,20 +78,19 @@ impl fmt::Display for Limit {
 /// Request of a design search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignRequest {
-    /// The machine; its own numbers are evaluated first where they lie in the ranges.
+    /// The machine; its own values are evaluated first if they lie in the ranges.
     pub machine: Machine,
-    /// What is to be best.
+    /// The goal to optimise.
     pub goal: Goal,
-    /// Numbers that vary, with their ranges, SI.
+    /// Varied parameters, with their ranges, SI.
     pub vary: Vec<ParameterInterval<String>>,
-    /// Parameters over which a design has its worst value.
+    /// Parameters over which a design is judged by its worst value.
     pub over: Vec<SampledAxis<String>>,
     /// Parameters of [`over`](Self::over) whose values sample an interval.
     pub between: Vec<String>,
-    /// Limits that the worst motion must keep.
+    /// Limits that the worst motion must meet.
     pub limits: Vec<Limit>,
-    /// Relative tolerance of the numbers that vary, within which the worst value counts; 0 for
-    /// none.
+    /// Relative tolerance of the varied parameters; the worst value within it counts. 0 for none.
     pub robust: f64,
     /// Starts of the motions of each design.
     pub starts: Vec<Start>,
@@ -100,14 +98,14 @@ pub struct DesignRequest {
     pub discard: u32,
     /// Returns over which a motion is measured.
     pub periods: u32,
-    /// Number of designs that the search may evaluate.
+    /// Largest number of evaluated designs.
     pub evaluations: u32,
-    /// Periods of motion that may be spent on longer measurements of designs that may be the best.
+    /// Largest number of periods for longer measurements of possible best designs.
     pub again: u64,
 }
 
 impl DesignRequest {
-    /// A request without limits, band and tolerances, with the defaults of a sweep.
+    /// A request without limits, band and tolerances; otherwise with the defaults of a sweep.
     pub fn new(machine: Machine, goal: Goal, vary: Vec<ParameterInterval<String>>) -> Self {
         let defaults = SweepRequest::<Candidate>::default();
         Self {
@@ -126,12 +124,12 @@ impl DesignRequest {
         }
     }
 
-    /// Names of the numbers that vary.
+    /// Names of the varied parameters.
     pub fn names(&self) -> Vec<String> {
         self.vary.iter().map(|interval| interval.name.clone()).collect()
     }
 
-    /// The goal and the limits as measures whose largest values are the worst.
+    /// The goal and the limits as measures to minimise: the largest value is the worst.
     pub(crate) fn measures(&self) -> Vec<Signed> {
         let goal = Signed { measure: self.goal.measure.clone(), is_negative: self.goal.maximize };
         let limit =
@@ -139,7 +137,7 @@ impl DesignRequest {
         std::iter::once(goal).chain(self.limits.iter().map(limit)).collect()
     }
 
-    /// The sweep by which designs are measured, without designs.
+    /// The sweep that measures designs, with an empty list of designs.
     pub(crate) fn sweep(&self, candidate: &Candidate) -> SweepRequest<Candidate> {
         let mut over = self.over.clone();
         if candidate.tolerances() > 1 {
@@ -158,10 +156,10 @@ impl DesignRequest {
         }
     }
 
-    /// Checks what every evaluation needs.
+    /// Checks everything that each evaluation requires.
     ///
     /// # Errors
-    /// [`Error::Described`] with the number or name, and what is expected; as
+    /// [`Error::Described`] with the number or name, and what is expected; otherwise as
     /// [`SweepRequest::check`] and [`Section::of`].
     pub fn check(&self) -> Result<()> {
         let refused = |problem: String| Err(Error::Described { problem });

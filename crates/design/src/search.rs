@@ -1,4 +1,4 @@
-//! The order of a search: global, local, comparison of the best designs, attractors of the best.
+//! Phases of a search: global, local, comparison of the best designs, attractors of the best.
 
 use crate::comparison::{APART, finish};
 use crate::descent::descend;
@@ -11,17 +11,17 @@ use vibro_studies::Result;
 use vibro_studies::design_sweep::searched;
 use vibro_studies::sobol::coordinate;
 
-/// Parts of the evaluations for the Sobol sequence and for evolution; the rest is for the
-/// surroundings of the best.
+/// Fractions of the evaluations for the Sobol sequence and for evolution; the rest is for the
+/// neighbourhood of the best design.
 const SOBOL: f64 = 0.35;
 const EVOLUTION: f64 = 0.4;
-/// Number of basins in which a local search begins.
+/// Number of basins with a local search.
 const BASINS: usize = 3;
-/// Half width of the box around the best in which evolution goes on, in the unit box.
+/// Half width of the box around the best design for the last evolution, in the unit box.
 const NEARBY: f64 = 0.08;
 
-/// Searches for the design with the best goal that keeps the limits. The result does not depend on
-/// the number of threads, unless the search is ended by hand.
+/// Searches for the design with the best goal that meets the limits. The result does not depend on
+/// the number of threads, unless the search is cancelled.
 ///
 /// # Errors
 /// As [`DesignRequest::check`].
@@ -34,7 +34,7 @@ pub fn design(request: &DesignRequest, control: &Control) -> Result<Designed> {
     finish(&evaluator, orbits, &found)
 }
 
-/// Evaluates the machine's own numbers where they lie in the ranges.
+/// Evaluates the machine's own values if they lie in the ranges.
 fn own(evaluator: &Evaluator) {
     let d = &evaluator.request.machine.description;
     let own = |name: &String| d.get(name).ok();
@@ -46,7 +46,7 @@ fn own(evaluator: &Evaluator) {
     }
 }
 
-/// Points of the Sobol sequence, and evolution from the best of them.
+/// Points of the Sobol sequence, then evolution from the best of them.
 fn global(evaluator: &Evaluator) {
     let (budget, numbers) = (f64::from(evaluator.request.evaluations), evaluator.request.vary.len());
     let first = evaluator.count();
@@ -63,8 +63,8 @@ fn global(evaluator: &Evaluator) {
     evolve(evaluator, bounds, points.collect(), ((EVOLUTION * budget) as usize, Stage::Evolution));
 }
 
-/// Local searches from the best designs of different basins; evolution around the best where these
-/// do not end at a minimum. Returns the number of orbits, and the designs to which gradients led.
+/// Local searches from the best designs of different basins; evolution around the best design if
+/// they do not end at a minimum. Returns the number of orbits, and the resulting designs.
 fn local(evaluator: &Evaluator) -> (usize, Vec<Evaluation>) {
     let mut orbits = 0;
     let mut known: Vec<Vec<f64>> = Vec::new();

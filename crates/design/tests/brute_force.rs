@@ -1,5 +1,5 @@
-//! The engineer's damper against a program of brute force: closed forms of the flights between
-//! impacts, which are found by steps and bisection, on a grid of designs.
+//! The engineer's damper against a brute-force program on a grid of designs: closed-form flights
+//! between impacts, which are found by steps and bisection.
 
 use std::f64::consts::TAU;
 use vibro_design::{Control, DesignRequest, Goal, design};
@@ -12,15 +12,15 @@ const STIFFNESS: f64 = 48e3;
 const DAMPING: f64 = 150.0;
 const FORCE: f64 = 80.0;
 const RESTITUTION: f64 = 0.6;
-/// Frequencies over which a design has its worst amplitude, Hz.
+/// Frequencies over which a design is judged by its worst amplitude, Hz.
 const FREQUENCIES: [f64; 2] = [9.6, 10.2];
-/// Periods until the motions have settled, and periods that are measured.
+/// Number of periods until the motions have settled, and number of measured periods.
 const SETTLE: u32 = 120;
 const MEASURED: u32 = 12;
-/// Steps of a period.
+/// Number of steps in a period.
 const STEPS: u32 = 120;
 
-/// The box without contact, after a time from a state at a time.
+/// The state of the box without contact, after a time `by` from a state at time `from`.
 fn box_after(frequency: f64, [x, v]: [f64; 2], (from, by): (f64, f64)) -> [f64; 2] {
     let (w0, w) = ((STIFFNESS / BOX).sqrt(), TAU * frequency);
     let delta = 0.5 * DAMPING / BOX;
@@ -75,7 +75,7 @@ fn amplitude(frequency: f64, gap: f64, mass: f64) -> f64 {
                 own[1] += impulse / BOX;
                 block[1] -= impulse / mass;
             } else {
-                // It flies away already; rounding has left it beyond.
+                // It is already flying away; rounding has left it beyond the stop.
                 (own, block) = ahead(t, own, block, left);
                 t += left;
                 break;
@@ -102,8 +102,8 @@ fn machine() -> Machine {
     Machine::new(parse(&text, "m.toml", &no_records).unwrap())
 }
 
-/// Error of the brute force: displacements are looked at once a step, and its motions have settled
-/// to this.
+/// Error of the brute force: displacements are sampled once per step, and its motions have settled
+/// to this accuracy.
 const STEPPED: f64 = 1e-3;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Designs of which the best is known in closed form.
+//! Designs whose optimum is known in closed form.
 
 use std::f64::consts::TAU;
 use vibro_design::{Attractor, Check, Control, DesignRequest, Goal, Limit, Stage, Verdict, design};
@@ -32,9 +32,9 @@ fn absorber() -> String {
     )
 }
 
-/// The exact absorber of the least largest amplitude of an undamped body: ratio of the natural
-/// frequencies, damping ratio, largest amplitude over the static one (O. Nishihara and T. Asami,
-/// J. Vib. Acoust. 124 (2002) 576–582).
+/// The exact optimal absorber of an undamped body, with the smallest peak amplitude: ratio of the
+/// natural frequencies, damping ratio, peak amplitude over the static one (O. Nishihara and T.
+/// Asami, J. Vib. Acoust. 124 (2002) 576–582).
 fn exact_absorber(mu: f64) -> [f64; 3] {
     let root = (4.0 + 3.0 * mu).sqrt();
     let inner = 2.0 * (16.0 + 23.0 * mu + 9.0 * mu * mu + 2.0 * (2.0 + mu) * root)
@@ -62,9 +62,9 @@ fn absorber_request() -> DesignRequest {
     }
 }
 
-/// Error of the largest amplitude: of the peaks of orbits, and the square of that of the numbers.
+/// Error of the peak amplitude: from the orbits' peaks, and the parameters' error squared.
 const AMPLITUDE: f64 = 1e-8;
-/// Error of the numbers, whose square is the error of the amplitude.
+/// Error of the parameters; its square is the error of the amplitude.
 const NUMBERS: f64 = 1e-4;
 
 #[test]
@@ -81,7 +81,7 @@ fn closed_form_den_hartogs_absorber() {
     }
     assert_eq!((&found.verdict, found.has_gradients), (&Verdict::Decided, true));
     assert!(best.at_ends.is_empty() && found.rivals.iter().all(|own| own.is_told_apart), "{found:?}");
-    // Without the exact peaks the search between the values of the band sees up to 1 % less.
+    // Without exact peaks, the search between the values of the band finds up to 1 % less.
     let sampled = found.evaluations.iter().filter(|own| own.stage == Stage::Gradient);
     assert!(sampled.filter_map(|own| own.goal).all(|goal| goal.value > 0.99 * size));
 }
@@ -110,11 +110,11 @@ fn impact_damper() -> Machine {
     Machine::new(description)
 }
 
-/// Largest amplitude of the box in the symmetric motion with two impacts a period, by its closed
-/// form (S. F. Masri and T. K. Caughey, J. Appl. Mech. 33 (1966) 586–592), which is at resonance.
+/// Largest amplitude of the box in the symmetric motion with two impacts a period, by the closed
+/// form at resonance (S. F. Masri and T. K. Caughey, J. Appl. Mech. 33 (1966) 586–592).
 ///
 /// With y = (x, x') of the box after an impact, P the free motion over half a period, p the forced
-/// motion at its begin, and y⁻ = (x, x'⁻) before the impact: P (y - p) - p = -y⁻.
+/// motion at its start, and y⁻ = (x, x'⁻) before the impact: P (y - p) - p = -y⁻.
 fn amplitude_with_two_impacts(gap: f64) -> f64 {
     let w = TAU * NATURAL;
     let (half, zeta, mu, e) = (0.5 / NATURAL, RATIO_OF_DAMPING, BALL, RESTITUTION);
@@ -124,9 +124,9 @@ fn amplitude_with_two_impacts(gap: f64) -> f64 {
         let part = zeta * w / wd * s;
         [decay * ((c + part) * x + s / wd * v), decay * (-w * w / wd * s * x + (c - part) * v)]
     };
-    // At resonance the forced motion lags by a quarter turn: size · sin(w t + α).
+    // At resonance the forced motion lags by a quarter period: size · sin(w t + α).
     let size = FORCE / (2.0 * zeta * w * w);
-    // The ball's velocity u after its impact, by its flight over half a period: linear in x.
+    // The ball's velocity u after its impact, from its flight over half a period: linear in x.
     let u = |x: f64| -(2.0 * gap + 2.0 * x) / half;
     let (after, before) = ((1.0 - e - 2.0 * mu * e) / (1.0 + e), (1.0 - e + 2.0 * mu) / (1.0 + e));
     // (P + 1) p = P y + y⁻ for x = 0 and 1; p is (size sin α, size w cos α).
@@ -149,7 +149,7 @@ fn amplitude_with_two_impacts(gap: f64) -> f64 {
         at_0[0] * at_0[0] + at_0[1] * at_0[1] - 1.0,
     ];
     let root = (b * b - a * c).sqrt();
-    // The root with which the ball flies back.
+    // The root for which the ball flies back.
     let x = [(-b + root) / a, (-b - root) / a].into_iter().find(|x| u(*x) < 0.0).unwrap();
     let phase = forced(x);
     let own = [x - size * phase[0], after * u(x) - size * w * phase[1]];
@@ -157,7 +157,7 @@ fn amplitude_with_two_impacts(gap: f64) -> f64 {
     (0..=20_000).map(|k| at(half * f64::from(k) / 20_000.0).abs()).fold(0.0, f64::max)
 }
 
-/// Error of an amplitude by samples of its closed form: the square of their distance.
+/// Error of an amplitude from samples of its closed form: the square of their spacing.
 const SAMPLED: f64 = 1e-7;
 
 #[test]
@@ -196,7 +196,7 @@ fn mounted(k: f64, c: f64, frequency: f64) -> Machine {
     ))
 }
 
-/// Error of an amplitude of a settled linear motion.
+/// Error of the amplitude of a settled linear motion.
 const SETTLED: f64 = 1e-8;
 
 #[test]
@@ -221,11 +221,11 @@ fn closed_form_the_best_design_lies_at_an_active_limit() {
     };
     let found = design(&request, &CONTROL).unwrap();
     let best = found.best.as_ref().unwrap();
-    // The search stays on the allowed side by a millionth of the limit.
+    // The search stays on the permitted side by a millionth of the limit.
     assert!((best.values[0] / exact - 1.0).abs() < 1e-5, "{best:?} {exact}");
     assert!((best.goal.value / amplitude(best.values[0]) - 1.0).abs() < SETTLED, "{best:?}");
     assert_eq!((best.limits[0].1, &found.verdict), (Check::Met, &Verdict::Decided));
-    // A limit that no damping keeps is said to be missed.
+    // A limit that no damping meets is reported as missed.
     let limits = vec![Limit::read("amplitude.mount.f<=0.5", &request.machine).unwrap()];
     let missed = design(&DesignRequest { limits, ..request }, &CONTROL).unwrap();
     assert!(
@@ -237,8 +237,8 @@ fn closed_form_the_best_design_lies_at_an_active_limit() {
 
 #[test]
 fn closed_form_the_largest_amplitude_within_tolerances() {
-    // Of the stiffnesses (1 ± 0.05) k both ends have the same amplitude where k is that of the
-    // resonance.
+    // Both ends of the stiffness range (1 ± 0.05) k have the same amplitude if k is the stiffness
+    // at resonance.
     let (w, c) = (TAU * 8.0, 5.0);
     let request = DesignRequest {
         robust: 0.05,
@@ -259,8 +259,8 @@ fn closed_form_the_largest_amplitude_within_tolerances() {
 
 #[test]
 fn closed_form_an_attractor_without_contacts_coexists_with_the_best() {
-    // Above its resonance the body may swing between the buffers as if they were not there, or
-    // press them: both motions are stable.
+    // Above its resonance the body may swing between the buffers without contact, or press them:
+    // both motions are stable.
     let (w, f) = (TAU * 13.0, TAU * 10.0);
     let text = format!(
         "name = \"Buffers\"\n[body.box]\nmass = 1.0\nstart = {{ s = 0.02 }}\n[spring.mount]\nbetween = [\"ground\", \"box\"]\n\
@@ -322,8 +322,8 @@ fn invariant_a_search_does_not_depend_on_threads_and_is_ended_by_hand_with_its_b
 
 #[test]
 fn closed_form_two_frequencies_with_the_same_amplitude() {
-    // Of the resonances on either side the amplitudes at both frequencies are equal:
-    // (k - a²)² + (c a)² = (b² - k)² + (c b)².
+    // With the resonance between both frequencies, the amplitudes at both are equal: (k - a²)² +
+    // (c a)² = (b² - k)² + (c b)².
     let (c, a, b) = (2.0, TAU * 7.0, TAU * 9.0);
     let request = DesignRequest {
         over: vec![SampledAxis { name: "load.shaker.frequency".into(), values: vec![7.0, 9.0] }],

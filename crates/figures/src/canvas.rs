@@ -1,5 +1,5 @@
 //! Canvas of all pictures: palette, embedded font, and a list of marks. The list is written as SVG
-//! and rasterized as PNG, so that both files show one picture on any machine.
+//! and rasterized as PNG, so both files show the same picture on any machine.
 
 mod bitmap;
 mod flat;
@@ -113,15 +113,15 @@ enum Mark {
     /// A filled polygon.
     Polygon { corners: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
-    /// `bordered` ones have a border one pixel wide at any size of the picture.
+    /// `bordered` rectangles have a border one pixel wide at any size of the picture.
     Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour, bordered: bool },
-    /// Discs of a colour, or, with the line width `edge`, circles of that colour filled with white.
+    /// Discs, or, with the line width `edge`, circles of the colour filled with white.
     Circles { centres: Vec<CanvasPoint>, radius: f64, colour: Colour, edge: Option<f64> },
     /// A line of text; its point is on the baseline.
     Text { place: CanvasPoint, words: String, size: f64, colour: Colour, along: Along, upwards: bool },
     /// Marks that are moved together.
     Moved { by: CanvasPoint, marks: Vec<Mark> },
-    /// Marks of one thing, by its number; files say nothing of it.
+    /// Marks of one item, with its number; picture files do not contain the number.
     Tagged { tag: u32, marks: Vec<Mark> },
     /// Marks cut at the edges of a rectangle, an upper left corner and a size.
     Clipped { rectangle: [CanvasPoint; 2], marks: Vec<Mark> },
@@ -173,14 +173,14 @@ impl Canvas {
     }
 
     /// Filled rectangles of one colour, each given by two opposite corners. Their edges are not
-    /// smoothed, since smoothed neighbours that share a pixel would show a seam.
+    /// smoothed: smoothed neighbours that share a pixel would show a seam.
     pub fn rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
         self.push_rectangles(corners, colour, false);
     }
 
-    /// Filled [rectangles](Self::rectangles) that stay visible in an SVG shown at any size. A
-    /// border one pixel wide makes each rectangle cover at least one pixel, also where the
-    /// rectangle itself lies between the centres of two pixels.
+    /// Filled [rectangles](Self::rectangles) that stay visible in an SVG at any size. A border one
+    /// pixel wide makes each rectangle cover at least one pixel, even between the centres of two
+    /// pixels.
     pub fn visible_rectangles(&mut self, corners: &[[CanvasPoint; 2]], colour: Colour) {
         self.push_rectangles(corners, colour, true);
     }
@@ -212,26 +212,26 @@ impl Canvas {
         self.marks.push(Mark::Text { place, words: words.into(), size, colour, along, upwards });
     }
 
-    /// The marks that `draw` draws, in a separate list.
+    /// Records the marks of `draw` in a separate list.
     fn apart(&mut self, draw: impl FnOnce(&mut Self)) -> Vec<Mark> {
         let before = std::mem::take(&mut self.marks);
         draw(self);
         std::mem::replace(&mut self.marks, before)
     }
 
-    /// The marks that `draw` draws, moved by `by`.
+    /// Draws the marks of `draw`, moved by `by`.
     pub fn moved(&mut self, by: CanvasPoint, draw: impl FnOnce(&mut Self)) {
         let (by, marks) = (self.place(by), self.apart(draw));
         self.marks.push(Mark::Moved { by, marks });
     }
 
-    /// The marks that `draw` draws, as those of one thing with a number ([`flat()`] tells it).
+    /// Draws the marks of `draw`, tagged as one item with a number that [`flat()`] returns.
     pub fn tagged(&mut self, tag: u32, draw: impl FnOnce(&mut Self)) {
         let marks = self.apart(draw);
         self.marks.push(Mark::Tagged { tag, marks });
     }
 
-    /// The marks that `draw` draws, cut at the edges of the rectangle with two opposite `corners`.
+    /// Draws the marks of `draw`, clipped to the rectangle with two opposite `corners`.
     pub fn clipped(&mut self, corners: [CanvasPoint; 2], draw: impl FnOnce(&mut Self)) {
         let (rectangle, marks) = (self.rectangle(corners), self.apart(draw));
         self.marks.push(Mark::Clipped { rectangle, marks });
@@ -259,7 +259,7 @@ fn marks(drawing: &impl Drawing) -> Result<Vec<Mark>> {
 /// A drawing as SVG text.
 ///
 /// # Errors
-/// [`Error`] where a coordinate is not finite.
+/// [`Error`] if a coordinate is not finite.
 pub fn svg(drawing: &impl Drawing) -> Result<String> {
     Ok(vector::document(&marks(drawing)?, drawing.size()))
 }
@@ -267,7 +267,7 @@ pub fn svg(drawing: &impl Drawing) -> Result<String> {
 /// A drawing as a PNG file.
 ///
 /// # Errors
-/// [`Error`] where a coordinate is not finite, or the pixels find no memory.
+/// [`Error`] if a coordinate is not finite, or if there is not enough memory for the pixels.
 pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
     bitmap::file(&marks(drawing)?, drawing.size())
 }

@@ -8,15 +8,15 @@ use crate::canvas::palette::WHITE;
 pub struct Figure {
     /// The title.
     pub title: String,
-    /// Lines under the panels: parameters and their origin.
+    /// Lines below the panels: parameters and their origin.
     pub caption: Vec<String>,
     /// Panels by rows.
     pub panels: Vec<Panel>,
-    /// Panels in a row.
+    /// Number of panels in a row.
     pub columns: usize,
     /// Width and height of a panel in units of the drawing.
     pub panel: (u32, u32),
-    /// One legend under all panels, in place of one under each.
+    /// Whether one legend below all panels replaces the legends of the panels.
     pub shared_legend: bool,
 }
 
@@ -38,14 +38,14 @@ pub struct Panel {
 pub struct Axis {
     /// Symbol and unit.
     pub label: String,
-    /// Its range; if `None`, the range of the data with some room around it.
+    /// Its range; if `None`, the range of the data with a margin.
     pub range: Option<(f64, f64)>,
     /// Whether it is logarithmic.
     pub log: bool,
-    /// Factor from the data's unit to the label's unit, which the numbers at the ticks have; 1 if
+    /// Factor from the data's unit to the label's unit, used for the numbers at the ticks; 1 if
     /// `None`.
     pub factor: Option<f64>,
-    /// Names at 1, 2, … in place of numbers.
+    /// Names at 1, 2, … instead of numbers.
     pub names: Vec<String>,
 }
 
@@ -54,13 +54,12 @@ pub struct Axis {
 pub struct Layer {
     /// Its name in the legend; `None` if it has no entry there.
     pub name: Option<String>,
-    /// A short name to be written beside the curve in its colour. If there is no room for it, it
-    /// becomes an entry of the legend.
+    /// A short name next to the curve, in its colour. If there is no room for it, it becomes an
+    /// entry of the legend.
     pub label: Option<String>,
     /// Its colour.
     pub colour: Colour,
-    /// Whether it is drawn in a pale tint of its colour, as a ground for another curve of that
-    /// colour.
+    /// Whether it is drawn in a pale tint, as a background for another curve of the same colour.
     pub pale: bool,
     /// Its shape.
     pub shape: Shape,
@@ -76,14 +75,14 @@ pub enum Shape {
     Lines {
         /// The connected pieces.
         pieces: Vec<Path>,
-        /// Stroke in units of the drawing.
+        /// Stroke width in units of the drawing.
         width: u32,
         /// Its dashes.
         dash: Dash,
     },
     /// Points.
     Marks {
-        /// Where.
+        /// Their positions.
         points: Path,
         /// Half their size in units of the drawing.
         radius: u32,
@@ -94,7 +93,7 @@ pub enum Shape {
     Band {
         /// x, lower and upper y.
         points: Vec<(f64, f64, f64)>,
-        /// From 0 (invisible) to 1 (opaque).
+        /// Opacity from 0 (invisible) to 1 (opaque).
         opacity: f64,
     },
     /// Cells of equal size in their own colours, rows from below.
@@ -103,18 +102,18 @@ pub enum Shape {
         x: (f64, f64),
         /// Range of y covered.
         y: (f64, f64),
-        /// Cells in a row.
+        /// Number of cells in a row.
         columns: usize,
-        /// Index into `colours` of each cell.
+        /// Index of each cell's colour in `colours`.
         cells: Vec<u8>,
         /// The colours; a cell with `None` is not drawn.
         colours: Vec<Option<Colour>>,
     },
     /// Text centred at a point.
     Text {
-        /// Where.
+        /// Its position.
         at: (f64, f64),
-        /// What.
+        /// The text.
         text: String,
     },
 }
@@ -122,11 +121,11 @@ pub enum Shape {
 /// Dashes of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dash {
-    /// None.
+    /// No dashes.
     Solid,
-    /// Long.
+    /// Long dashes.
     Dashed,
-    /// Short.
+    /// Short dashes.
     Dotted,
 }
 
@@ -155,9 +154,9 @@ pub enum Mark {
     Target,
 }
 
-/// Stroke of curves in units of the drawing.
+/// Stroke width of curves in units of the drawing.
 pub const LINE: u32 = 6;
-/// Stroke of auxiliary curves.
+/// Stroke width of auxiliary curves.
 pub const THIN: u32 = 4;
 /// Fraction of white in a pale tint.
 const PALE: f64 = 0.55;
@@ -175,7 +174,7 @@ impl Axis {
         Self { label: label.into(), range: Some((from, to)), ..Self::default() }
     }
 
-    /// The axis with numbers in the label's unit, which are the data's numbers times `factor`.
+    /// The axis with its numbers in the label's unit: the data's numbers times `factor`.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { factor: Some(factor), ..self }
@@ -218,7 +217,7 @@ impl Layer {
         Self { name: (!name.is_empty()).then(|| name.into()), label: None, colour, pale: false, shape }
     }
 
-    /// The layer with a short name to be written beside its curve.
+    /// The layer with a short name next to its curve.
     #[must_use]
     pub fn labelled(self, label: impl Into<String>) -> Self {
         Self { label: Some(label.into()), ..self }
@@ -230,7 +229,7 @@ impl Layer {
         Self { pale: true, ..self }
     }
 
-    /// The colour in which the layer is drawn.
+    /// The layer's drawing colour.
     pub fn tint(&self) -> Colour {
         if self.pale { self.colour.towards(WHITE, PALE) } else { self.colour }
     }
@@ -240,7 +239,7 @@ impl Layer {
         self.label.as_deref().or(self.name.as_deref())
     }
 
-    /// The layer with another stroke width of its curves or another size of its marks.
+    /// The layer with another stroke width or mark size.
     #[must_use]
     pub fn stroke(mut self, stroke: u32) -> Self {
         match &mut self.shape {
@@ -251,7 +250,7 @@ impl Layer {
         self
     }
 
-    /// The points that an axis has to cover.
+    /// The points that an axis must cover.
     pub fn extent(&self) -> Vec<(f64, f64)> {
         match &self.shape {
             Shape::Lines { pieces, .. } => pieces.concat(),

@@ -1,4 +1,4 @@
-//! Lays a figure out: title, panels, legends, caption.
+//! Layout of a figure: title, panels, legends, caption.
 
 use crate::canvas::palette::BLACK;
 use crate::canvas::{Across, Along, Canvas, Colour, Drawing, PNG_SHRINK, SVG_SHRINK, Writing, text_width};
@@ -6,22 +6,22 @@ use crate::chart::{Figure, Layer};
 use crate::panel::Layout;
 use crate::symbols::{ENTRY, entry, entry_width};
 
-/// Sizes of the fonts of title and caption.
+/// Font sizes of title and caption.
 const TITLE: f64 = 40.0;
 const CAPTION: f64 = 28.0;
 /// Height of the title's line and of a line of the caption.
 const TITLE_LINE: u32 = 46;
 const CAPTION_LINE: u32 = 47;
-/// Room around the panels and between lines of text.
+/// Space around the panels and between lines of text.
 const GAP: u32 = 30;
 const CAPTION_COLOUR: Colour = Colour(70, 70, 70);
 
-/// A figure laid out.
+/// A laid-out figure.
 struct Page<'f> {
     panels: Vec<Layout<'f>>,
-    /// Lines of the legend under each panel; empty if all panels share one legend.
+    /// Lines of the legend below each panel; empty if all panels share one legend.
     own: Vec<Vec<Vec<&'f Layer>>>,
-    /// Lines of the legend under all panels.
+    /// Lines of the legend below all panels.
     shared: Vec<Vec<&'f Layer>>,
 }
 
@@ -33,8 +33,7 @@ impl<'f> Page<'f> {
         }
         let (mut own, mut shared) = (Vec::new(), Vec::new());
         if figure.shared_legend {
-            // A curve whose name stands beside it in one panel is identified in the others by its
-            // colour.
+            // A curve that is named in one panel is identified by its colour in the others.
             let named = |layer: &Layer| panels.iter().any(|p: &Layout| p.names_like(layer));
             let entries = panels.iter().flat_map(|p| p.entries.iter().copied());
             shared = legend(entries.filter(|layer| !named(layer)), f64::from(figure.width() - 4 * GAP));
@@ -45,8 +44,8 @@ impl<'f> Page<'f> {
         Self { panels, own, shared }
     }
 
-    /// Height of the legends under the panels of one row. It is equal for all panels, so that they
-    /// have one size.
+    /// Height of the legends below the panels of one row: equal for all, so that panels have equal
+    /// sizes.
     fn under(&self) -> u32 {
         self.own.iter().map(|l| l.len() as u32 * ENTRY as u32).max().unwrap_or(0)
     }

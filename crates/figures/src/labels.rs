@@ -1,4 +1,4 @@
-//! Placement of names beside curves.
+//! Placement of names next to curves.
 
 use crate::canvas::{CanvasPoint, Colour, text_width};
 use crate::scale::Frame;
@@ -6,15 +6,15 @@ use crate::symbols::SMALL;
 
 /// Side of a square of the map, in units of the drawing.
 const SQUARE: f64 = 8.0;
-/// Least distance of a name from anything drawn (`AIR`), and from a curve of another colour
-/// (`APART`), so that the name is not taken for the name of that curve.
+/// Smallest distance of a name from anything drawn (`AIR`), and from a curve of another colour
+/// (`APART`), so that it is not read as this curve's name.
 const AIR: f64 = 6.0;
 const APART: f64 = 26.0;
-/// Distance of the places along a curve at which a name is tried.
+/// Distance between positions along a curve at which a name is tried.
 const STEP: f64 = 12.0;
-/// Largest number of places along a curve at which a name is tried.
+/// Largest number of tried positions along a curve.
 const TRIES: f64 = 2000.0;
-/// Largest number of pieces of a curve beside which a name is tried, the longest first.
+/// Largest number of tried pieces of a curve, the longest first.
 const MOST_PIECES: usize = 5;
 /// Height of a name's box.
 const HEIGHT: f64 = 1.1 * SMALL;
@@ -86,7 +86,7 @@ impl Room {
                 .all(|i| matches!(self.squares[i], Cover::Free) || self.squares[i] == Cover::One(colour))
     }
 
-    /// Middle of a name beside its curve; marks the name's area as covered. `None` if there is no
+    /// Centre of a name next to its curve; marks the name's area as covered. `None` if there is no
     /// room.
     pub fn place(&mut self, words: &str, pieces: &[Vec<CanvasPoint>], colour: Colour) -> Option<CanvasPoint> {
         let mut longest: Vec<_> = pieces.iter().collect();
@@ -94,12 +94,12 @@ impl Room {
         longest.into_iter().take(MOST_PIECES).find_map(|piece| self.place_beside(words, piece, colour))
     }
 
-    /// Middle of a name beside one piece of its curve; marks the name's area as covered. `None` if
-    /// there is no room.
+    /// Centre of a name next to one piece of its curve; marks the name's area as covered. `None`
+    /// if there is no room.
     fn place_beside(&mut self, words: &str, piece: &[CanvasPoint], colour: Colour) -> Option<CanvasPoint> {
         let (half, high) = (0.5 * text_width(words, SMALL), 0.5 * HEIGHT);
         let away = AIR + SQUARE + 2.0;
-        // The search goes from the middle of the piece to its ends.
+        // The search starts at the middle of the piece and moves to its ends.
         let stride = (length(piece) / (STEP * TRIES)).ceil().max(1.0) as usize;
         let spots: Vec<CanvasPoint> = along(piece, STEP).step_by(stride).collect();
         let middle = spots.len() / 2;
@@ -113,7 +113,7 @@ impl Room {
                 let name =
                     Frame { left: at.0 - half, top: at.1 - high, right: at.0 + half, bottom: at.1 + high };
                 if self.has_room(&name, colour) {
-                    // Names of all colours keep off this one.
+                    // Names of all colours keep away from this one.
                     self.cover(&name, colour);
                     return Some(at);
                 }
@@ -127,7 +127,7 @@ fn length(path: &[CanvasPoint]) -> f64 {
     path.windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum()
 }
 
-/// Places along a path at about equal distances, beginning with its first point.
+/// Points along a path at about equal distances, beginning with its first point.
 fn along(path: &[CanvasPoint], step: f64) -> impl Iterator<Item = CanvasPoint> {
     let between = move |pair: &[CanvasPoint]| {
         let (a, b) = (pair[0], pair[1]);

@@ -3,7 +3,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`chart`] | figures of panels with axes, curves, cells and legends |
-//! | [`canvas`] | lines, areas and letters, from which SVG and PNG are made |
+//! | [`canvas`] | lines, areas and letters, written as SVG and PNG |
 //! | [`html`] | text in HTML |
 
 pub mod canvas;
@@ -15,7 +15,7 @@ mod panel;
 mod scale;
 mod symbols;
 
-/// Error of a picture that cannot be made.
+/// Error for a picture that cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("making {what}: {problem}")]
 pub struct Error {
@@ -29,7 +29,7 @@ pub struct Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// Conversion of an error of a drawing library, for `map_err`.
+    /// Converts an error of a drawing library, for `map_err`.
     fn making<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
         move |e| Self { what, problem: e.to_string() }
     }

@@ -1,4 +1,4 @@
-//! One panel: axes, grid, layers and names beside curves.
+//! One panel: axes, grid, layers and names next to curves.
 
 use crate::canvas::palette::BLACK;
 use crate::canvas::{Across, Along, Canvas, CanvasPoint, Colour, PNG_SHRINK, Pen, Writing};
@@ -8,22 +8,22 @@ use crate::scale::{Frame, Scale};
 use crate::symbols::{SMALL, marks, pen, stroke};
 use std::borrow::Cow;
 
-/// Size of the text of axes and titles of panels.
+/// Font size of axes and titles of panels.
 const LABEL: f64 = 34.0;
 const GRID: Colour = Colour(225, 225, 225);
-/// Room for labels: left, top, right, bottom.
+/// Space for labels: left, top, right, bottom.
 const ROOM: [u32; 4] = [185, 80, 45, 140];
 const TICK: f64 = 14.0;
-/// Frames, grids and ticks.
+/// Stroke width of frames, grids and ticks.
 const HAIR: f64 = 3.0;
 
-/// A panel laid out: its scales, its frame, and its names beside curves.
+/// A laid-out panel: its scales, its frame, and the names next to its curves.
 pub(super) struct Layout<'p> {
     panel: &'p Panel,
     x: Scale,
     y: Scale,
     frame: Frame,
-    /// Places of names and the layers they name.
+    /// Positions of names, and the layers they name.
     names: Vec<(CanvasPoint, &'p Layer)>,
     /// Layers that need an entry in a legend.
     pub entries: Vec<&'p Layer>,
@@ -43,8 +43,8 @@ impl<'p> Layout<'p> {
         layout
     }
 
-    /// Moves all names to the legend if one of them is there already, since a legend of some curves
-    /// would look like a legend of all.
+    /// Moves all names to the legend if one is there already: a legend of some curves would look
+    /// like a legend of all.
     pub fn name_all_or_none(&mut self) {
         if self.entries.iter().any(|layer| layer.label.is_some()) {
             self.names.clear();
@@ -52,7 +52,7 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// Whether a layer with equal label, colour and dashes has its name beside its curve.
+    /// Whether a layer with equal label, colour and dashes has its name next to its curve.
     pub fn names_like(&self, layer: &Layer) -> bool {
         let pen = |layer: &Layer| match layer.shape {
             Shape::Lines { dash, .. } => Some((layer.tint(), dash)),
@@ -62,7 +62,7 @@ impl<'p> Layout<'p> {
             && self.names.iter().any(|(_, named)| named.label == layer.label && pen(named) == pen(layer))
     }
 
-    /// Finds places for the names of curves; the others are entries of a legend.
+    /// Finds positions for the names of curves; the other names become legend entries.
     fn name_layers(&mut self) {
         let mut room = self.room();
         for layer in &self.panel.layers {
@@ -78,7 +78,7 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// Map of the area that the layers leave free.
+    /// Map of the area without layers.
     fn room(&self) -> Room {
         let mut room = Room::new(self.frame);
         for layer in &self.panel.layers {
@@ -187,11 +187,11 @@ impl<'p> Layout<'p> {
         }
     }
 
-    /// Draws cells: neighbours of one colour in a row become one rectangle, which spans all
-    /// following rows that are equal.
+    /// Draws cells: adjacent cells of one colour in a row become one rectangle, which also spans
+    /// all following equal rows.
     fn cells(&self, canvas: &mut Canvas, layer: &Layer) {
         let Shape::Cells { x, y, columns, cells, colours } = &layer.shape else { return };
-        // There are at most as many cells as the bitmap has pixels.
+        // The number of cells is at most the number of pixels of the bitmap.
         let f = &self.frame;
         let most = |from: f64, to: f64| ((to - from) / f64::from(PNG_SHRINK)).max(1.0) as usize;
         let (columns, cells) = merged(cells, *columns, (most(f.left, f.right), most(f.top, f.bottom)));
@@ -200,8 +200,7 @@ impl<'p> Layout<'p> {
         let side = |i: usize| x.0 + (x.1 - x.0) * i as f64 / columns as f64;
         let whole = |place: CanvasPoint| (place.0.round(), place.1.round());
         let mut areas = vec![Vec::new(); colours.len()];
-        // Where some cells are not drawn, each drawn cell is a datum of its own: it must not
-        // vanish.
+        // If some cells are not drawn, each drawn cell is a separate datum and must not vanish.
         let isolated = colours.contains(&None);
         let mut from = 0;
         while from < rows.len() {
@@ -230,8 +229,8 @@ impl<'p> Layout<'p> {
     }
 }
 
-/// Cells reduced to at most `most` in a row and in a column, and the new number of columns. Merged
-/// cells take their most frequent value, the first if several are equally frequent.
+/// Cells reduced to at most `most` in a row and in a column, with the new number of columns.
+/// Merged cells take their most frequent value, the first of equally frequent ones.
 fn merged(cells: &[u8], columns: usize, most: (usize, usize)) -> (usize, Cow<'_, [u8]>) {
     let rows = cells.len() / columns;
     let (across, up) = (columns.min(most.0), rows.min(most.1));

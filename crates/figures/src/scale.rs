@@ -1,14 +1,14 @@
-//! From values to places on a panel: scales, ticks and clipping.
+//! Conversion of values to positions on a panel: scales, ticks and clipping.
 
 use crate::chart::Axis;
 
 /// Approximate number of ticks of an axis.
 const TICKS: f64 = 6.0;
-/// Room around data without a given range, as a fraction of its span.
+/// Margin around data without a given range, as a fraction of its span.
 const AIR: f64 = 0.05;
 
-/// Smallest number of ticks at decades and their parts; with fewer, a logarithmic axis has ticks at
-/// round numbers.
+/// Smallest number of ticks at decades and their subdivisions; with fewer, a logarithmic axis has
+/// ticks at round numbers.
 const FEWEST: usize = 3;
 /// Approximate largest number of labelled decades.
 const MOST: usize = 10;
@@ -29,7 +29,7 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    /// The map of an axis with `values` between the places `from` and `to`.
+    /// The map of an axis with `values` to positions between `from` and `to`.
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: f64, to: f64) -> Self {
         let fits = |v: &f64| v.is_finite() && (!axis.log || *v > 0.0);
         let given = axis.range.filter(|(low, high)| low < high && fits(low) && fits(high));
@@ -38,7 +38,7 @@ impl Scale {
         Self { low, high, log: axis.log, factor, names: axis.names.clone(), from, to }
     }
 
-    /// The place of a value.
+    /// The position of a value.
     pub fn place(&self, value: f64) -> f64 {
         let part = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -59,7 +59,7 @@ impl Scale {
     }
 }
 
-/// The range of an axis over some values, which are positive for a logarithmic axis.
+/// The range of an axis for given values, which are positive for a logarithmic axis.
 fn around(values: impl Iterator<Item = f64>, log: bool) -> (f64, f64) {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     match (low < high, low.is_finite()) {
@@ -89,8 +89,8 @@ fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     (first..=last).map(|i| i as f64 * step).map(|v| (v, label(v).replace('-', "−"))).collect()
 }
 
-/// Decades from `low` to `high`, with their parts if there is room for them. If these are fewer
-/// than [`FEWEST`], round numbers instead.
+/// Decades from `low` to `high`, with subdivisions if there is room. If there are fewer than
+/// [`FEWEST`], round numbers instead.
 fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decade = |e: i32, factors: &'static [f64]| {
@@ -114,7 +114,7 @@ fn with_power(value: f64) -> String {
     if power == "0" { digits.into() } else { format!("{digits}e{power}") }
 }
 
-/// A rectangle of places: left, top, right, bottom.
+/// A rectangle of positions: left, top, right, bottom.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub left: f64,
@@ -149,7 +149,7 @@ impl Frame {
     pub fn clip_path(&self, path: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
         let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
         let mut before: Option<(f64, f64)> = None;
-        // The last point, if it has no finite neighbour so far.
+        // The last point, if it has no finite neighbour yet.
         let mut alone: Option<(f64, f64)> = None;
         let mut joined = false;
         let dot = |alone: Option<(f64, f64)>| alone.filter(|&p| self.holds(p)).map(|p| vec![p, p]);
@@ -175,7 +175,7 @@ impl Frame {
         pieces
     }
 
-    /// The rectangle with more room on all sides.
+    /// The rectangle extended on all sides.
     pub fn grown(&self, by: f64) -> Self {
         Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
     }
@@ -185,7 +185,7 @@ impl Frame {
         [(self.left, self.top), (self.right, self.bottom)]
     }
 
-    /// Whether a place is inside.
+    /// Whether a position is inside.
     pub fn holds(&self, (x, y): (f64, f64)) -> bool {
         (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
     }
@@ -205,7 +205,7 @@ mod tests {
         assert_eq!(labels(-2.0, 2.0, false), ["−2", "−1", "0", "1", "2"]);
         assert_eq!(labels(0.0, 1.0, false), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(0.005, 0.1, true), ["0.005", "0.01", "0.02", "0.05", "0.1"]);
-        // Too few powers of ten and their parts.
+        // Too few powers of ten and subdivisions.
         assert_eq!(labels(3.4, 4.6, true), ["3.4", "3.6", "3.8", "4.0", "4.2", "4.4", "4.6"]);
         assert_eq!(labels(0.0, 4e7, false), ["0", "1e7", "2e7", "3e7", "4e7"]);
         assert_eq!(labels(0.0, 2e-7, false)[1], "5e−8");
@@ -220,7 +220,7 @@ mod tests {
         assert!(ticks.iter().all(|t| (0.005 - 1e-12..=0.03 + 1e-12).contains(&t.0)), "{ticks:?}");
     }
 
-    /// Without data, with a range that a logarithm does not have, and with an empty range.
+    /// Without data, with a range that is invalid for a logarithm, and with an empty range.
     #[test]
     fn invariant_every_axis_has_finite_ticks() {
         for log in [false, true] {

@@ -4,19 +4,19 @@ use crate::canvas::palette::{BLACK, WHITE};
 use crate::canvas::{Across, Along, Canvas, CanvasPoint, Pen, Writing, text_width};
 use crate::chart::{Colour, Dash, Layer, Mark, Shape};
 
-/// Size of the text of ticks, legends and labels beside curves.
+/// Font size of ticks, legends and labels next to curves.
 pub(super) const SMALL: f64 = 31.0;
 /// Height of a line of a legend.
 pub(super) const ENTRY: f64 = 54.0;
-/// Width of a legend's sample, and of the room between it and its name.
+/// Width of a legend's sample, and of the space between it and its name.
 const SAMPLE: f64 = 90.0;
 const SPACE: f64 = 20.0;
-/// Greatest distance of a simplified path from the original, in units of the drawing.
+/// Largest distance of a simplified path from the original, in units of the drawing.
 const TOLERANCE: f64 = 0.6;
-/// Stroke of crosses, rings and the samples of areas.
+/// Stroke width of crosses, rings and the samples of areas.
 const FINE: f64 = 4.0;
 
-/// Simplifies a path by the method of Ramer, Douglas and Peucker: places within [`TOLERANCE`] of a
+/// Simplifies a path by the method of Ramer, Douglas and Peucker: points within [`TOLERANCE`] of a
 /// straight line are left out of the file.
 fn simplified(path: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept = vec![false; path.len()];
@@ -57,13 +57,13 @@ pub(super) fn pen(layer: &Layer, width: u32, dash: Dash) -> Pen {
     Pen { colour: layer.tint(), width, dash }
 }
 
-/// Draws polylines by one pen.
+/// Draws polylines with one pen.
 pub(super) fn stroke(canvas: &mut Canvas, pieces: &[Vec<CanvasPoint>], pen: Pen) {
     let pieces: Vec<_> = pieces.iter().map(|piece| simplified(piece)).collect();
     canvas.lines(&pieces, pen);
 }
 
-/// Draws marks at some places.
+/// Draws marks at given points.
 pub(super) fn marks(canvas: &mut Canvas, places: &[CanvasPoint], colour: Colour, radius: u32, mark: Mark) {
     let r = f64::from(radius);
     match mark {

@@ -1,44 +1,43 @@
 //! Polynomials on [0, 1] in Bernstein form: bounds that prove a sign, and extrema exact to
 //! round-off.
 //!
-//! A polynomial lies within the range of its Bernstein coefficients, and with each halving of its
-//! interval (de Casteljau's subdivision) the distance between the two shrinks by a factor of four.
-//! So a sign is proved without sampling. The number of sign changes of the coefficients'
-//! differences bounds the number of turning points (Descartes' rule), so every extremum is isolated
-//! before it is computed. See G. Farin, Curves and Surfaces for CAGD.
+//! A polynomial lies within the range of its Bernstein coefficients. Each halving of the interval
+//! (de Casteljau's subdivision) reduces the distance between range and polynomial by a factor of
+//! four, so a sign is proved without sampling. The number of sign changes of the coefficients'
+//! differences bounds the number of turning points (Descartes' rule), so every extremum is
+//! isolated before it is computed. See G. Farin, Curves and Surfaces for CAGD.
 
-/// Degree of the Taylor polynomial of a piece of a flight. With rate × step ≤ [`RATE_STEP`] the
-/// first neglected term of displacement and of velocity is under 5e-16 of the amplitude.
+/// Degree of the Taylor polynomial of a piece of a flight. With rate × step ≤ [`RATE_STEP`], the
+/// first neglected term of displacement and velocity is less than 5e-16 of the amplitude.
 pub const DEGREE: usize = 16;
 
 /// Largest product of the rate of the fastest mode and the length of one Taylor piece.
 pub const RATE_STEP: f64 = 0.75;
 
-/// A polynomial in t ∈ [0, 1] by its monomial coefficients, lowest power first.
+/// A polynomial in t ∈ [0, 1], given by its monomial coefficients, lowest power first.
 pub type Polynomial = [f64; DEGREE + 1];
 
-/// Largest number of halvings of an interval. The distance of a bound from the polynomial shrinks
-/// by a factor of four with each halving, so that it is then at round-off.
+/// Largest number of halvings of an interval: each reduces the distance of a bound from the
+/// polynomial by a factor of four, down to round-off.
 const DEPTH: u32 = 30;
 
-/// Largest number of subdivisions in one proof. A tangency needs some 50: two intervals for each of
-/// about 25 halvings.
+/// Largest number of subdivisions in one proof. A tangency needs about 50: two intervals for each
+/// of about 25 halvings.
 const SUBDIVISIONS: u32 = 512;
 
-/// Relative excess of a bound over the largest value found so far, up to which it counts as
-/// round-off.
+/// Tolerance of a bound, relative to the largest value found before: round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Largest number of Newton steps. Each is safeguarded by bisection, which alone would need 52
+/// Largest number of Newton steps. Each is safeguarded by bisection; bisection alone would need 52
 /// steps.
 const NEWTON_STEPS: usize = 80;
 
-/// Accuracy of the argument at a turning point. Half the digits suffice, since the value there
+/// Accuracy of the argument at a turning point. Half of the digits suffice, because the value
 /// depends on the argument only to second order.
 const TURNING_POINT: f64 = 1e-9;
 
-/// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this times monomial
-/// coefficient k.
+/// `C(i, k) / C(DEGREE, k)`: Bernstein coefficient i is the sum over k ≤ i of this factor times
+/// monomial coefficient k.
 const TO_BERNSTEIN: [[f64; DEGREE + 1]; DEGREE + 1] = {
     let mut table = [[0.0; DEGREE + 1]; DEGREE + 1];
     let mut i = 0;
@@ -64,8 +63,8 @@ pub fn evaluate(polynomial: &Polynomial, t: f64) -> (f64, f64) {
     (value, slope)
 }
 
-/// Adds the Taylor polynomial of amplitude·sin(angle + rate t); |rate| ≤ [`RATE_STEP`] keeps its
-/// truncation under round-off.
+/// Adds the Taylor polynomial of amplitude·sin(angle + rate t); |rate| ≤ [`RATE_STEP`] keeps the
+/// truncation error below round-off.
 pub fn add_sine(polynomial: &mut Polynomial, amplitude: f64, rate: f64, angle: f64) {
     let (sin, cos) = angle.sin_cos();
     let (mut now, mut next) = (amplitude * sin, amplitude * cos * rate);
@@ -96,7 +95,7 @@ fn halves(b: &Polynomial) -> (Polynomial, Polynomial) {
 }
 
 /// Whether it is proved that the polynomial stays within `low`..=`high` on [0, 1]. False if the
-/// polynomial leaves that range, if a coefficient is NaN, or if the polynomial is so close to a
+/// polynomial leaves this range, if a coefficient is NaN, or if the polynomial is so close to a
 /// limit that the proof would need more than 512 subdivisions.
 ///
 /// ```
@@ -114,7 +113,7 @@ pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
             return true;
         }
         if *budget == 0 || !inside(b[0]) || !inside(b[DEGREE]) {
-            return false; // the coefficients at the ends are values of the polynomial
+            return false; // the end coefficients are values of the polynomial
         }
         *budget -= 1;
         let (left, right) = halves(b);
@@ -123,19 +122,18 @@ pub fn stays_within(polynomial: &Polynomial, low: f64, high: f64) -> bool {
     proved(&to_bernstein(polynomial), low, high, &mut { SUBDIVISIONS })
 }
 
-/// Raises `best` to the maximum of |polynomial| on [0, 1] if the maximum is larger.
+/// Raises `best` to the maximum of |polynomial| on [0, 1] if this maximum is larger.
 pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
     let b = to_bernstein(polynomial);
     raise(polynomial, &b, 0.0, 1.0, best, DEPTH);
 }
 
-/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`. The
-/// interval is halved until the coefficients turn at most once or cannot exceed `best`.
+/// [`raise_to_maximum`] on [from, to], where the polynomial has the Bernstein coefficients `b`.
+/// The interval is halved until the coefficients turn at most once or cannot exceed `best`.
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // The comparisons do not detect a coefficient that is NaN. The coefficients of a flight have
-    // been checked.
+    // These comparisons do not detect NaN; the coefficients of a flight have been checked.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
@@ -192,7 +190,8 @@ fn turning_point(polynomial: &Polynomial, from: f64, to: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Taylor truncation of cos over one radian at degree 16 is 1.6e-16; rounding adds a few ulps.
+    /// Taylor truncation error of cos over one radian at degree 16 is 1.6e-16; rounding adds a few
+    /// ulps.
     const TOLERANCE: f64 = 1e-15;
 
     /// cos(a + r t) on t ∈ [0, 1].
@@ -221,7 +220,7 @@ mod tests {
             raise_to_maximum(&cosine(a, 0.7), &mut best);
             let turn = (a / std::f64::consts::PI).ceil() * std::f64::consts::PI;
             let expected = if turn <= a + 0.7 { 1.0 } else { a.cos().abs().max((a + 0.7).cos().abs()) };
-            // The angle itself, up to 8, is rounded to 1e-15.
+            // The angle itself, up to 8, has a rounding error of 1e-15.
             assert!((best - expected).abs() < 4.0 * TOLERANCE, "a = {a}: {best} against {expected}");
         }
     }
@@ -237,13 +236,13 @@ mod tests {
 
     #[test]
     fn invariant_work_on_a_polynomial_along_its_limit() {
-        // One and noise: within a few ulps of the limit everywhere.
+        // One plus noise: within a few ulps of the limit everywhere.
         let mut p = [0.0; DEGREE + 1];
         for (k, c) in p.iter_mut().enumerate() {
             *c = f64::EPSILON * if k % 2 == 0 { 1.0 } else { -1.0 };
         }
         p[0] = 1.0;
-        stays_within(&p, -1.0, 1.0); // either answer will do, within the subdivisions allowed
+        stays_within(&p, -1.0, 1.0); // either answer is correct, within the permitted subdivisions
         let mut best = 0.0;
         raise_to_maximum(&p, &mut best);
         assert!((best - 1.0).abs() < 20.0 * f64::EPSILON);

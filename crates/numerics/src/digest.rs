@@ -1,8 +1,8 @@
-//! The digest FNV-1a. Unlike the hashes of the standard library, it does not depend on machine and
-//! version. It distinguishes texts and saved bytes and detects accidental changes; it does not
+//! The digest FNV-1a. Unlike the standard library's hashes, it does not depend on machine and
+//! version. It distinguishes texts and saved bytes and detects accidental changes, but does not
 //! protect against deliberate ones.
 
-/// Digest of no bytes.
+/// Digest of an empty sequence.
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// Digest of a text followed by `bytes`, where `of` is the digest of the text.

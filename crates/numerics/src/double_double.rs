@@ -1,6 +1,6 @@
-//! Double-double arithmetic: unevaluated sums of two doubles, about 32 digits (T. J. Dekker, Numer.
-//! Math. 18, 1971). Time and the drive's phase ([`drive_phase`](super::drive_phase)) are kept in
-//! it, so that they do not drift however many sub-steps are added.
+//! Double-double arithmetic: unevaluated sums of two doubles, about 32 digits (T. J. Dekker,
+//! Numer. Math. 18, 1971). Used for time and the drive's phase
+//! ([`drive_phase`](super::drive_phase)), so that they do not drift over any number of sub-steps.
 
 use serde::{Deserialize, Serialize};
 

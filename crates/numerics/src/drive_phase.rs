@@ -1,4 +1,4 @@
-//! Phase of the drive in extended precision, which does not drift even in a long motion.
+//! Phase of the drive in extended precision, without drift even in a long motion.
 
 use super::double_double::DoubleDouble;
 use serde::{Deserialize, Serialize};
@@ -12,15 +12,15 @@ const INVERSE_TAU: DoubleDouble =
 /// Bound on the times of motions, s: 1e15 time constants of a slow motion.
 const LATEST: f64 = 1e30;
 
-/// Phase of the drive in turns, `turns(t) = base + ω (t - from)/2π`, re-based when ω changes so
-/// that it stays continuous.
+/// Phase of the drive in turns, `turns(t) = base + ω (t - from)/2π`, re-based if ω changes so that
+/// it stays continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivePhase {
     base: DoubleDouble,
     from: DoubleDouble,
 }
 
-/// Turns of a phase in rad. For the largest doubles 32 digits of π are too few; these doubles are
+/// Turns of a phase in rad. For the largest doubles, 32 digits of π are not enough: they are
 /// reduced by the standard library's sine and cosine.
 fn turns_of(phase: f64) -> DoubleDouble {
     const PLAIN: f64 = 1e9;
@@ -47,14 +47,14 @@ impl DrivePhase {
     }
 
     /// Whether base and time are in their ranges: a base of at most one turn, and a time that a
-    /// motion can reach. Every undamaged phase is sound.
+    /// motion can reach. Always true for an undamaged phase.
     pub fn is_sound(&self) -> bool {
         let within = |e: &DoubleDouble, most: f64| e.hi.abs() <= most && e.lo.abs() <= e.hi.abs();
         within(&self.base, 1.0) && within(&self.from, LATEST)
     }
 
-    /// Re-bases the phase at `time`, up to which the frequency was `omega`; afterwards the caller
-    /// uses another frequency. Adds the change from the drive phase `from` to `to`, rad.
+    /// Re-bases the phase at `time`, up to which the frequency was `omega`; the caller then uses
+    /// another frequency. Adds the change from the drive phase `from` to `to`, rad.
     pub fn rebase(&mut self, omega: f64, time: DoubleDouble, (from, to): (f64, f64)) {
         let shift = turns_of(to).minus(turns_of(from));
         self.base = (self.turns(omega, time) + shift).fraction();

@@ -4,26 +4,26 @@
 //! # Why it is so
 //!
 //! A missed event changes all of the later motion, and a simulator that samples can always miss an
-//! event between two samples. This module searches a polynomial instead: the Taylor coefficients of
-//! the event functional on |u| ≤ 1, truncated where the remainder is under round-off
+//! event between two samples. This module searches a polynomial instead: the Taylor coefficients
+//! of the event functional on |u| ≤ 1, truncated where the remainder is under round-off
 //! (`docs/numerics.md`, "Events"). The sizes of the coefficients bound the polynomial, its slope
 //! and its curvature on the whole interval. Three methods use these bounds in turn:
 //!
 //! - **Dominance.** If the size of the constant term of p' or p'' exceeds the sum of the other
-//!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1. Its values and slopes
-//!   at the ends then tell whether it passes zero. This holds for all u at once; nothing is
-//!   sampled.
-//! - **Bisection** of the interval, with the coefficients about each half's centre, until dominance
-//!   holds on every piece or the coefficients' sizes bound p below zero there.
-//! - **Newton's method in a bracket** for the root itself; in flight it starts from the third-order
-//!   reversion of the series.
+//!   coefficients' sizes, p is monotone, convex or concave on all of |u| ≤ 1. Its values and
+//!   slopes at the ends then determine whether it passes zero. This holds for all u at once;
+//!   nothing is sampled.
+//! - **Bisection** of the interval, with the coefficients about each half's centre, until
+//!   dominance holds on every piece or the coefficients' sizes bound p below zero there.
+//! - **Newton's method in a bracket** for the root itself; in flight it starts from the
+//!   third-order reversion of the series.
 //!
 //! # What must not change without proof
 //!
 //! - The order of operations in the flight path ([`flight_crossing`]) and in [`first_crossing`]:
 //!   the motions' bits depend on it (`tests/state_bits.rs`, `golden_*` in `events/tests.rs`).
-//! - The constants `MAX_DEPTH`, `MAX_COEFFICIENTS` and `MAX_PIECES`, which together bound the work:
-//!   docs/numerics.md, "Second stage".
+//! - The constants `MAX_DEPTH`, `MAX_COEFFICIENTS` and `MAX_PIECES`, which together bound the
+//!   work: docs/numerics.md, "Second stage".
 //! - The criteria by which Newton's method ends: docs/numerics.md, "The root";
 //!   `closed_form_the_newton_criterion_holds_up_to_its_largest_factor`.
 //!
@@ -43,19 +43,19 @@ use newton::{
 use pulp::Simd;
 
 /// Largest number of halvings of an interval. A piece is then 2⁻⁵⁵ long, less than the spacing of
-/// the doubles about ±1.
+/// the doubles near ±1.
 const MAX_DEPTH: u32 = 56;
-/// Largest number of coefficients of a polynomial that is searched. It is enough for the series of
-/// described machines.
+/// Largest number of coefficients of a searched polynomial; sufficient for the series of described
+/// machines.
 const MAX_COEFFICIENTS: usize = 40;
-/// Largest number of pieces that are examined. A polynomial of [`MAX_COEFFICIENTS`] or fewer
-/// coefficients needs fewer, nearly always less than a hundred (docs/numerics.md, "Second stage").
+/// Largest number of examined pieces. A polynomial of up to [`MAX_COEFFICIENTS`] coefficients
+/// needs fewer, nearly always less than a hundred (docs/numerics.md, "Second stage").
 const MAX_PIECES: u32 = 250_000;
 /// Largest bound K on |p''|/(2p') with which a short Newton step proves the accuracy of the next
 /// iterate; see [`refine`]. The proof holds for any K far below 1/ε.
 const MAX_NEWTON_FACTOR: f64 = 1e4;
-/// Bound K on |p''|/(2p') below which a polynomial is nearly straight: its curvature is under half
-/// its least slope.
+/// Bound K on |p''|/(2p') below which a polynomial is nearly straight: its curvature is less than
+/// half its smallest slope.
 const STRAIGHT: f64 = 0.25;
 
 /// Factors k of the coefficients of order k in p'.
@@ -63,7 +63,7 @@ const ORDERS: [f64; PADDED] = orders(0);
 /// Factors k - 1 that lead from p' to p''.
 const LOWER: [f64; PADDED] = orders(1);
 
-/// Factors k for the longest polynomial that is searched, padded to fours.
+/// Factors k for the longest polynomial, padded to a multiple of four.
 const PLACES: [f64; MAX_COEFFICIENTS.next_multiple_of(4)] = orders(0);
 
 const fn orders<const N: usize>(less: usize) -> [f64; N] {
@@ -76,7 +76,7 @@ const fn orders<const N: usize>(less: usize) -> [f64; N] {
     k
 }
 
-/// Shape of p on |u| ≤ 1, from the sign of p' or of p''. `Unknown` if neither sign is certain.
+/// Shape of p on |u| ≤ 1, from the sign of p' or p''. `Unknown` if neither sign is certain.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Shape {
     Rising,
@@ -92,7 +92,7 @@ enum Shape {
 #[inline(always)]
 fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     // Sums of the sizes of the coefficients of p' and p'', in four chains each. The constant term
-    // starts the sum with the opposite sign, so that it cancels.
+    // is first added with the opposite sign, so that it cancels.
     let d = slope_of(c, 1.0);
     let (mut slopes, mut curvatures) = ([-d[0].abs(), 0.0, 0.0, 0.0], [0.0, -d[1].abs(), 0.0, 0.0]);
     for (four, orders) in d.chunks(4).zip(PLACES.as_chunks::<4>().0) {
@@ -118,7 +118,7 @@ fn shape<const N: usize>(c: &[f64; N]) -> (Shape, f64) {
     (shape, f64::INFINITY)
 }
 
-/// [`first_crossing`] for a p of known shape; `None` for an unknown one.
+/// [`first_crossing`] for a p of known shape; `None` for an unknown shape.
 #[inline(always)]
 fn crossing_of_shape<const N: usize>(
     c: &[f64; N],
@@ -163,12 +163,12 @@ fn crossing_of_shape<const N: usize>(
 
 /// [`first_crossing`] for the relative displacement in free flight, whose coefficients from order
 /// ten on are zero. Nearly always the polynomial rises and is nearly straight: its curvature is
-/// under half its smallest slope, so that K = |p''|/(2p') < 1/4. Newton's method, started from the
-/// third-order reversion of the series, then takes one or two steps whose accuracy is proved. A
+/// less than half its smallest slope, so that K = |p''|/(2p') < 1/4. Newton's method, started from
+/// the third-order reversion of the series, then takes one or two steps with proved accuracy. A
 /// root found inside is the only one.
 ///
 /// Finds every passage that [`first_crossing`] finds. It may also find a root within rounding of
-/// `hi` where `first_crossing`, which goes by the sign of the computed p(hi), finds none.
+/// `hi` where `first_crossing` finds none, because it uses the sign of the computed p(hi).
 #[inline(always)]
 pub fn flight_crossing<S: Simd>(
     simd: S,
@@ -177,7 +177,7 @@ pub fn flight_crossing<S: Simd>(
     hi: f64,
     iterations: &mut u64,
 ) -> Option<f64> {
-    // The coefficients of the slope are k c_k, those of the curvature k (k-1) c_k.
+    // The coefficients of the slope are k c_k; the curvature has k (k-1) c_k.
     let (slope, sum, curvature) = weighted(simd, c, &ORDERS, &LOWER);
     let spare = c[1] - (sum - c[1].abs());
     if !(spare > 0.0 && curvature < 0.5 * spare) {
@@ -189,7 +189,7 @@ pub fn flight_crossing<S: Simd>(
         .or_else(|| rising(c, lo, value(c, lo), hi, newton_factor, iterations))
 }
 
-/// [`first_crossing`] on [0, hi]. Where p rises on all of |u| ≤ 1, Newton's method starts from the
+/// [`first_crossing`] on [0, hi]. If p rises on all of |u| ≤ 1, Newton's method starts from the
 /// third-order reversion of the series, whose error is small on the short intervals of a described
 /// machine.
 #[inline(always)]
@@ -230,12 +230,12 @@ fn recentred<const N: usize>(c: &[f64; N], mid: f64, half: f64) -> [f64; N] {
 }
 
 /// First u in `[lo, hi] ⊂ [-1, 1]` at which p passes from ≤ 0 to > 0. A touch from below does not
-/// count as a passage. A zero exactly at `hi` does not count either: the search that begins at `hi`
-/// finds it.
+/// count as a passage. Neither does a zero exactly at `hi`: the search that begins at `hi` finds
+/// it.
 ///
-/// Requires p(lo) ≤ 0 up to rounding. A positive p(lo), which rounding may leave, counts as zero:
-/// the answer is `lo` where p rises or is constant there, and the next passage where p falls. (So
-/// `0.5 + u²` on [0, 1], which breaks the requirement, gives 0.)
+/// Requires p(lo) ≤ 0 up to rounding. A positive p(lo) counts as zero: the answer is `lo` if p
+/// rises or is constant there, and the next passage if p falls. (So `0.5 + u²` on [0, 1], which
+/// violates the requirement, gives 0.)
 ///
 /// `None` proves that p, with the coefficients as given, nowhere passes zero by more than
 /// `4 N² ε Σ|c_k|` (docs/numerics.md, "Second stage").
@@ -249,12 +249,12 @@ pub fn first_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64, iterations
 }
 
 /// Visits in order the turning points in [lo, hi] ⊂ [-1, 1] of a quantity whose rate is p. A
-/// turning point is a place at which p passes zero by more than the rounding of its sign. On entry
-/// `rising` says whether the quantity rises at `lo`, on return whether it rises at `hi`. `visit`
-/// gets u and a flag that is true if the quantity rose before u, so that u is a maximum.
+/// turning point is where p passes zero by more than the rounding of its sign. `rising` is whether
+/// the quantity rises: at `lo` on entry, at `hi` on return. `visit` receives u and a flag that is
+/// true if the quantity rose before u, so that u is a maximum.
 ///
-/// The search for the next turning point begins where p is certainly beyond zero. From a computed
-/// zero it could find a zero at this place again and again.
+/// The search for the next turning point begins where p is certainly beyond zero: from a computed
+/// zero it could find the same zero again and again.
 #[inline(always)]
 pub fn turns<const N: usize>(
     p: &[f64; N],
@@ -272,7 +272,7 @@ pub fn turns<const N: usize>(
 }
 
 /// First passage of p from below zero to more than the rounding of its sign above zero; this
-/// rounding is `4 N² ε Σ|c_k|`, as for [`first_crossing`]. Returns the zero and the place at which
+/// rounding is `4 N² ε Σ|c_k|`, as for [`first_crossing`]. Returns the zero and the point at which
 /// p exceeds the rounding.
 #[inline(always)]
 fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f64, f64)> {
@@ -283,7 +283,7 @@ fn certain_crossing<const N: usize>(c: &[f64; N], lo: f64, hi: f64) -> Option<(f
     Some((first_crossing(c, lo, above, &mut 0).unwrap_or(above), above))
 }
 
-/// Change of sign of the computed p from ≤ 0 to > 0 in [lo, hi], by bisection, for a piece on which
+/// Change of sign of the computed p from ≤ 0 to > 0 in [lo, hi], by bisection, on a piece where
 /// |p| is within its rounding. `None` unless p(hi) > 0; `lo` if p(lo) > 0, too.
 fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Option<f64> {
     if value(c, hi) <= 0.0 {
@@ -302,8 +302,8 @@ fn change_of_sign<const N: usize>(c: &[f64; N], mut lo: f64, mut hi: f64) -> Opt
 /// [`first_crossing`] by bisection until the shape of p is certain on every piece; needed about
 /// once in thousands of sub-steps.
 ///
-/// On a piece where |p| is within its rounding, halving does not help. There the signs of the
-/// computed p decide (docs/numerics.md, "Second stage").
+/// On a piece where |p| is within its rounding, halving does not help: the signs of the computed p
+/// decide (docs/numerics.md, "Second stage").
 #[cold]
 #[inline(never)]
 fn subdivide<const N: usize>(

@@ -1,9 +1,9 @@
 //! Monotone piecewise cubic interpolation.
 
 /// Slopes at the samples, by F. N. Fritsch and J. Butland (SIAM J. Sci. Stat. Comput. 5 (1984)
-/// 300–304): the harmonic mean of the neighbouring chords, weighted by their lengths, and zero
-/// where the chords differ in sign; at the ends the three-point formula, limited so that the cubic
-/// stays monotone. Two samples give a straight line.
+/// 300–304): the harmonic mean of the adjacent chords, weighted by their lengths, and zero if the
+/// chords differ in sign; at the ends the three-point formula, limited so that the cubic stays
+/// monotone. Two samples give a straight line.
 pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
     let steps: Vec<(f64, f64)> = samples
         .windows(2)
@@ -26,7 +26,7 @@ pub fn monotone_slopes(samples: &[(f64, f64)]) -> Vec<f64> {
 
 /// Slope at an end, from the step there and the next one inwards, each with its length and chord:
 /// the slope of the parabola through the three samples, but zero if it differs in sign from the
-/// chord at the end, and at most three times that chord if the two chords differ in sign.
+/// chord at the end, and at most three times this chord if the two chords differ in sign.
 fn end_slope((h0, c0): (f64, f64), (h1, c1): (f64, f64)) -> f64 {
     let slope = c0 + (c0 - c1) * (h0 / (h0 + h1));
     if slope * c0 <= 0.0 {

@@ -1,14 +1,14 @@
 //! Numbers with units, as files and command lines write them: `48 kN/m`, `5 mm`, `600 rpm`.
 //!
 //! A dimension is named by its SI unit, with points for products and plain digits for powers:
-//! `N.s/m`, `kg.m2`. On input `·`, `*` or a space may replace a point, `µ` a `u`, and `m²` or `m^2`
-//! an `m2`.
+//! `N.s/m`, `kg.m2`. On input `·`, `*` or a space may replace a point, `µ` a `u`, and `m²` or
+//! `m^2` an `m2`.
 
 use std::f64::consts::PI;
 
-/// Unit of a dimension. A number in this unit, times `times` and divided by `over`, is the value in
-/// the SI unit. There are two factors because a double cannot represent a thousandth exactly, while
-/// a division by 1000 rounds only once.
+/// Unit of a dimension. A number in this unit, times `times` and divided by `over`, is the value
+/// in the SI unit. There are two factors because a double cannot represent a thousandth exactly,
+/// while division by 1000 rounds only once.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
     /// SI unit of the dimension.
@@ -24,17 +24,17 @@ const fn unit(si: &'static str, symbol: &'static str, times: f64, over: f64) -> 
 }
 
 impl Unit {
-    /// Value in the SI unit of a number in this unit.
+    /// Converts a number in this unit to the SI unit.
     pub fn si(&self, number: f64) -> f64 {
         number * self.times / self.over
     }
 
-    /// Whether a quantity has equal numbers in this unit and in the SI unit.
+    /// Whether numbers in this unit equal numbers in the SI unit.
     pub fn is_si(&self) -> bool {
         self.times == self.over
     }
 
-    /// Number in this unit of a value in the SI unit.
+    /// Converts a value in the SI unit to a number in this unit.
     ///
     /// ```
     /// use vibro_numerics::quantities::quantity_in;
@@ -56,19 +56,20 @@ impl Unit {
         self.symbol
     }
 
-    /// Whether this unit counts revolutions, while the SI unit of angular frequency counts radians.
+    /// Whether this unit counts revolutions, while the SI unit of angular frequency counts
+    /// radians.
     pub fn counts_revolutions(&self) -> bool {
         ["Hz", "mHz", "kHz", "rpm", "1/min"].contains(&self.symbol)
     }
 }
 
-/// An inch, m, and the weight of a pound, N: 0.45359237 kg times the standard acceleration.
+/// An inch in m, and a pound-force in N: 0.45359237 kg times the standard acceleration of gravity.
 const INCH: f64 = 0.0254;
 const POUND_FORCE: f64 = 0.453_592_37 * 9.806_65;
 
-/// All known units, the SI unit of each dimension first. The dimension `rad/s` is that of angular
-/// frequencies and velocities, in which a hertz is a revolution per second; the dimension `Hz` is
-/// that of frequencies that count cycles. Numbers without a dimension have the unit `1`.
+/// All known units, the SI unit of each dimension first. The dimension `rad/s` is for angular
+/// frequencies and velocities, with a hertz as one revolution per second. The dimension `Hz` is
+/// for frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
 pub static UNITS: [Unit; 109] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
@@ -110,7 +111,7 @@ pub static UNITS: [Unit; 109] = [
     unit("N.m.s/rad", "N.m.s/deg", 180.0, PI),
     unit("1/m", "1/m", 1.0, 1.0), unit("1/m", "rad/m", 1.0, 1.0), unit("1/m", "1/mm", 1e3, 1.0),
     unit("1/m", "rad/mm", 1e3, 1.0),
-    // Symbols written without the point of their product.
+    // Symbols without the point of a product.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
     unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),
     unit("N.m", "Ncm", 1.0, 1e2), unit("N.m", "Nmm", 1.0, 1e3),
@@ -128,15 +129,14 @@ pub struct Quantity {
     pub unit: Option<&'static Unit>,
 }
 
-/// Splits a text into the number at its beginning and the rest, which may be empty; `None` if there
-/// is no number.
+/// Splits a text into the number at its beginning and the rest, which may be empty; `None` without
+/// a number.
 pub fn split(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     if let Ok(value) = text.parse() {
         return Some((value, ""));
     }
-    // Without this check the beginning of a word such as `nanometre` would be read as the number
-    // NaN.
+    // Without this check, the beginning of a word such as `nanometre` would be read as NaN.
     if !text.starts_with(|c: char| c.is_ascii_digit() || ['+', '-', '.'].contains(&c)) {
         return None;
     }
@@ -145,7 +145,7 @@ pub fn split(text: &str) -> Option<(f64, &str)> {
     parts.find_map(|(number, rest)| Some((number.trim_end().parse().ok()?, rest.trim())))
 }
 
-/// Quantity from a number and the symbol of a unit. The symbol may be empty. `None` if it is not a
+/// Quantity from a number and a unit's symbol, which may be empty. `None` if the symbol is not a
 /// unit of the dimension of `si`.
 pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
@@ -157,8 +157,8 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 
-/// Reads a number with or without a unit of the dimension of `si`, an SI unit of [`UNITS`]. `None`
-/// for any other text.
+/// Parses a number with or without a unit of the dimension of `si`, an SI unit of [`UNITS`].
+/// `None` for any other text.
 ///
 /// ```
 /// use vibro_numerics::quantities::quantity_in;
@@ -172,8 +172,8 @@ pub fn quantity_in(si: &str, text: &str) -> Option<Quantity> {
     in_si(si, number, symbol)
 }
 
-/// Symbols, in files and on the command line, of the units of the dimension of `si`. The symbol of
-/// `si` itself comes first.
+/// Symbols of all units of the dimension of `si`, as in files and on the command line; `si` itself
+/// comes first.
 ///
 /// ```
 /// let mut masses = vibro_numerics::quantities::symbols("kg");
@@ -188,7 +188,7 @@ pub fn symbols(si: &str) -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
 
-    /// Values by the definitions of the units, rounded once.
+    /// Values from the definitions of the units, rounded once.
     #[test]
     fn closed_form_units_of_rotation_and_of_gravity() {
         let cases = [
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(quantity_in("N.m", "20 N"), None);
     }
 
-    /// Each symbol has one meaning in a dimension, and no other spelling hides it.
+    /// Each symbol has one meaning in a dimension and is not hidden by another spelling.
     #[test]
     fn invariant_every_symbol_reads_as_its_own_unit() {
         for unit in &UNITS {

@@ -1,6 +1,6 @@
 //! Range of values that a quantity may take.
 
-/// Range of finite numbers, with its description in error messages.
+/// Range of finite numbers, with a description for error messages.
 ///
 /// ```
 /// use vibro_numerics::Range;
@@ -14,15 +14,15 @@
 pub struct Range {
     /// Lower bound; minus infinity if there is none.
     pub min: f64,
-    /// Largest allowed value; infinity if there is none.
+    /// Largest permitted value; infinity if there is none.
     pub max: f64,
-    /// Whether `min` itself is refused.
+    /// Whether `min` itself is excluded.
     pub open_min: bool,
     /// Description of the range, for messages and documentation.
     pub allowed: &'static str,
 }
 
-/// Refusal of a value outside its range (also NaN and infinities).
+/// Error for a value outside its range (also NaN and infinities).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{name} = {value}: allowed is {allowed}")]
 pub struct OutOfRange {
@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn closed_form_ends_of_the_ranges() {
         let share = Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= share <= 1" };
-        let tiny = f64::from_bits(1); // the least positive number
+        let tiny = f64::from_bits(1); // the smallest positive number
         for (range, inside, outside) in [
             (Range::FINITE, [-f64::MAX, 0.0, f64::MAX], vec![]),
             (Range::NOT_NEGATIVE, [0.0, tiny, f64::MAX], vec![-tiny]),

@@ -2,15 +2,15 @@
 //! without Derivatives, 1973, chapter 4).
 
 /// Largest number of steps of Brent's method. Bisection needs about 60 steps if root and interval
-/// are of similar size, and Brent's method at most a few times as many.
+/// are of similar size, and Brent's method at most a few times this number.
 const BRENT_STEPS: usize = 200;
 
 /// Root of `f` between `a` and `b`, where `f` must have opposite signs, to `tolerance` (plus the
-/// rounding of the root) in the argument. `None` if there is no change of sign or `f` gives NaN.
+/// rounding of the root) in the argument. `None` if there is no change of sign or `f` returns NaN.
 ///
-/// The interval between the present root `b` and `c` always encloses a change of sign, so the
-/// method ends even where the function is not continuous. A step of inverse interpolation is taken
-/// if it shrinks that interval fast enough, a bisection otherwise.
+/// The interval between the current root `b` and `c` always encloses a change of sign, so the
+/// method ends even if the function is not continuous. A step of inverse interpolation is taken if
+/// it shrinks this interval fast enough, otherwise a bisection.
 ///
 /// ```
 /// use vibro_numerics::roots::brent;
@@ -30,9 +30,9 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
     if fa.is_nan() || fb.is_nan() || (fa > 0.0) == (fb > 0.0) {
         return None;
     }
-    // b is the best approximation, a the one before it, and the root lies between b and c.
+    // b is the best approximation, a the previous one, and the root lies between b and c.
     let (mut c, mut fc) = (a, fa);
-    // This step and the one before it.
+    // The current step and the previous one.
     let mut step = b - a;
     let mut before = step;
     for _ in 0..BRENT_STEPS {
@@ -64,8 +64,8 @@ pub fn brent(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> O
                 q = -q;
             }
             p = p.abs();
-            // The step is taken if it stays in the interval and is less than half the step before
-            // the last.
+            // The step is taken if it stays in the interval and is less than half of the last but
+            // one.
             if 2.0 * p < (3.0 * middle * q - (enough * q).abs()).min((before * q).abs()) {
                 before = step;
                 step = p / q;

@@ -1,16 +1,16 @@
-//! Small products and polynomials in vectors, whose instruction set `pulp` chooses at run time.
-//! Sums of products are fused where the machine has the instruction, so the last digits may differ
-//! between machines with and without it.
+//! Small products and polynomials in vectors, with the instruction set chosen at run time by
+//! `pulp`. Multiply-add is fused if the machine has the instruction, so the last digits may differ
+//! between machines.
 
 use pulp::Simd;
 
-/// Lanes of the widest products.
+/// Number of lanes of the widest products.
 const WIDE: usize = 16;
 
 /// Number of orders of the polynomial of w in flight, padded to whole vectors.
 pub const PADDED: usize = 16;
 
-/// p(u). Even and odd orders are summed apart: two chains of dependent operations instead of one.
+/// p(u). Even and odd orders are summed separately, in two chains of dependent operations.
 #[inline(always)]
 pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     let square = u * u;
@@ -22,15 +22,15 @@ pub fn value<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     even + u * odd
 }
 
-/// a b + c, with one rounding where the machine has the instruction. WebAssembly has none:
-/// `f64::mul_add` would call a function of some hundred operations there.
+/// a b + c, rounded once if the machine has the instruction. WebAssembly does not: `f64::mul_add`
+/// would call a function of about a hundred operations there.
 #[inline(always)]
 pub fn multiply_add<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
     if S::IS_SCALAR || cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// `Σ_j columns[j] x_j` in V vectors, of which only the first `W/F64_LANES` are used. Even and odd
-/// columns are summed separately, which halves the chain of dependent operations.
+/// `Σ_j columns[j] x_j` in V vectors; only the first `W/F64_LANES` are used. Even and odd columns
+/// are summed separately, which halves the chain of dependent operations.
 #[inline(always)]
 fn combine<S: Simd, const W: usize, const V: usize>(
     simd: S,
@@ -42,7 +42,7 @@ fn combine<S: Simd, const W: usize, const V: usize>(
     let (mut first, mut second) = ([zero; V], [zero; V]);
     if cfg!(target_family = "wasm") {
         // WebAssembly has vectors of two numbers and few registers. The two sums of one vector fit
-        // into registers, the sums of all vectors do not.
+        // into registers; the sums of all vectors do not.
         let x = x.map(|x| simd.splat_f64s(x));
         for (v, sum) in first.iter_mut().enumerate().take(vectors) {
             let at = |j: usize| S::as_simd_f64s(&columns[j]).0[v];
@@ -87,8 +87,8 @@ pub fn product<S: Simd, const W: usize>(simd: S, columns: &[[f64; W]; 8], x: &[f
     out
 }
 
-/// Coefficients of 8 polynomials, one row for each order, of which only the first `8/F64_LANES`
-/// vectors are used.
+/// Coefficients of 8 polynomials, one row per order; only the first `8/F64_LANES` vectors are
+/// used.
 pub type StateRows<S, const N: usize> = [[<S as Simd>::f64s; 8]; N];
 
 /// `Σ_j columns[j] x_j` as a row of [`StateRows`].
@@ -97,8 +97,8 @@ pub fn row<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> [S::f64s;
     combine::<S, 8, 8>(simd, columns, x)
 }
 
-/// `Σ_k rows[k] u^k` lane by lane. Even and odd orders are summed apart: two chains of dependent
-/// operations instead of one.
+/// `Σ_k rows[k] u^k` lane by lane. Even and odd orders are summed separately: two chains of
+/// dependent operations instead of one.
 #[inline(always)]
 fn evaluate<S: Simd, const N: usize>(simd: S, rows: &StateRows<S, N>, u: f64) -> [S::f64s; 8] {
     let zero = simd.splat_f64s(0.0);
@@ -140,10 +140,10 @@ pub fn form<S: Simd>(simd: S, columns: &[[f64; 8]; 8], x: &[f64; 8]) -> f64 {
     simd.reduce_sum_f64s(sum)
 }
 
-/// Adds to `total`, lane by lane, the parts of two sums: of the quadratic form, if given, and of
-/// the integral of `Σ_lane weights · p²` over an interval of length `length`. Over the interval the
-/// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The Lobatto rule of
-/// four nodes gives the integral.
+/// Adds to `total`, lane by lane, the terms of two sums: the quadratic form, if given, and the
+/// integral of `Σ_lane weights · p²` over an interval of length `length`. Over the interval, the
+/// argument of the polynomials p in `rows` goes from 0 to u; `end` is p(u). The integral uses the
+/// four-node Lobatto rule.
 #[inline(always)]
 pub fn form_and_squares<S: Simd, const N: usize>(
     simd: S,
@@ -160,7 +160,7 @@ pub fn form_and_squares<S: Simd, const N: usize>(
     const ENDS: f64 = 1.0 / 12.0;
     /// Weight at the inner nodes.
     const INSIDE: f64 = 5.0 / 12.0;
-    // The form comes first, as it depends on no pending result.
+    // The form comes first, as it does not depend on a pending result.
     let mut before = [simd.splat_f64s(0.0); 8];
     if let Some((columns, x)) = form {
         let sums = combine::<S, 8, 8>(simd, columns, x);
@@ -243,7 +243,7 @@ pub fn weighted<S: Simd>(
     (out, simd.reduce_sum_f64s(sum), simd.reduce_sum_f64s(weighted))
 }
 
-/// Σ_j |x_j| weight_j, without vectors: x has just been written lane by lane, and a load of whole
+/// Σ_j |x_j| weight_j, without vectors: x has just been written lane by lane, and loading whole
 /// vectors would wait for it.
 #[inline(always)]
 pub fn weigh<S: Simd>(x: &[f64; 8], weights: &[f64; 8]) -> f64 {

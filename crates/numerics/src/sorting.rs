@@ -1,7 +1,7 @@
-//! Sorting that is compiled once for all types, for where its time does not count.
+//! Sorting that is compiled once for all types, where speed does not matter.
 //!
-//! The standard library's sort is compiled again for each type and comparison, 5 kB of WebAssembly
-//! each time. The sort here sorts places, so all its callers share one copy.
+//! The standard library's sort is compiled again for each type and comparison, with 5 kB of
+//! WebAssembly each time. This sort sorts indices, so that all callers share one copy.
 
 use std::cmp::Ordering;
 
@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 pub fn sort_by<T>(items: &mut [T], mut compare: impl FnMut(&T, &T) -> Ordering) {
     let mut from = places(items.len(), &mut |i, j| compare(&items[i], &items[j]));
     for begin in 0..from.len() {
-        // Follows the cycle of moves through this place.
+        // Follows the cycle of moves through this index.
         let mut to = begin;
         while from[to] != begin {
             let next = std::mem::replace(&mut from[to], to);
@@ -25,7 +25,7 @@ pub fn sort_by_key<T, K: Ord>(items: &mut [T], mut key: impl FnMut(&T) -> K) {
     sort_by(items, |a, b| key(a).cmp(&key(b)));
 }
 
-/// The place of each sorted item before sorting.
+/// The index of each sorted item before sorting.
 #[inline(never)]
 fn places(count: usize, compare: &mut dyn FnMut(usize, usize) -> Ordering) -> Vec<usize> {
     let mut places: Vec<usize> = (0..count).collect();
@@ -40,7 +40,7 @@ mod tests {
     proptest! {
         #[test]
         fn second_method_the_order_is_that_of_the_standard_library(keys in proptest::collection::vec(0..9u8, 0..60)) {
-            // Few keys, so that many are equal; the second number tells their order.
+            // Few keys, so that many are equal; the second number records their order.
             let mut items: Vec<(u8, usize)> = keys.into_iter().zip(0..).collect();
             let mut others = items.clone();
             super::sort_by_key(&mut items, |item| item.0);

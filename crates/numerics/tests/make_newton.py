@@ -3,10 +3,9 @@
 
 Regenerate with `python3 crates/numerics/tests/make_newton.py` (needs mpmath; seconds; reproducible).
 
-Each row is a polynomial p of degree 2 or 4 that rises on [-1, 1] and a start from which the estimate is tight: at the step of
-number `step` it is `part` times the resolution eps |u|, u being the place before the step and m the step's length. With `part` a
-little under 1 the method ends with that step, a little over 1 with the next. Everything is computed anew in 60 digits from the
-rounded coefficients and start.
+Each row is a polynomial p of degree 2 or 4 that rises on [-1, 1], with a start for a tight estimate: at step number `step` it is `part`
+times the resolution eps |u|, where u is the point before the step and m the step's length. If `part` is slightly less than 1, the method
+ends with this step; if slightly more, with the next one. Everything is recomputed with 60 digits from the rounded coefficients and start.
 
 Columns: id, c0..c4, start, factor (K >= |p''|/(2p') on [-1, 1]), step, part, iterations (how many the method takes), root_hi and
 root_lo (the root as the sum of two doubles).
@@ -40,7 +39,7 @@ def bound(c):
 
 
 def newton(c, start, factor):
-    """The number of iterations and the estimate over the resolution at each step."""
+    """The number of iterations, and the ratio of estimate to resolution at each step."""
     u, ratios = mpf(start), []
     for _ in range(MOST):
         m = value(c, u) / slope(c, u)
@@ -56,7 +55,7 @@ def newton(c, start, factor):
 
 
 def tight_start(c, root, factor, step, part):
-    """A start above the root from which the estimate at `step` is `part` times the resolution."""
+    """A start above the root for which the estimate at `step` is `part` times the resolution."""
 
     def estimate(distance):
         u = root + distance
@@ -80,7 +79,7 @@ def main():
     while len(rows) < 96:
         step, part = 1 + len(rows) % 3, PARTS[len(rows) // 3 % 4]
         root = 10 ** draw.uniform(-2, -0.1) * draw.choice((-1, 1))
-        # The ratio of curvature and slope sets K, from 0.02 to some hundreds.
+        # The ratio of curvature and slope determines K, from 0.02 to several hundred.
         bend = 0.5 * (1 - 10 ** draw.uniform(-2.5, -0.05)) * draw.choice((-1, 1))
         twist = (0.5 - abs(bend)) * draw.uniform(-0.2, 0.2)
         c = [0.0, 1.0, bend, twist, 0.2 * twist]
@@ -92,7 +91,7 @@ def main():
         if start is None or not -1 < start < 1:
             continue
         iterations, ratios = newton(exact, start, factor)
-        # The steps before are far from the resolution.
+        # The earlier steps are far from the resolution.
         if abs(ratios[step - 1] / part - 1) > 1e-3 or any(r < 100 for r in ratios[: step - 1]):
             continue
         assert iterations == (step if part < 1 else step + 1)

@@ -1,9 +1,9 @@
-//! Tests of bifurcations, and the parts of a step in which one changes its sign.
+//! Test functions of bifurcations, and the parts of a step where one changes sign.
 
 use super::position::{Examined, Position};
 use crate::label::Label;
 
-/// A bifurcation's test.
+/// A test function of a bifurcation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Test {
     Fold,
@@ -24,7 +24,7 @@ impl Test {
         }
     }
 
-    /// The test's value in units of a position's.
+    /// The test's value at a position, in units of its value at another one.
     pub fn of(self, at: &Position<Examined>, unit: &Position<Examined>) -> f64 {
         match self {
             Self::Fold => at.fold(),
@@ -35,22 +35,22 @@ impl Test {
     }
 }
 
-/// The end of a step, as the tests of bifurcations see it.
+/// The end of a step, as used by the tests of bifurcations.
 pub(super) struct Ends<'a> {
     pub next: &'a Position<Examined>,
     /// The arc of the step.
     pub arc: f64,
-    /// A position before the end at which tests have a value that have none at the end itself, or
-    /// vanish there, with its arc.
+    /// A position before the end, with its arc. It is used for tests that vanish or have no value
+    /// at the end itself.
     pub before: Option<(Position<Examined>, f64)>,
     /// Whether a condition ceases to hold at the end.
     pub is_touch: bool,
 }
 
 impl Ends<'_> {
-    /// The position at which a test is taken, with its arc. At a touch multipliers may have no
-    /// bound, but determinants of the equations are smooth; at a birth all tests but that of a fold
-    /// vanish or are those of the shorter orbit.
+    /// The position at which a test is evaluated, with its arc. At a touch, multipliers may be
+    /// unbounded, but determinants of the equations are smooth. At a birth, all tests except the
+    /// fold test vanish or belong to the shorter orbit.
     pub fn of(&self, test: Test) -> (&Position<Examined>, f64) {
         match (&self.before, test) {
             (Some((before, arc)), Test::Pair) => (before, *arc),
@@ -59,7 +59,7 @@ impl Ends<'_> {
         }
     }
 
-    /// The same end for a step that begins beside the step's begin.
+    /// The same end for a step that begins next to this step's start.
     pub fn seen_from(&self, last: &Position<Examined>, begins: &Position<Examined>) -> Ends<'_> {
         let way = begins.tangent.dot(&(&begins.u - &last.u));
         let arc_to = |at: &Position<Examined>| begins.tangent.dot(&(&at.u - &begins.u));
@@ -72,9 +72,9 @@ impl Ends<'_> {
     }
 }
 
-/// A part of a step at whose ends a test has different signs.
+/// A part of a step whose ends have different signs of a test.
 pub(super) struct Bracket {
-    /// Arc from the step's begin.
+    /// Arc from the start of the step.
     pub begin: f64,
     /// The positions at both ends.
     pub ends: [Position<Examined>; 2],

@@ -1,15 +1,15 @@
 //! Equations of an orbit for variations that close with a factor.
 //!
-//! A variation is a small change of the motion. Along an eigenvector of the monodromy matrix it is
-//! μ times as large after a period, where μ is the multiplier: it closes with the factor μ.
+//! A variation is a small change of the motion. Along an eigenvector of the monodromy matrix a
+//! period multiplies it by the multiplier μ: it closes with the factor μ.
 //!
-//! The equations of an orbit have the derivatives A(1), in which a change of the first event's time
-//! moves the start and the end alike. A change that is μ times as large at the end as at the start
-//! has the derivatives A(μ) = A(1) + (μ - 1) B, which are singular where μ is a multiplier. Events
-//! at given times are linear maps of the state, so that A(μ) has entries of size one however
-//! unstable the orbit is: the determinant of A(-1) has the sign of ∏ (1 + μ), and the eigenvalues
-//! of the pencil A(1), B have digits where the product of the flights, the monodromy matrix, has
-//! lost them for all multipliers but the largest.
+//! The equations of an orbit have the derivatives A(1), in which a change of the first event's
+//! time moves the start and the end alike. For a change that is multiplied by μ from start to end,
+//! the derivatives are A(μ) = A(1) + (μ - 1) B; they are singular if μ is a multiplier. Events at
+//! given times are linear maps of the state, so A(μ) has entries of size one however unstable the
+//! orbit is. The determinant of A(-1) has the sign of ∏ (1 + μ). The eigenvalues of the pencil
+//! A(1), B keep digits that the monodromy matrix, a product over the flights, loses for all
+//! multipliers except the largest.
 
 use super::cycle::Cycle;
 use super::orbit::{eigenvalues, sort};
@@ -18,15 +18,14 @@ use super::problem::{Problem, Residual};
 use crate::obstacle::Obstacle;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Factor at which the pencil is inverted. No multiplier of a machine is this number by theory, and
-/// numbers on the unit circle are near it.
+/// Factor at which the pencil is inverted. No multiplier equals this number by theory, and the
+/// unit circle is near it.
 const SHIFT: f64 = 1.93;
-/// Limit of the largest modulus. Above it rounding of the monodromy matrix leaves fewer than ten
-/// digits of a multiplier near the unit circle.
+/// Largest modulus up to which the monodromy matrix is used: beyond it, rounding leaves fewer than
+/// ten digits of a multiplier near the unit circle.
 const BLURS: f64 = 1e6;
-/// Limit of the modulus of a multiplier that is taken from the equations. The pencil has infinite
-/// eigenvalues too, which rounding makes finite, about 1e8 in modulus: they are far above the
-/// limit.
+/// Largest modulus of a multiplier from the equations. Rounding makes the infinite eigenvalues of
+/// the pencil finite, with a modulus of about 1e8, far above this limit.
 const SHARP: f64 = 1e4;
 
 impl Problem {
@@ -35,8 +34,8 @@ impl Problem {
         place.period.is_some() && self.word.free().first() == Some(&0)
     }
 
-    /// Derivatives of the equations by the time of the first event at the start alone. Requires the
-    /// equations' derivatives by all unknowns but the parameter.
+    /// Derivatives of the equations with respect to the time of the first event, moving only the
+    /// start. Requires the derivatives with respect to all unknowns except the parameter.
     fn by_start(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DVector<f64> {
         let (own, radian) = (self.units.state.len(), self.radian(place));
         let equations = self.first_time() + self.word.free().len();
@@ -45,14 +44,14 @@ impl Problem {
         for i in 0..own {
             let part = -rate[i] * radian / self.units.state[i];
             column.rows_mut(0, equations).axpy(part, &matrix.view((0, i), (equations, 1)).column(0), 1.0);
-            // The derivative of the closing condition by the state at its end, 1, does not belong
-            // to the motion from the start.
+            // The derivative 1 of the closing condition with respect to its end state does not
+            // belong to the motion from the start.
             column[i] -= part;
         }
         column
     }
 
-    /// The derivative of A(μ) by μ.
+    /// The derivative of A(μ) with respect to μ.
     fn by_factor(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         let (own, n) = (self.units.state.len(), matrix.nrows());
         let mut by = DMatrix::zeros(n, n);
@@ -64,13 +63,13 @@ impl Problem {
         by
     }
 
-    /// A(-1), from the derivatives A(1) of the equations: singular at a doubling.
+    /// A(-1), from the equations' derivatives A(1); singular at a doubling.
     pub(super) fn antiperiodic(&self, place: &Place, cycle: &Cycle, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         matrix - self.by_factor(place, cycle, matrix) * 2.0
     }
 
-    /// Replaces the multipliers from an orbit's monodromy matrix that have lost digits beside the
-    /// largest multiplier.
+    /// Recomputes the multipliers that lost digits in the monodromy matrix because of the largest
+    /// multiplier.
     ///
     /// # Errors
     /// As [`residual`](Self::residual).
@@ -88,8 +87,8 @@ impl Problem {
         let Residual { matrix, cycle, .. } = self.residual(place, u, true)?;
         let sharp = matrix.and_then(|matrix| self.multipliers_by_equations((place, &cycle), &matrix, count));
         for (own, sharp) in multipliers.iter_mut().zip(sharp.unwrap_or_default()) {
-            // By the equations a multiplier has an error of its square, in units of rounding, and
-            // by the matrix one of the largest multiplier.
+            // In units of rounding, a multiplier from the equations has an error of its square;
+            // one from the matrix has an error of the largest multiplier.
             if sharp.norm() < SHARP && sharp.norm_sqr() < radius {
                 *own = sharp;
             }
@@ -98,8 +97,8 @@ impl Problem {
     }
 
     /// The `count` largest multipliers, largest first, from the equations' derivatives. A
-    /// multiplier of modulus one has the digits of the equations; the error of a large one grows
-    /// with its square. `None` where the equations have no eigenvalues.
+    /// multiplier of modulus one is as accurate as the equations; the error of a large one grows
+    /// with its square. `None` if the equations have no eigenvalues.
     pub(super) fn multipliers_by_equations(
         &self,
         (place, cycle): (&Place, &Cycle),
@@ -109,8 +108,8 @@ impl Problem {
         let by = self.by_factor(place, cycle, matrix);
         let shifted = matrix + &by * (SHIFT - 1.0);
         let inverse = eigenvalues(shifted.lu().solve(&by)?)?;
-        // The time of the first event gives the pencil one more eigenvalue, 0. The infinite ones
-        // come first.
+        // The time of the first event adds the eigenvalue 0 to the pencil. The infinite
+        // eigenvalues come first.
         let finite = inverse.iter().filter(|own| own.norm() > f64::MIN_POSITIVE);
         let mut all: Vec<Complex<f64>> = finite.map(|own| SHIFT - own.inv()).collect();
         sort(&mut all);

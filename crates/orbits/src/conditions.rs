@@ -1,5 +1,4 @@
-//! The conditions under which a cycle is a motion of the machine: each event is reached, and no
-//! other one.
+//! Conditions under which a cycle is a motion of the machine: it reaches each event, and no other.
 
 use super::cycle::{Cycle, Leg};
 use super::place::Place;
@@ -9,69 +8,70 @@ use vibro_machine::mode::{Contact, ElementState, FrictionState, Mode, StopState,
 use vibro_machine::system::System;
 use vibro_studies::flight::{Series, coefficients, dot, turning_points};
 
-/// Value of a functional, relative to its terms, that counts as zero at an event.
+/// Value of an event function, relative to its terms, that counts as zero at an event.
 const TOUCHING: f64 = 1e-9;
-/// Distance of a condition's value from zero that is rounding, relative to the condition's terms.
+/// Tolerance of a condition's value, relative to its terms: rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A condition of an orbit on one of its flights or events.
+/// A condition on a flight or an event of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// Event `letter` is reached with the functional rising.
+    /// Event `letter` is reached with a rising event function.
     Rises {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
     },
-    /// The flight after event `letter` has a duration.
+    /// The flight after event `letter` has a positive duration.
     Lasts {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
     },
-    /// A further stop that event `letter` hits is at its gap.
+    /// A further stop hit by event `letter` is at its gap.
     Together {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
         /// The stop.
         stop: usize,
     },
-    /// A contact that changes with event `letter`, of a fixed time or of another contact, could not
-    /// stay as it was; a friction that turns could not be held.
+    /// A contact that changes with event `letter`, at a fixed time or with another contact, could
+    /// not keep its state; a friction that reverses could not stick.
     Changes {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
-        /// The contact; at a fixed time the first of them.
+        /// The contact; at a fixed time the first one.
         contact: Contact,
     },
-    /// What a sample limits is on its side of the limits.
+    /// A value limited by a sample stays on its side of the limits.
     Limited {
-        /// The sample's place in the word.
+        /// Index of the sample in the word.
         letter: usize,
-        /// Its place among what the sample limits.
+        /// Index among the sample's limited values.
         place: usize,
         /// The block and its output.
         output: (usize, usize),
     },
     /// Event `letter` stays on its side of a corner of a signal.
     Corner {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
         /// Whether the corner comes after it.
         ahead: bool,
     },
-    /// No other functional is reached in the flight after event `letter`.
+    /// No other event function reaches zero in the flight after event `letter`.
     Stays {
-        /// Its place in the word.
+        /// Index of the event in the word.
         letter: usize,
-        /// The functional.
+        /// The event function.
         watch: Watch,
-        /// Its place among the functionals of the mode.
+        /// Index among the event functions of the mode.
         place: usize,
     },
 }
 
 impl Condition {
-    /// Whether a value shows that the condition does not hold. Within rounding a functional may
-    /// touch zero in a flight, and an event has no speed, force or rate: it does not happen.
+    /// Whether a value shows that the condition does not hold. Within rounding, a zero value is a
+    /// permitted touch during a flight. At an event it means zero speed, force or rate, so the
+    /// event does not happen.
     pub(super) fn fails(&self, value: f64) -> bool {
         match self {
             Self::Stays { .. } => value < -ROUNDING,
@@ -80,9 +80,9 @@ impl Condition {
         }
     }
 
-    /// Rank, least first, by which one of several conditions that cease to hold at one point names
-    /// it. An impact without speed comes with further touches of its stop, and two events that
-    /// change places come with further events.
+    /// Rank of the condition: the lowest rank names a point at which several conditions cease to
+    /// hold. An impact at zero speed comes with further touches of its stop, and two events that
+    /// change order come with further events.
     pub(super) fn rank(&self) -> usize {
         match self {
             Self::Rises { .. } => 0,
@@ -91,7 +91,7 @@ impl Condition {
         }
     }
 
-    /// Whether it ceases to hold where a rigid stop is touched with speed zero.
+    /// Whether the condition ceases to hold where a rigid stop is touched at zero speed.
     pub(super) fn touches_rigid_stop(&self, word: &Word, system: &System) -> bool {
         let watch = match *self {
             Self::Rises { letter } => word.letters[letter].watch(),
@@ -104,7 +104,7 @@ impl Condition {
 
 impl Cycle {
     /// All conditions under which the cycle is a motion of the machine, each with a value that is
-    /// positive where it holds. Values of functionals are relative to their terms.
+    /// positive if it holds. Values of event functions are relative to their terms.
     pub(super) fn conditions(&self, place: &Place, word: &Word) -> Vec<(Condition, f64)> {
         let mut all = Vec::new();
         if word.is_empty() {
@@ -120,8 +120,8 @@ impl Cycle {
         all
     }
 
-    /// The value of one condition; `None` where its flight does not have it. Beside an orbit too:
-    /// functionals of events are zero at the orbit alone.
+    /// The value of one condition; `None` if its flight does not have it. Also valid near an
+    /// orbit, where the functions of events are not exactly zero.
     pub(super) fn value_of(&self, condition: Condition, place: &Place, word: &Word) -> Option<f64> {
         let mut all = Vec::new();
         match condition {
@@ -140,9 +140,9 @@ impl Cycle {
         all.into_iter().find(|(own, _)| *own == condition).map(|(_, value)| value)
     }
 
-    /// Adds the conditions of event `letter` and the duration of the flight after it. Requires the
-    /// sizes of the functionals of the flight before it, and the rate of a contact, relative to its
-    /// terms, up to which it is held.
+    /// Adds the conditions of event `letter` and the duration of the flight after it. `sizes` are
+    /// the sizes of the event functions in the flight before it. Up to the rate `zero`, relative
+    /// to its terms, a contact counts as held.
     fn add_event(
         &self,
         letter: usize,
@@ -169,8 +169,8 @@ impl Cycle {
         for held in &leaving {
             let contact = held.contact();
             let rate = system.elongation_of(contact).rate.as_slice();
-            // The contact's own bodies may rest at both ends of a flight: their accelerations
-            // count.
+            // The contact's own bodies may be at rest at both ends of a flight: their
+            // accelerations count too.
             let accelerated: f64 = rate.iter().zip(&before.rate).map(|(a, x)| (a * x).abs()).sum();
             let largest =
                 size_of(rate, before).max(size_of(rate, &self.legs[letter])).max(accelerated * period);
@@ -201,7 +201,7 @@ impl Cycle {
         last.time + last.span - first.run.as_ref().map_or(first.time, |run| run.0)
     }
 
-    /// Adds the conditions of a letter of a fixed time.
+    /// Adds the conditions of an event at a fixed time.
     fn add_fixed(&self, letter: usize, place: &Place, word: &Word, all: &mut Vec<(Condition, f64)>) {
         let (own, system, leg) = (&word.letters[letter], place.assembly.system(), self.before(letter));
         let Some(timed) = own.timed() else { return };
@@ -222,16 +222,16 @@ impl Cycle {
         let flow = place.flow(&kept);
         let functionals = flow.watched.iter().filter(|(watch, _)| changed.contains(&watch.contact()));
         let passed = functionals.map(|(_, row)| beyond(row.as_slice(), after));
-        // A contact that keeps its rate at zero cannot stay where the rate has jumped.
+        // A contact that keeps its rate at zero cannot stay if the rate jumps.
         let held = changed.iter().filter(|contact| kept.contacts().any(|own| own == **contact));
         let rates = held.map(|&own| beyond(system.elongation_of(own).rate.as_slice(), after).abs());
         let most = passed.chain(rates.filter(|rate| *rate > TOUCHING)).reduce(f64::max);
         all.extend(most.map(|value| (Condition::Changes { letter, contact }, value)));
     }
 
-    /// Adds how far each functional of a flight with a duration stays below zero: minus its largest
-    /// value within the flight. Ends at which it is an event's, and is not larger than `zero` times
-    /// its terms, are left out. Returns the sizes of the terms.
+    /// Adds how far each event function stays below zero in a flight of positive duration: minus
+    /// its largest value. An end is left out if the function belongs to the event there and is at
+    /// most `zero` times its terms. Returns the sizes of the terms.
     fn add_peaks(&self, letter: usize, word: &Word, zero: f64, all: &mut Vec<(Condition, f64)>) -> Vec<f64> {
         let leg = &self.legs[letter];
         let watched = &leg.flow.watched;
@@ -255,7 +255,7 @@ impl Cycle {
             for (place, (_, row)) in watched.iter().enumerate() {
                 let q = coefficients(row.as_slice(), series);
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-                // A rate that is zero at both ends has its size from within.
+                // A rate that is zero at both ends takes its size from the interior.
                 sizes[place] = sizes[place].max(spread);
                 if q[0] + spread <= peaks[place] {
                     continue;
@@ -284,7 +284,7 @@ impl Cycle {
     }
 }
 
-/// Whether a functional may be zero after an event by the event itself: that of a contact that
+/// Whether an event may make this event function zero after it: the function of a contact that
 /// changes there.
 fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
     let contact = watch.contact();
@@ -295,18 +295,18 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
     is_own && is_zero_at(letter, watch)
 }
 
-/// Whether a functional of a contact that changes at an event may be zero there by the event
-/// itself. The force of a held contact less what it can bear is not, unless it is the event's own,
-/// nor the rate of a slip that an impact ends or begins by its jump: where one of them is zero, a
-/// condition just ceases to hold.
+/// Whether an event may make a function of one of its changing contacts zero there. The excess
+/// force of a held contact is not, unless it is the event's own function. Nor is the rate of a
+/// slip that an impact ends or begins by its jump. If one of these is zero, a condition just
+/// ceases to hold.
 fn is_zero_at(letter: &Letter, watch: Watch) -> bool {
     let is_rate = matches!(watch, Watch::Stops(_) | Watch::Reverses(_));
     let jumps = letter.chatter.is_none() && letter.hits().next().is_some();
     !(is_level(watch) || is_rate && jumps)
 }
 
-/// Whether a functional is the force of a held contact less what it can bear. At an event of
-/// another contact it is not zero by the event.
+/// Whether an event function is the force of a held contact minus its limit. An event of another
+/// contact does not make this function zero.
 fn is_level(watch: Watch) -> bool {
     matches!(watch, Watch::Slips(..) | Watch::Opens(_))
 }
@@ -318,8 +318,8 @@ pub(super) fn off_gap(system: &System, stop: usize, z: &[f64]) -> f64 {
     f64::abs(value) / f64::max(size, f64::MIN_POSITIVE)
 }
 
-/// The states in which contacts would be held that an event of another contact lets go, and a
-/// friction that turns: those that only a force beyond its level ends.
+/// The held states of contacts that an event of another contact releases, and of a friction that
+/// reverses: only a force beyond its limit ends these states.
 fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
     let ([before, after], own) = (&letter.modes, letter.watch());
     let frictions = before.frictions.iter().zip(&after.frictions).enumerate();
@@ -336,9 +336,9 @@ fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
     frictions.chain(stops.map(|(i, _)| ElementState::Stop(i, StopState::Closed)))
 }
 
-/// How far the force that would hold a contact after an event is beyond what it can bear, relative
-/// to its terms: without those that are let go with it, or with them, since any of them may be the
-/// first. `None` where the contact would depend on others.
+/// How far the force that would hold a contact after an event exceeds its limit, relative to its
+/// terms. The minimum with and without the other released contacts, since any contact may release
+/// first. `None` if the contact would depend on others.
 fn beyond_level(
     place: &Place,
     letter: &Letter,
@@ -356,8 +356,8 @@ fn beyond_level(
     [alone, together].into_iter().filter_map(of).reduce(f64::max)
 }
 
-/// The mode before a letter with the levels of stiffness after it: parts that begin to act are in
-/// the states of those that cease to.
+/// The mode before an event with the stiffness levels after it: parts that begin to act take the
+/// states of the parts that cease to act.
 fn with_levels(system: &System, letter: &Letter) -> Mode {
     let [before, after] = &letter.modes;
     let mut mode = before.clone();
@@ -373,7 +373,7 @@ fn with_levels(system: &System, letter: &Letter) -> Mode {
     mode
 }
 
-/// The contacts whose states differ in two modes, but for how they stick.
+/// The contacts whose states differ in two modes, apart from the kind of sticking.
 fn changes<'a>(before: &'a Mode, after: &'a Mode) -> impl Iterator<Item = Contact> + 'a {
     let stops = before.stops.iter().zip(&after.stops).enumerate();
     let stops = stops.filter(|(_, (a, b))| a != b).map(|(i, _)| Contact::Stop(i));
@@ -384,7 +384,7 @@ fn changes<'a>(before: &'a Mode, after: &'a Mode) -> impl Iterator<Item = Contac
     stops.chain(frictions.map(|(i, _)| Contact::Friction(i))).chain(sliders)
 }
 
-/// Size of a functional's terms in a flight.
+/// Largest size of an event function's terms at both ends of a flight.
 fn size_of(row: &[f64], leg: &Leg) -> f64 {
     let of = |z: &[f64]| row.iter().zip(z).map(|(a, x)| (a * x).abs()).sum::<f64>();
     of(&leg.states[0]).max(of(&leg.states[1]))

@@ -1,8 +1,8 @@
 //! Corners of signals: knots at which a force or the acceleration of a prescribed body jumps.
 //!
-//! The equations of an orbit are smooth while each event stays between the corners next to it.
-//! Beyond a corner they are continued with the signals of their own side, so that a branch reaches
-//! the corner as it does a touch and ends there. On the other side another branch begins.
+//! The equations of an orbit are smooth while each event stays between its adjacent corners.
+//! Beyond a corner they are continued with the signals of the original side. A branch thus reaches
+//! the corner like a touch and ends there; on the other side another branch begins.
 
 use super::place::{Place, with_signals};
 use super::timed::{Source, Tick, Timed};
@@ -15,29 +15,29 @@ use vibro_studies::flight::{Flow, dot};
 /// Largest number of corners in a common period of the drive. Signals with more are records, whose
 /// jumps are small.
 const MOST: usize = 32;
-/// Jump of a signal's number, relative to the number, that is rounding.
+/// Tolerance for a signal's relative jump: rounding.
 const ROUNDING: f64 = 1e-9;
-/// Distance of times of one instant, in periods: rounding of numbers that follow from each other.
+/// Largest difference of simultaneous times, in periods: rounding of different computations.
 const INSTANT: f64 = 1e-12;
 
-/// The piece of the signals in which an event lies.
+/// The piece of the signals at an event.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     /// The event's time, s.
     pub time: f64,
-    /// Times of the corners before and after it, s; `None` for an event at a fixed time, or of a
+    /// Times of the corners before and after it, s; `None` for an event at a fixed time or a
     /// machine without corners.
     corners: Option<[f64; 2]>,
 }
 
-/// Signals of a machine with corners, in the order of time over one common period from 0 on.
+/// Corners of the signals in the order of time, over one common period starting at 0.
 struct Corners {
     period: f64,
     ticks: Vec<(f64, Tick)>,
 }
 
 impl Corners {
-    /// The corners of a machine that its motion feels in some of the modes of a word.
+    /// The corners that affect a machine's motion in at least one mode of a word.
     fn of(place: &Place, word: &Word) -> Option<Self> {
         let (system, period) = (place.assembly.system(), place.period?);
         let flows: Vec<Arc<Flow>> = (0..word.len().max(1)).map(|k| place.flow(word.mode_after(k))).collect();
@@ -62,7 +62,7 @@ impl Corners {
         (!ticks.is_empty()).then_some(Self { period, ticks })
     }
 
-    /// The corners up to a time and after it.
+    /// The last corner up to a time and the first one after it.
     fn around(&self, time: f64) -> [Tick; 2] {
         let turn = (time / self.period).floor();
         let count = self.ticks.len() as i64;
@@ -76,14 +76,14 @@ impl Corners {
     }
 }
 
-/// The signals of the piece that begins at a time, carried on to another one.
+/// The signals of the piece that begins at `begin`, extrapolated to `time`.
 fn carried(system: &System, flow: &Flow, [begin, time]: [f64; 2]) -> Vec<f64> {
     let mut z = vec![0.0; system.signals.size];
     with_signals(system, begin, &mut z);
     flow.stretches(&z, time - begin, &mut |_, _| ())
 }
 
-/// The jump of the signals at a knot, from those of the piece that begins at `before`.
+/// The jump of the signals at a knot, relative to the piece that begins at `before`.
 fn jump(system: &System, flow: &Flow, [before, knot]: [f64; 2]) -> Vec<f64> {
     let (old, mut new) = (carried(system, flow, [before, knot]), vec![0.0; system.signals.size]);
     with_signals(system, knot, &mut new);
@@ -95,7 +95,7 @@ fn jump(system: &System, flow: &Flow, [before, knot]: [f64; 2]) -> Vec<f64> {
     old.iter().zip(&new).enumerate().map(of).collect()
 }
 
-/// Whether a jump of the signals changes an acceleration, or a functional's value or its first two
+/// Whether a jump of the signals changes an acceleration, or an event function or its first two
 /// rates.
 fn is_felt(flow: &Flow, own: usize, jump: &[f64]) -> bool {
     if jump.iter().all(|x| *x == 0.0) {
@@ -108,7 +108,7 @@ fn is_felt(flow: &Flow, own: usize, jump: &[f64]) -> bool {
 }
 
 impl Word {
-    /// The word with the corners next to its events at their times.
+    /// The word with the corners adjacent to its events at given times.
     #[must_use]
     pub(super) fn between_corners(mut self, place: &Place, times: &[f64]) -> Self {
         self.between = Vec::new().into();
@@ -131,14 +131,14 @@ impl Word {
         self
     }
 
-    /// The word with one event beyond the corner after it or before it.
+    /// The word with one event moved beyond its next (`ahead`) or previous corner.
     pub(super) fn beyond_corner(&self, place: &Place, letter: usize, ahead: bool) -> Option<Self> {
         let corners = Corners::of(place, self)?;
         let mut between = self.between.to_vec();
         let own = between.get_mut(letter)?.as_mut()?;
         let system = place.assembly.system();
         let passed = own.ticks[usize::from(ahead)];
-        // A time within the piece beyond it.
+        // A time within the piece beyond the corner.
         let step = corners.period * INSTANT * if ahead { 1.0 } else { -1.0 };
         let ticks = corners.around(passed.time(system) + 1e3 * step);
         *own = Between { ticks, are_letters: [false; 2] };
@@ -147,13 +147,13 @@ impl Word {
         Some(word)
     }
 
-    /// The corner after an event or before it.
+    /// The next (`ahead`) or previous corner of an event.
     pub(super) fn corner(&self, letter: usize, ahead: bool) -> Option<Tick> {
         self.between.get(letter).copied().flatten().map(|own| own.ticks[usize::from(ahead)])
     }
 
-    /// The distance of an event, at its time before the next period, from the corner after it or
-    /// before it, s; `None` where the corner is an event of the word.
+    /// The distance of an event, at its time before the next period, from its next (`ahead`) or
+    /// previous corner, s; `None` if the corner is an event of the word.
     pub(super) fn distance(&self, (system, time): (&System, f64), letter: usize, ahead: bool) -> Option<f64> {
         let own = self.between.get(letter).copied().flatten()?;
         let later = if letter == 0 { self.turns() } else { 0 };
@@ -162,7 +162,7 @@ impl Word {
         (!is_letter).then_some(if ahead { corner - time } else { time - corner })
     }
 
-    /// The piece of the signals in which event `k` lies, a number of common periods later.
+    /// The piece of the signals that contains event `k`, `later` common periods later.
     pub(super) fn piece(&self, system: &System, k: usize, time: f64, later: i64) -> Piece {
         let own = self.between.get(k).copied().flatten();
         let corners = own.map(|own| own.ticks.map(|tick| tick.later(later).time(system)));
@@ -181,11 +181,11 @@ impl Piece {
         self.corners.is_none_or(|[before, after]| before <= self.time && self.time < after)
     }
 
-    /// The knots of signals between this event and the next one, each on its own side of corners.
+    /// The knots of signals between this event and the next one, each on its side of its corners.
     pub fn knots(&self, system: &System, next: &Self) -> Vec<f64> {
         let mut from = self.time;
         if let Some([before, after]) = self.corners {
-            // A corner that an event has passed comes after it still.
+            // A corner that an event has passed still comes after it.
             from = if from >= after { after.next_down() } else { from.max(before) };
         }
         let mut until = next.time;
@@ -196,15 +196,15 @@ impl Piece {
         std::iter::successors(knot(&from), knot).collect()
     }
 
-    /// Writes the signals of the event's side of corners into an augmented state that the flow has
-    /// carried there.
+    /// Updates the signals of an augmented state, already propagated by the flow, on the event's
+    /// side of its corners.
     pub fn renew(&self, system: &System, z: &mut [f64]) {
         if self.is_within() {
             with_signals(system, self.time, z);
         }
     }
 
-    /// Writes the signals of the event's side of corners into an augmented state.
+    /// Fills in the signals of an augmented state on the event's side of its corners.
     pub fn fill(&self, system: &System, flow: &Flow, z: &mut [f64]) {
         let Some([before, after]) = self.corners.filter(|_| !self.is_within()) else {
             return with_signals(system, self.time, z);

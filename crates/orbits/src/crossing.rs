@@ -1,9 +1,9 @@
-//! Points at which branches cross, on their own condition.
+//! Crossings of branches, located by their own conditions.
 //!
-//! At a crossing the equations F(u, p) = 0 of an orbit are singular, the parameter's column among
-//! them, so that Newton's method loses digits. With the multiple ε of a vector b by which they are
-//! unfolded, F(u, p) + ε b = 0, ψᵀ F_u = 0 and ψᵀ F_p = 0 are regular for u, p and ε (G. Moore, The
-//! numerical treatment of non-trivial bifurcation points, 1980). At a crossing ε is 0.
+//! At a crossing the equations F(u, p) = 0 of an orbit, with the parameter's column, are singular,
+//! so that Newton's method loses digits. They are unfolded by a multiple ε of a vector b: F(u, p)
+//! + ε b = 0, ψᵀ F_u = 0 and ψᵀ F_p = 0 are regular for u, p and ε (G. Moore, The numerical
+//! treatment of non-trivial bifurcation points, 1980). At a crossing ε is 0.
 
 use super::problem::{Problem, Residual};
 use crate::curve::slope;
@@ -11,19 +11,19 @@ use crate::obstacle::Obstacle;
 use crate::two_parameters::Border;
 use nalgebra::{DMatrix, DVector};
 
-/// Step of the differences of the conditions. It sets the speed of convergence and never the
+/// Step of the conditions' difference quotients. It affects the speed of convergence, not the
 /// result.
 const DIFFERENCE: f64 = 1e-6;
-/// Largest number of steps. The derivatives are those at the guess, so that each step gains some
-/// three digits.
+/// Largest number of steps. The derivatives are computed only at the guess, so each step gains
+/// about three digits.
 const STEPS: usize = 12;
-/// Length of a step that is rounding, in units of the unknowns.
+/// Length of a step that counts as rounding, in units of the unknowns.
 const ROUNDING: f64 = 1e-12;
-/// Largest unfolding at a crossing, in units of the equations: rounding.
+/// Tolerance for the unfolding at a crossing, in units of the equations: rounding.
 const KEPT: f64 = 1e-8;
 
-/// The bordered measure of a matrix, and the product of the parameter's column with its left
-/// vector.
+/// The bordered measure of a matrix, and the product of its left vector with the parameter's
+/// column.
 pub(super) fn conditions(
     matrix: &DMatrix<f64>,
     column: &DVector<f64>,
@@ -41,8 +41,8 @@ pub(super) fn conditions(
 }
 
 impl Problem {
-    /// The crossing of branches near a guess; `None` where there is none within a distance, in
-    /// units of the unknowns.
+    /// The crossing of branches near a guess; `None` if there is none within a distance, in units
+    /// of the unknowns.
     pub(super) fn crossing(&self, guess: &DVector<f64>, within: f64) -> Option<DVector<f64>> {
         let n = self.size();
         let at = |u: &DVector<f64>| -> Result<(Residual, DMatrix<f64>, DVector<f64>), Obstacle> {
@@ -58,7 +58,7 @@ impl Problem {
             let (_, matrix, column) = at(u)?;
             conditions(&matrix, &column, &border).ok_or(Obstacle::NoConvergence)
         };
-        // Unknowns: those of the orbit, the parameter, the unfolding.
+        // Unknowns: the orbit's, the parameter, the unfolding.
         let mut whole = matrix.resize(n + 2, n + 2, 0.0);
         whole.view_mut((0, n), (n, 1)).copy_from(&column);
         whole.view_mut((0, n + 1), (n, 1)).copy_from(&border.left);

@@ -10,19 +10,19 @@ use vibro_numerics::roots::brent;
 /// Largest number of Newton steps of a correction in continuation.
 const STEPS: usize = 8;
 
-/// Largest number of Newton steps towards a point that one further condition determines. Such steps
+/// Largest number of Newton steps towards a point given by one further condition; these steps
 /// start farther away.
 const CONDITION_STEPS: usize = 20;
 
-/// Relative size of a Newton step below which the iteration has converged: the next step is
+/// Tolerance for convergence, as the relative size of a Newton step: the next step is only
 /// rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
 /// Size of a Newton step, rad, below which a step longer than half of the previous one counts as
-/// rounding. The equations of many fast impacts determine the phases to fewer digits.
+/// rounding. With many fast impacts the equations determine fewer digits of the phases.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
-/// Longest Newton step towards such a point; longer ones are shortened to it.
+/// Largest Newton step towards such a point; longer steps are shortened.
 const LONGEST_STEP: f64 = 0.1;
 
 /// The value of n equations and their derivatives with respect to n + 1 unknowns.
@@ -33,19 +33,19 @@ pub(super) struct Linearization {
 
 /// n equations in n + 1 unknowns.
 pub(super) trait Equations {
-    /// Value and derivatives; columns that hardly change may be taken from `known`, the derivatives
-    /// at a neighbouring point.
+    /// Value and derivatives. Columns that hardly change may be taken from `known`, the
+    /// derivatives at a nearby point.
     ///
     /// # Errors
     /// An obstacle if the equations are not defined at `u`.
     fn linearize(&self, u: &DVector<f64>, known: Option<&DMatrix<f64>>) -> Result<Linearization, Obstacle>;
 
-    /// Relative size of a Newton step below which the next one is rounding.
+    /// Tolerance for convergence, as the relative size of a Newton step: the next one is rounding.
     fn rounding(&self) -> f64 {
         STEP_ROUNDING
     }
 
-    /// Size of a Newton step below which one that is longer than half of the previous one is
+    /// Size of a Newton step below which a step longer than half of the previous one is only
     /// rounding.
     fn stalled(&self) -> f64 {
         STEP_STALLED
@@ -57,7 +57,7 @@ pub(super) trait Equations {
 pub(super) struct CurvePoint {
     pub u: DVector<f64>,
     pub tangent: DVector<f64>,
-    /// Newton steps that the correction took.
+    /// Number of Newton steps of the correction.
     pub steps: usize,
 }
 
@@ -68,8 +68,8 @@ fn bordered(matrix: &DMatrix<f64>, row: &DVector<f64>) -> DMatrix<f64> {
     whole
 }
 
-/// The point of the curve in the plane through `predicted` across `direction`, with the tangent on
-/// the side of `direction`.
+/// The point of the curve in the plane through `predicted` perpendicular to `direction`, with the
+/// tangent on the side of `direction`.
 pub(super) fn correct(
     equations: &impl Equations,
     predicted: &DVector<f64>,
@@ -77,8 +77,8 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // The number of steps after which all further ones may be rounding ([`Equations::stalled`]).
-    // The correction counts as converged there.
+    // Number of steps after which all further ones may be rounding ([`Equations::stalled`]): the
+    // correction has converged there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {
         let Linearization { value, matrix } = equations.linearize(&u, known.as_ref())?;
@@ -104,8 +104,8 @@ pub(super) fn correct(
             stalled.get_or_insert(steps);
         }
         before = size;
-        // Rounding leaves longer steps under a load that a soft spring holds far away, and next to
-        // a crossing of branches.
+        // Rounding causes longer steps under a load held far away by a soft spring, and near a
+        // crossing of branches.
         let last = if steps == STEPS { stalled } else { None };
         if size < equations.rounding() * (1.0 + u.norm()) || last.is_some() {
             let tangent = right.column(1).normalize();
@@ -128,8 +128,8 @@ pub(super) fn tangent(
     Ok(if null.dot(towards) < 0.0 { -null } else { null })
 }
 
-/// The solution of as many equations as unknowns, by Newton's method from a guess, with steps of
-/// bounded length.
+/// The solution of equations with the same number of unknowns, by Newton's method from a guess,
+/// with bounded steps.
 pub(super) fn solve(
     guess: &DVector<f64>,
     linearize: impl Fn(&DVector<f64>) -> Result<Linearization, Obstacle>,
@@ -150,7 +150,7 @@ pub(super) fn solve(
     Err(Obstacle::NoConvergence)
 }
 
-/// The point at which one more condition holds, from a guess. `condition` gives its value and its
+/// The point at which one further condition holds, from a guess. `condition` returns its value and
 /// gradient.
 pub(super) fn meet(
     equations: &impl Equations,
@@ -171,9 +171,8 @@ pub(super) fn meet(
 /// Largest number of sweeps of a singular value decomposition; a few for each value suffice.
 const SWEEPS: usize = 100_000;
 
-/// The left and the right singular vector of the least singular value of a square matrix: the null
-/// vectors if the matrix is singular. `None` if an entry is not finite, since the sweeps would not
-/// end.
+/// The left and right singular vectors of the smallest singular value of a square matrix: the null
+/// vectors of a singular matrix. `None` if an entry is not finite, since the sweeps would not end.
 pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     matrix: DMatrix<T>,
 ) -> Option<(DVector<T>, DVector<T>)> {
@@ -186,10 +185,10 @@ pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     Some((u.column(least).into_owned(), v.row(least).adjoint()))
 }
 
-/// Singular value, relative to the largest, that is zero.
+/// Singular value, relative to the largest one, that counts as zero.
 const DEGENERATE: f64 = 1e-11;
 
-/// Whether a matrix has a lower rank than it has rows, but for rounding.
+/// Whether the rows of a matrix are linearly dependent within rounding.
 pub(super) fn is_degenerate(matrix: &DMatrix<f64>) -> bool {
     let is_finite = matrix.iter().all(|x| x.is_finite());
     let values = is_finite.then(|| matrix.clone().try_svd(false, false, 5.0 * f64::EPSILON, SWEEPS));
@@ -202,8 +201,8 @@ pub(super) fn axis(length: usize, index: usize) -> DVector<f64> {
     DVector::from_fn(length, |i, _| if i == index { 1.0 } else { 0.0 })
 }
 
-/// The derivative at 0 by differences of second order: central if the function is defined on both
-/// sides, one-sided if it is defined on one side.
+/// The derivative at 0 by second-order differences: central if the function is defined on both
+/// sides, otherwise one-sided.
 ///
 /// # Errors
 /// An obstacle if the function is defined on neither side.
@@ -222,7 +221,7 @@ pub(super) fn slope(
     }
 }
 
-/// The gradient of a function of a point by differences.
+/// The gradient of a function at a point, by differences.
 pub(super) fn gradient(
     u: &DVector<f64>,
     step: f64,

@@ -1,12 +1,11 @@
-//! The motion over a period for given event times: linear in the state from which it starts.
+//! The motion over a period for given event times, which is linear in the initial state.
 //!
 //! An event at a given time is a linear map of the augmented state, whatever it does to the
-//! velocities, so that the motion over a word follows from its start and its event times. It is an
-//! orbit if it returns to its start and if each event's functional is zero at the event's time. The
-//! derivatives by start and times are carried along with the motion. Instability does not reach
-//! them: a change of the state does not move the times. Fixed times of the word, at which a knot
-//! changes a contact or a block is sampled, have no functional; other knots of signals are no
-//! events of it.
+//! velocities. The motion over a word therefore follows from its start and its event times. It is
+//! an orbit if it returns to its start and each event function is zero at its event's time.
+//! Sensitivities to start and times are computed with the motion. They do not grow with
+//! instability, because the times are fixed. Fixed times of the word (a knot that changes a
+//! contact, a sample) have no event function; other knots of signals are not events of the word.
 
 use super::corners::Piece;
 use super::place::{Place, with_signals};
@@ -25,11 +24,11 @@ use vibro_studies::flight::{Flow, dot, multiply};
 pub struct Leg {
     /// The run of impacts before it: time and augmented state after the first impact.
     pub(super) run: Option<(f64, Vec<f64>)>,
-    /// Time of its begin, s.
+    /// Start time, s.
     pub time: f64,
     /// Duration, s.
     pub span: f64,
-    /// Augmented states at its begin, after the event's law, and at its end.
+    /// Augmented states at its start, after the event's law, and at its end.
     pub states: [Vec<f64>; 2],
     /// Knots of signals within it.
     pub(super) knots: Vec<KnotWithin>,
@@ -39,7 +38,7 @@ pub struct Leg {
     pub(super) propagator: DMatrix<f64>,
     /// z' at its end.
     pub(super) rate: Vec<f64>,
-    /// The functional of the event at its end, by place among those of the flow.
+    /// Index in `flow.watched` of the function of the event at its end.
     pub(super) ending: Option<usize>,
 }
 
@@ -50,22 +49,22 @@ pub struct Cycle {
     pub legs: Vec<Leg>,
     /// The augmented state after the last event's law.
     pub back: Vec<f64>,
-    /// The state (q, v) with which it arrives at each node but the first, after the event's law.
+    /// The state (q, v) on arrival at each node except the first, after the event's law.
     pub(super) arrivals: Vec<Vec<f64>>,
 }
 
-/// Derivatives of a cycle by the states at its nodes, then by the times of its events that are not
-/// fixed.
+/// Derivatives of a cycle with respect to the states at its nodes, then the times of its free
+/// events.
 pub(super) struct Derivatives {
-    /// Of each functional at the end of a leg, with the place of its event among those not fixed.
+    /// Gradient of each free event's function at the end of its leg, with the event's index.
     pub ends: Vec<(usize, Vec<f64>)>,
-    /// Of the state after the last event's law.
+    /// Derivatives of the state after the last event's law.
     pub back: DMatrix<f64>,
-    /// Of the states that arrive at the other nodes.
+    /// Derivatives of the states that arrive at the other nodes.
     pub arrivals: Vec<DMatrix<f64>>,
 }
 
-/// The place among a flow's functionals of a letter's own; `None` for a letter of a fixed time.
+/// Index of the letter's event function in `flow.watched`; `None` for events at fixed times.
 fn ending(flow: &Flow, letter: &Letter) -> Result<Option<usize>, Obstacle> {
     let Cause::Passes { watch, place } = letter.cause else { return Ok(None) };
     let own = flow.watched.iter().enumerate().filter(|(_, (own, _))| *own == watch);
@@ -78,11 +77,11 @@ pub(super) type KnotWithin = (f64, [Vec<f64>; 2]);
 /// A part of a flight between knots of signals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPart<'a> {
-    /// Time of its begin, s.
+    /// Start time, s.
     pub time: f64,
     /// Duration, s.
     pub span: f64,
-    /// Augmented state at its begin.
+    /// Augmented state at its start.
     pub start: &'a [f64],
 }
 
@@ -95,17 +94,17 @@ impl Leg {
         begins.zip(ends).map(|((time, start), end)| LegPart { time, span: end - time, start })
     }
 
-    /// The augmented state after the event before it: its begin, or that of its run of impacts.
+    /// The augmented state after the event before it: at its start, or at the start of its run.
     pub(super) fn entered(&self) -> &[f64] {
         self.run.as_ref().map_or(&self.states[0], |(_, z)| z)
     }
 }
 
-/// Augmented state at the end of a flight between two events and the knots of signals within it. A
-/// flight that ends at a fixed time keeps the signals before it.
+/// Augmented state at the end of a flight between two events, and the knots of signals within it.
+/// A flight that ends at a fixed time keeps the signals before this time.
 ///
-/// A knot changes the signals alone, whose rows of the linear system are those of every piece, so
-/// that derivatives by states go on by the propagator of the whole flight.
+/// A knot changes only the signals, whose rows in the linear system are the same on every piece.
+/// The propagator of the whole flight therefore gives the derivatives with respect to states.
 fn flown(
     system: &System,
     flow: &Flow,
@@ -133,9 +132,9 @@ fn flown(
 }
 
 impl Cycle {
-    /// The motion from the states (q, v) at the nodes of a word, each to the next node, with events
-    /// at `times`, s, of which the first is the time of the start, until the start's time a period
-    /// later; with derivatives on request.
+    /// The motion from the states (q, v) at the nodes of a word, each followed to the next node.
+    /// The events are at `times`, s; the first is the start, and the motion ends at `last`, one
+    /// period later. Derivatives on request.
     pub(super) fn follow(
         place: &Place,
         word: &Word,
@@ -201,7 +200,7 @@ impl Cycle {
             }
             let letter = letter.unwrap_or(&stay);
             let (mut after, mut jumped) = (letter.arrived(system, until, &end), rate.clone());
-            // Most derivatives by nodes and times before the last node are zero.
+            // Most derivatives with respect to nodes and times before the last node are zero.
             let own_columns = c.as_mut_slice().chunks_mut(size).filter(|v| v.iter().any(|x| *x != 0.0));
             letter.apply(system, own_columns.chain([&mut after[..], &mut jumped[..]]));
             if let Some(column) = by_time {
@@ -239,12 +238,12 @@ impl Cycle {
         Ok((Self { legs, back: z, arrivals }, derivatives))
     }
 
-    /// The state before event `k`'s law and its flight's linear system.
+    /// The flight before event `k`, with the state before the event's law.
     pub(super) fn before(&self, k: usize) -> &Leg {
         &self.legs[(k + self.legs.len() - 1) % self.legs.len()]
     }
 
-    /// The rate with which event `k`'s functional reaches zero, relative to its terms, per second.
+    /// The rate at which event `k`'s function reaches zero, relative to its terms, per second.
     pub(super) fn rise(&self, k: usize) -> f64 {
         let leg = self.before(k);
         let Some(place) = leg.ending else { return f64::INFINITY };
@@ -252,17 +251,17 @@ impl Cycle {
         dot(row, &leg.rate)
     }
 
-    /// Derivative of the state (q, v) after the last event's law by the state at the start: times
-    /// of events move with the state. Requires that each event's functional rises.
+    /// Derivative of the state (q, v) after the last event's law with respect to the initial
+    /// state; event times move with the state. Requires that each event function rises.
     ///
     /// # Errors
-    /// [`Obstacle::Order`] where a run of impacts does not close its stop.
+    /// [`Obstacle::Order`] if a run of impacts does not close its stop.
     pub(super) fn monodromy(&self, place: &Place, word: &Word) -> Result<DMatrix<f64>, Obstacle> {
         let system = place.assembly.system();
         let (own, size) = (system.states(), system.signals.size);
         let (mut c, mut next_c) = (DMatrix::identity(size, own), DMatrix::zeros(size, own));
         let stay = Letter::staying(word);
-        // The start follows the first event.
+        // The start comes after the first event.
         let first = word.letters.first().unwrap_or(&stay);
         first.keep(system, c.as_mut_slice().chunks_mut(size));
         for (k, leg) in self.legs.iter().enumerate() {
@@ -298,8 +297,8 @@ impl Cycle {
     }
 }
 
-/// Follows a run of impacts until its stop closes, by the machine's own motion, with variations at
-/// fixed times. Returns the time at which it closes.
+/// Simulates a run of impacts until its stop closes, with variations at fixed times. Returns the
+/// time of closing.
 pub(super) fn close(
     place: &Place,
     chatter: &Chatter,
@@ -309,8 +308,8 @@ pub(super) fn close(
 ) -> Result<f64, Obstacle> {
     let system = place.assembly.system();
     let failed = |_| Obstacle::Order;
-    // The first impact of an orbit is at its stop. On the way to an orbit it is near it: the run is
-    // that from the stop, with its derivative for the way between.
+    // An orbit has its first impact at the stop. Newton iterates are only near it: the run then
+    // starts from the stop, with a derivative for the offset.
     let (stop, mut off) = (&system.stops[chatter.stop], vec![0.0; z.len()]);
     let e = &stop.elongation;
     let part = stop.excess.at(z) / e.w.dot(&e.mobility);

@@ -1,4 +1,4 @@
-//! An orbit examined: against the machine's own motion, by its events, measures and energies.
+//! Evaluation of an orbit: check by the machine's own motion, events, measures, energies.
 
 use super::cycle::LegPart;
 use super::orbit::{Orbit, middle};
@@ -12,18 +12,18 @@ use vibro_studies::flight::{Flows, ObservedFlight, Observer, Passage, dot, follo
 use vibro_studies::{Error, Result};
 use vibro_studies::{Measure, QuantityName, Watcher};
 
-/// Difference of times of one instant, relative to the time: rounding.
+/// Largest difference of simultaneous times, relative to the time: rounding.
 const SAME_INSTANT: f64 = 1e-14;
 
-/// Largest multiplier with which a motion stays on its orbit for a period, but for rounding.
+/// Upper limit of the multipliers for a motion to stay on its orbit over a period.
 const STAYS: f64 = 1e6;
 
 impl Orbit {
-    /// Follows each flight by the machine's own motion from its middle to its event: the largest
-    /// difference of an event's time, s.
+    /// Simulates each flight from its middle to its event. Returns the largest difference of an
+    /// event's time, s.
     ///
     /// # Errors
-    /// [`Error::Described`] where the machine has another event or goes on in another mode.
+    /// [`Error::Described`] if the machine has another event or continues in another mode.
     pub fn check_by_motion(&self) -> Result<f64> {
         let system = self.place.assembly.system();
         let mut largest: f64 = 0.0;
@@ -51,7 +51,7 @@ impl Orbit {
                 motion.apply_event(&mut |_| ())?;
                 reached = motion.advance_before_event(end + leg.span, &mut |_| ())?;
             }
-            // Of functionals that are one, rounding chooses.
+            // If event functions coincide, rounding decides which one is due.
             let row = |watch| leg.flow.watched.iter().find(|own| Some(own.0) == watch).map(|own| &own.1);
             let is_due = motion.due() == letter.watch()
                 || row(motion.due()).is_some_and(|due| row(letter.watch()) == Some(due));
@@ -61,7 +61,7 @@ impl Orbit {
             largest = largest.max((motion.time() - end).abs());
             let mut events: Vec<Event> = Vec::new();
             motion.apply_event(&mut |event| events.push(event.clone()))?;
-            // Knots and samples of one instant are one letter.
+            // Simultaneous knots and samples are one event of the word.
             while letter.timed().is_some() && motion.next_time_event().is_some_and(is_there) {
                 motion.advance_before_event(end.max(motion.time()), &mut |_| ())?;
                 motion.apply_event(&mut |event| events.push(event.clone()))?;
@@ -78,13 +78,13 @@ impl Orbit {
         Error::Described { problem: format!("at t = {time} s the machine {how} than the orbit [{words}]") }
     }
 
-    /// Passes a period of the orbit to observers.
+    /// Passes one period of the orbit to observers.
     pub fn observe(&self, observers: &mut [&mut dyn Observer]) {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         for (k, leg) in self.legs().iter().enumerate() {
             if let Some((time, z)) = &leg.run {
                 let motion = Motion::from_state(self.place.assembly.clone(), *time, &system.given(z));
-                // The run was followed before, from this state.
+                // The run was already simulated from this state, so it cannot fail.
                 if let Ok(motion) = motion {
                     let mut motion = motion.without_energy_accounts();
                     let _ = follow(&mut motion, &mut Flows::default(), leg.time, observers, &mut |_| false);
@@ -121,7 +121,7 @@ impl Orbit {
         }
     }
 
-    /// The events of a period, with their present times and speeds.
+    /// The events of a period, with this orbit's times and speeds.
     pub fn events(&self) -> Vec<Event> {
         let (system, count) = (self.place.assembly.system(), self.legs().len());
         let at = |(k, letter): (usize, &Letter)| {
@@ -143,12 +143,12 @@ impl Orbit {
 }
 
 impl Orbit {
-    /// A measure over a period; impacts count by common period of the drive, or by period of an
-    /// autonomous machine.
+    /// A measure over a period. Impacts are counted per common period of the drive, or per period
+    /// of an autonomous machine.
     ///
     /// # Errors
     /// [`Error::Described`] for a name that the machine does not have, and for powers, class and
-    /// exponent, which are no measures of an orbit's curve.
+    /// exponent, which are not measures of an orbit.
     pub fn measure(&self, measure: &Measure) -> Result<f64> {
         let d = &self.place.assembly.description;
         check_measure(measure, d)?;
@@ -159,9 +159,9 @@ impl Orbit {
         Ok(self.watched(&places).number(measure, d, &names, times).unwrap_or(0.0))
     }
 
-    /// The energy that each load puts in and that each other element takes, J a period, by name:
-    /// the accounts of the machine's own motion over a period. `None` where the orbit is too
-    /// unstable for a motion to stay on it.
+    /// The energy that each load supplies and that each other element absorbs, J per period, by
+    /// name, from the machine's own motion over a period. `None` if the orbit is too unstable for
+    /// a motion to stay on it.
     ///
     /// # Errors
     /// As [`Motion::advance_to`].
@@ -194,14 +194,14 @@ impl Orbit {
     }
 }
 
-/// Names of the measures of an orbit.
+/// Measures of an orbit, for messages.
 const MEASURES: &str = "amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as box.s or buffer.f; impacts, impact.rate, \
                         each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP";
 
-/// The measure of an orbit with a name; the name of a quantity alone is its largest value.
+/// Parses the name of an orbit's measure; the name of a quantity alone means its largest value.
 ///
 /// # Errors
-/// [`Error::Described`] for a name that is no measure of an orbit; as [`check_measure`].
+/// [`Error::Described`] for a name that is not an orbit's measure; as [`check_measure`].
 pub fn read_measure(name: &str, d: &Description) -> Result<Measure> {
     let largest = |_| name.parse().map(Measure::Maximum);
     let measure = name.parse().or_else(largest).map_err(|_: Error| no_measure(name))?;
@@ -213,7 +213,7 @@ fn no_measure(name: &str) -> Error {
     Error::Described { problem: format!("{name}: no measure of an orbit; allowed are {MEASURES}") }
 }
 
-/// Checks that a measure is one of an orbit's curve, of bodies and elements that a machine has.
+/// Checks that a measure is defined for an orbit and for the machine's bodies and elements.
 ///
 /// # Errors
 /// [`Error::Described`] for a name that the machine does not have, and for powers, class and
@@ -224,7 +224,7 @@ pub fn check_measure(measure: &Measure, d: &Description) -> Result<()> {
     if is_other { Err(no_measure(&measure.to_string())) } else { measure.check(d) }
 }
 
-/// The reports of a letter with the speeds and impulses of the states before and after it.
+/// The reports of an event with speeds and impulses from the states before and after it.
 fn present(letter: &Letter, system: &System, [before, after]: [&[f64]; 2], time: f64) -> Vec<Event> {
     let mut z = before.to_vec();
     let closes = |stop: usize| letter.events.iter().any(|e| e.kind == EventKind::Close { stop });
@@ -237,7 +237,7 @@ fn present(letter: &Letter, system: &System, [before, after]: [&[f64]; 2], time:
                 let compliance = system.stops[stop].elongation.w.dot(&system.stops[stop].elongation.mobility);
                 let restitution = system.stops[stop].restitution().filter(|_| !closes(stop)).unwrap_or(0.0);
                 let impulse = if compliance > 0.0 { (1.0 + restitution) * speed / compliance } else { 0.0 };
-                // The stops of one impact are hit together; the state moves on after the last.
+                // Stops of one impact are hit together; the state changes after the last.
                 left = if left == 0 { stops.max(1) } else { left } - 1;
                 if left == 0 {
                     let own = Letter { events: letter.events[..=i].to_vec(), ..letter.clone() };

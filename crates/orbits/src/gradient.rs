@@ -1,8 +1,8 @@
-//! Derivatives of an orbit's measures by every parameter of its machine.
+//! Derivatives of an orbit's measures with respect to every parameter of its machine.
 //!
-//! With the equations F(u, p) = 0 of the orbit's word, a parameter p moves its unknowns u by
-//! u' = -F_u⁻¹ F_p, and a measure m(u, p) by its derivative along (u', 1), a difference of fourth
-//! order.
+//! The orbit satisfies F(u, p) = 0, the equations of its word. A parameter p moves its unknowns u
+//! by u' = -F_u⁻¹ F_p. The derivative of a measure m(u, p) is the derivative along (u', 1),
+//! computed by a fourth-order difference.
 
 use super::cycle::Cycle;
 use super::orbit::Orbit;
@@ -16,22 +16,22 @@ use std::sync::Arc;
 use vibro_studies::Result;
 use vibro_studies::{Machine, Measure};
 
-/// Step of the differences in the unit of a parameter, and of the unknowns that move with it: its
-/// fourth power, and rounding divided by it, are about 1e-12.
+/// Step of the differences, in units of the parameter and of the unknowns: its fourth power, and
+/// rounding divided by the step, are about 1e-12.
 const STEP: f64 = 1e-3;
-/// Step where impacts accumulate, whose number jumps.
+/// Step for accumulating impacts, whose number jumps.
 const CHATTER_STEP: f64 = 1e-2;
-/// Share of a parameter's value that is its unit; a value of zero has the unit 1.
+/// Unit of a parameter as a fraction of its value; a value of zero has the unit 1.
 const UNIT: f64 = 0.1;
-/// Half of a range of which one unit is a fifth, in units.
+/// Half of a range, in units, for which the family's curve unit is this unit.
 const HALF_RANGE: f64 = 2.5;
-/// Weights of differences of fourth order, and where they are taken, in steps: on both sides, or on
-/// one where values on the other are not allowed.
+/// Positions, in steps, and weights of fourth-order differences: on both sides, or on one side if
+/// values on the other are not allowed.
 const BOTH: &[(f64, f64)] = &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
 const ONE: &[(f64, f64)] =
     &[(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0), (3.0, 4.0 / 3.0), (4.0, -1.0 / 4.0)];
 
-/// The derivative of a measure by a parameter.
+/// The derivative of a measure with respect to a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterDerivative {
     /// The parameter's name.
@@ -40,12 +40,12 @@ pub struct ParameterDerivative {
     pub unit: &'static str,
     /// Its value, SI.
     pub value: f64,
-    /// The derivative, SI, or why there is none.
+    /// The derivative, SI, or the reason why there is none.
     pub derivative: std::result::Result<f64, String>,
 }
 
-/// The derivative at 0 of a function of a number of steps; the function is asked on both sides,
-/// then on each.
+/// The derivative at 0 of a function, with values at multiples of `step`; tries both sides, then
+/// each side alone.
 fn difference(
     step: f64,
     at: impl Fn(f64) -> std::result::Result<Vec<f64>, Obstacle>,
@@ -61,7 +61,7 @@ fn difference(
     by(BOTH, step).or_else(|_| by(ONE, step)).or_else(|_| by(ONE, -step))
 }
 
-/// The equations at an orbit with F_u, which is that of every parameter.
+/// The equations at an orbit, with F_u, which is the same for every parameter.
 struct Linear {
     cycle: Cycle,
     matrix: DMatrix<f64>,
@@ -77,8 +77,8 @@ impl Linear {
 }
 
 impl Orbit {
-    /// The derivatives of a measure of the orbit by every parameter but those of the machine's
-    /// start, on which no orbit depends. All flights and events are those of its word.
+    /// The derivatives of a measure of the orbit with respect to every parameter. Parameters of
+    /// the machine's start are left out, since no orbit depends on them. The word is kept.
     ///
     /// # Errors
     /// As [`measure`](Self::measure).
@@ -89,8 +89,8 @@ impl Orbit {
         self.derivatives(&machine, measure, all)
     }
 
-    /// The derivatives of a measure of the orbit by some parameters, as
-    /// [`gradient`](Self::gradient) has them by all.
+    /// The derivatives of a measure of the orbit with respect to some parameters, as in
+    /// [`gradient`](Self::gradient).
     ///
     /// # Errors
     /// As [`measure`](Self::measure); [`Error::Refusal`](vibro_studies::Error::Refusal) for an
@@ -141,7 +141,7 @@ impl Orbit {
             return Err(Obstacle::Singular);
         }
         let direction = along.push(1.0);
-        // The unknowns move by a step at most.
+        // The unknowns move by at most one step.
         let step = step / direction.amax().max(1.0);
         let found = difference(step, |by| {
             let moved = &u + &direction * by;

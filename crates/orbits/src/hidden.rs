@@ -1,22 +1,22 @@
-//! Two zeros of a test within one step, between ends at which it has the same sign.
+//! Two zeros of a test within one step with the same sign at both ends.
 
 use super::bifurcation::{Bracket, Test};
 use super::position::{Examined, Position};
 use super::step::Follower;
 use vibro_numerics::sorting::sort_by;
 
-/// Part of the test's least value at the ends below which its predicted extremum may hide a pair of
-/// zeros: half of the value leaves room for an error of the parabola.
+/// Fraction of the test's smallest value at the ends below which its predicted extremum may hide a
+/// pair of zeros; half of the value allows for an error of the parabola.
 const DIP: f64 = 0.5;
-/// Most positions at which an extremum is sought. Each brings the parabola closer to it.
+/// Largest number of tried positions of an extremum. Each improves the parabola.
 const LOOKS: usize = 3;
-/// Least distance of a sought position from those that are known, in parts of the step.
+/// Smallest distance of a new position from known ones, as a fraction of the step.
 const APART: f64 = 1e-3;
 
 impl Follower<'_> {
-    /// Two brackets of a test that has the same sign at both ends of a step, where the parabola
-    /// through an earlier position and both ends predicts an extremum beyond zero and the test has
-    /// the other sign there; else none, as where a position within the step is not found.
+    /// Two brackets of a test with the same sign at both ends of a step. The parabola through an
+    /// earlier position and both ends predicts an extremum of the other sign, and the test
+    /// confirms it. Otherwise empty, also if a position within the step cannot be found.
     pub fn hidden(
         &self,
         test: Test,
@@ -27,7 +27,7 @@ impl Follower<'_> {
         let of = |at: &Position<Examined>| test.of(at, last);
         let ends = [of(last), of(next)];
         let least = ends[0].abs().min(ends[1].abs());
-        // Arc and value of three positions, of which the last found come last.
+        // Arc and value of three positions.
         let mut known = [(-before, of(earlier)), (0.0, ends[0]), (arc, ends[1])];
         if known.iter().any(|(_, value)| value * ends[0] <= 0.0) {
             return Vec::new();
@@ -46,7 +46,7 @@ impl Follower<'_> {
                 let first = Bracket { begin: 0.0, ends: [last.clone(), middle.clone()], arc: at };
                 return vec![first, Bracket { begin: at, ends: [middle, next.clone()], arc: rest }];
             }
-            // The two that are nearest to it, and the new one.
+            // The two nearest positions and the new one.
             sort_by(&mut known, |a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
             known[2] = (at, value);
         }
@@ -54,7 +54,7 @@ impl Follower<'_> {
     }
 }
 
-/// The extremum of the parabola through three points; `None` where they lie on a line.
+/// The extremum of the parabola through three points; `None` if they are on a line.
 pub(super) fn extremum(points: &[(f64, f64); 3]) -> Option<(f64, f64)> {
     let [(a, fa), (b, fb), (c, fc)] = *points;
     let (slope, other) = ((fb - fa) / (b - a), (fc - fb) / (c - b));

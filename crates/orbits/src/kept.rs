@@ -1,6 +1,6 @@
-//! Paths as bytes, from which an interrupted growth of branches goes on.
+//! Storage of paths as bytes, for continuing an interrupted growth of branches.
 //!
-//! A path is found again by its departure, so that the bytes hold its points and its end alone.
+//! A path is found by its departure, so the bytes contain only its points and its end.
 
 use super::branch::OrbitPoint;
 use super::conditions::Condition;
@@ -12,16 +12,16 @@ use crate::path_options::PathOptions;
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// Where followed paths are kept. Failures to keep or to find one are no errors: the path is
-/// followed anew.
+/// Storage of followed paths. Failures to store or find a path are not errors: the path is
+/// followed again.
 pub trait KeptPaths: Sync {
-    /// The bytes of a path.
+    /// The bytes of a stored path.
     fn find(&self, key: u64) -> Option<Vec<u8>>;
-    /// Keeps the bytes of a path.
+    /// Stores the bytes of a path.
     fn keep(&self, key: u64, bytes: &[u8]);
 }
 
-/// Keeps nothing.
+/// Stores nothing.
 impl KeptPaths for () {
     fn find(&self, _: u64) -> Option<Vec<u8>> {
         None
@@ -32,14 +32,14 @@ impl KeptPaths for () {
 
 type Path = path::Path<Condition>;
 
-/// A path whose end at a condition is the condition's place among those of its last orbit.
+/// A path whose end condition is stored as its index among the last orbit's conditions.
 #[derive(Serialize, Deserialize)]
 struct KeptPath {
     points: Vec<OrbitPoint>,
     end: PathEnd<usize>,
 }
 
-/// The path of a departure: kept, or followed and kept.
+/// The path of a departure: read from storage, or followed and stored.
 pub(super) fn path(
     departure: &Departure,
     options: &PathOptions,
@@ -56,7 +56,7 @@ pub(super) fn path(
     Ok(path)
 }
 
-/// A number by machine, parameter, word, departure and options.
+/// Hash of machine, parameter, word, departure and options.
 fn key(departure: &Departure, options: &PathOptions) -> u64 {
     let Departure { of: problem, u, direction, step, special } = departure;
     let family = &problem.family;
@@ -67,7 +67,7 @@ fn key(departure: &Departure, options: &PathOptions) -> u64 {
     hasher.finish()
 }
 
-/// The bytes of a path; `None` for an end that they do not tell.
+/// The bytes of a path; `None` for an end that they cannot represent.
 fn written(departure: &Departure, path: &Path) -> Option<Vec<u8>> {
     let place = |condition: &Condition| {
         orbit(departure, path.points.last()?)?.conditions().iter().position(|own| own.0 == *condition)
@@ -85,7 +85,7 @@ fn orbit(departure: &Departure, point: &OrbitPoint) -> Option<Orbit> {
     Orbit::at(departure.of.clone(), place, point.u.clone()).ok()
 }
 
-/// The path of bytes; `None` for bytes that are damaged or of other unknowns.
+/// The path from bytes; `None` for damaged bytes or a different number of unknowns.
 fn read(departure: &Departure, bytes: &[u8]) -> Option<Path> {
     let KeptPath { points, end } = postcard::from_bytes(bytes).ok()?;
     let last = points.last().filter(|_| points.iter().all(|point| point.u.len() == departure.u.len()))?;

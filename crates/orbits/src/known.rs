@@ -1,4 +1,4 @@
-//! Orbits of a branch at a value of the parameter, and orbits that lie on a branch.
+//! Orbits of a branch at a parameter value, and whether an orbit lies on a branch.
 
 use super::branch::{Branch, OrbitPoint};
 use super::cycle::Leg;
@@ -9,13 +9,13 @@ use crate::curve::correct;
 use crate::curve::zero;
 use nalgebra::DVector;
 
-/// Distance from the chord within which Newton's method at a value of the parameter has found the
-/// piece's own orbit, in parts of the way to the nearer end. A curve bends less within a step, and
-/// another branch that crosses the piece at one of its ends is further away.
+/// Largest distance from the chord, as a fraction of the distance to the nearer end, at which
+/// Newton's method at a parameter value has found the piece's own orbit. A curve bends less than
+/// this within a step; another branch that crosses the piece at one of its ends is further away.
 const NEAR: f64 = 0.5;
-/// Distance of two points that are one.
+/// Largest distance between equal points.
 const SAME: f64 = 1e-6;
-/// Accuracy of a place along a chord, in parts of the chord.
+/// Accuracy of a position along a chord, as a fraction of the chord.
 const ALONG: f64 = 1e-13;
 
 impl Branch {
@@ -24,7 +24,7 @@ impl Branch {
         &self.of.word
     }
 
-    /// The orbit of one of its points; `None` where it cannot be computed again.
+    /// The orbit of one of its points; `None` if it cannot be recomputed.
     pub fn orbit(&self, point: &OrbitPoint) -> Option<Orbit> {
         let place = self.of.place(&point.u).ok()?;
         Orbit::at(self.of.clone(), place, point.u.clone()).ok()
@@ -32,7 +32,7 @@ impl Branch {
 
     /// Whether an orbit of this family lies on the branch.
     pub fn passes(&self, orbit: &Orbit) -> bool {
-        // The machine's own motion follows a run, whatever contacts its first impact leaves closed.
+        // The own motion follows a run, whatever contacts its first impact leaves closed.
         let is_run =
             self.word().has_run() && orbit.word().has_run() && has_same_impacts(self.word(), orbit.word());
         (is_run || orbit.has_word(self.word()))
@@ -42,12 +42,12 @@ impl Branch {
                 .any(|own| own.is_same(orbit) || is_run && own.moves_as(orbit))
     }
 
-    /// Whether all its orbits are one.
+    /// Whether all its orbits are the same.
     pub(super) fn is_point(&self) -> bool {
         self.points.iter().all(|point| (&point.u - &self.points[0].u).norm() < SAME)
     }
 
-    /// Orbits of the branch at a value of the parameter, from the points on either side.
+    /// Orbits of the branch at a parameter value, from the points on either side.
     pub fn orbits_at(&self, value: f64) -> Vec<Orbit> {
         let Ok(place) = self.of.family.place(value) else { return Vec::new() };
         let mut found: Vec<Orbit> = Vec::new();
@@ -67,7 +67,7 @@ impl Branch {
         found
     }
 
-    /// The unknowns of the orbit at a value of the parameter between two neighbouring points.
+    /// The unknowns of the orbit at a parameter value between two adjacent points.
     fn between(&self, place: &Place, [a, b]: [&OrbitPoint; 2], value: f64) -> Option<DVector<f64>> {
         let (last, at) = (self.of.size(), value / self.of.family.unit());
         let (chord, way) = (&b.u - &a.u, b.value - a.value);
@@ -82,9 +82,9 @@ impl Branch {
         })
     }
 
-    /// The point of the curve between two points at which the parameter has a value, in its unit.
-    /// Next to a turn in the parameter Newton's method at the value finds the branch that is
-    /// crossed there: points in planes across the chord are those of the piece.
+    /// The point of the curve between two points at a parameter value, in its unit. Near a turn in
+    /// the parameter, Newton's method at the value finds the branch that crosses there. Points in
+    /// planes perpendicular to the chord stay on the piece.
     fn on_chord(&self, [a, b]: [&OrbitPoint; 2], chord: &DVector<f64>, at: f64) -> Option<DVector<f64>> {
         let (last, along) = (self.of.size(), chord.normalize());
         let point = |part: f64| correct(&self.of, &(&a.u + chord * part), &along).map(|at| at.u);
@@ -94,7 +94,7 @@ impl Branch {
 }
 
 impl Orbit {
-    /// Whether another orbit of this driven machine has its motion.
+    /// Whether another orbit of this driven machine is the same motion.
     fn moves_as(&self, other: &Self) -> bool {
         let (Some(period), units) = (self.place.period, &self.problem.units.state) else { return false };
         let (time, state) = other.middle_state();
@@ -110,8 +110,8 @@ impl Orbit {
     }
 }
 
-/// Whether two words have the same period and hit the same stops in the same order, from some
-/// impact on.
+/// Whether two words have the same period and hit the same stops in the same order, up to a cyclic
+/// shift.
 fn has_same_impacts(a: &Word, b: &Word) -> bool {
     let hits =
         |word: &Word| word.letters.iter().flat_map(|letter| letter.hits().collect::<Vec<_>>()).collect();

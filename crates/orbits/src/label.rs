@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Type of a special point, named as in AUTO and MatCont where these have it.
+/// Type of a special point, with the names of AUTO and MatCont if they exist there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Label {
-    /// LP: a fold, at which the parameter has an extremum along the branch.
+    /// LP: a fold, where the parameter has an extremum along the branch.
     Fold,
     /// BP: two branches cross. On a symmetric orbit the symmetry breaks.
     BranchPoint,
@@ -14,22 +14,22 @@ pub enum Label {
     PeriodDoubling,
     /// NS: a second frequency appears.
     NeimarkSacker,
-    /// GR: the block touches a stop with speed zero; another word begins.
+    /// GR: the block touches a stop at zero speed; another word begins.
     Grazing,
     /// EP: the end of the parameter's range.
     EndPoint,
     /// MX: continuation failed here.
     NoConvergence,
-    /// UZ: a value of the parameter that was asked for.
+    /// UZ: a requested value of the parameter.
     UserValue,
-    /// CH: an impact with speed zero after which the block stays on its stop. Beyond this point the
+    /// CH: an impact at zero speed after which the block stays on its stop. Beyond this point the
     /// motion chatters.
     Chatter,
-    /// ST: a friction begins or ceases to stick, or slips once more.
+    /// ST: a friction starts or stops sticking, or slips once more.
     Stick,
-    /// CC: two events of different elements change places.
+    /// CC: two events of different elements change order.
     Crossing,
-    /// SA: an output of a block comes to a limit or leaves it, at a sample or between.
+    /// SA: an output of a block reaches or leaves a limit, at a sample or in between.
     Saturation,
 }
 

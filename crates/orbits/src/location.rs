@@ -1,4 +1,4 @@
-//! What lies within a step along a branch: the end of the range, a doubling at which the branch is
+//! Events within a step along a branch: the end of the range, a doubling at which the branch is
 //! born, conditions that cease to hold, bifurcations.
 
 use super::bifurcation::{Bracket, Ends, Test};
@@ -16,30 +16,30 @@ use nalgebra::DVector;
 use std::cmp::Ordering;
 use vibro_numerics::sorting::sort_by;
 
-/// Size of the difference of an orbit's halves that is rounding.
+/// Tolerance for equal halves of an orbit: rounding.
 const BIRTH: f64 = 1e-9;
-/// Step of the differences of a test function. It sets the speed of convergence of its zero and
-/// never the result.
+/// Step of the difference quotients of a test function. It affects how fast its zero converges,
+/// not the result.
 const DIFFERENCE: f64 = 1e-6;
 /// Accuracy of the arc of a special point.
 const LOCATION: f64 = 1e-13;
-/// Distance, in parts of a step, within which a bifurcation is one with a touch, and conditions
-/// cease to hold at one point: next to a visit without duration the equations are nearly singular.
+/// Distance, as a fraction of a step, within which a bifurcation belongs to a touch, or conditions
+/// cease to hold together: near a visit of zero duration the equations are nearly singular.
 const MERGED: f64 = 1e-5;
-/// Places of the points from which a crossing is interpolated, in steps beside it, and the step in
-/// parts of the arc.
+/// Positions of the points that interpolate a crossing, in steps from it, and the step as a
+/// fraction of the arc.
 const NODES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 const NODE_STEP: f64 = 0.02;
-/// Rounding of the parameter's share in the tangent, per arc of a step. A family of orbits at one
-/// value of the parameter has no folds.
+/// Tolerance for the tangent's parameter component, per arc of a step: rounding. A family of
+/// orbits at one value of the parameter has no folds.
 const VERTICAL: f64 = 1e-5;
 /// Arc below which rounding no longer shrinks with the step.
 const SHORT_ARC: f64 = 1e-2;
-/// Most steps towards such a zero.
+/// Largest number of secant steps towards an interpolated zero.
 const MOST_SECANTS: usize = 3;
 
-/// A condition that ceases to hold in a step, with its arc, and the position there where it is not
-/// solved for.
+/// A condition that ceases to hold in a step, with its arc, and the position if it was
+/// interpolated.
 type Broken = (Condition, f64, Option<Position<Examined>>);
 
 impl Follower<'_> {
@@ -67,7 +67,7 @@ impl Follower<'_> {
         Ok(Some((self.look(self.at_value(last, guess, end)?)?, arc * part)))
     }
 
-    /// The point of the curve at a value of the parameter, near a guess.
+    /// The point of the curve at a given parameter value, near a guess.
     fn at_value(
         &self,
         last: &Position<Examined>,
@@ -85,7 +85,7 @@ impl Follower<'_> {
         Ok(at)
     }
 
-    /// The end of the parameter's range where a step would lead beyond it, with its arc: values
+    /// The end of the parameter's range if a step would lead beyond it, with its arc: values
     /// beyond may not be allowed.
     pub fn boundary_ahead(&self, last: &Position<Examined>, step: f64) -> Option<(Position<Examined>, f64)> {
         let (from, to) = self.problem.family.range;
@@ -101,8 +101,8 @@ impl Follower<'_> {
         Some((self.look(at).ok().filter(|_| is_near)?, arc))
     }
 
-    /// The doubling at which this branch is born, if a step passes it, with its part of the step:
-    /// both halves of the orbit are equal there, and past it the branch runs back along itself.
+    /// The doubling at which this branch is born, if a step passes it, with its fraction of the
+    /// step. Both halves of the orbit are equal there, and beyond it the branch retraces itself.
     pub fn birth(
         &self,
         last: &Position<Examined>,
@@ -131,8 +131,8 @@ impl Follower<'_> {
         Ok(Some((birth, part)))
     }
 
-    /// The first condition that ceases to hold in a step, with its arc, and the position there
-    /// where it is not solved for.
+    /// The first condition that ceases to hold in a step, with its arc, and the position if it was
+    /// interpolated.
     pub fn broken(
         &self,
         last: &Position<Examined>,
@@ -144,7 +144,7 @@ impl Follower<'_> {
         for (condition, after) in next.tests.conditions.iter().filter(|(own, value)| own.fails(*value)) {
             let before = value_of(&last.tests.conditions, *condition).unwrap_or(1.0);
             if condition.fails(before) {
-                // It has just begun to fail, or the branch leaves the point at which it does.
+                // It has just begun to fail, or the branch starts at the point where it fails.
                 if leaves {
                     return Err(Obstacle::NoConvergence);
                 }
@@ -160,7 +160,7 @@ impl Follower<'_> {
             let found = if *after > 0.0 { Some(arc) } else { zero(&value, arc, (before, *after), LOCATION) };
             let (at, own) = match found {
                 Some(at) => (at, None),
-                // Two events that vanish together leave singular equations.
+                // Two events that vanish together make the equations singular.
                 None => {
                     let of =
                         |at: &Position<Examined>| value_of(&at.tests.conditions, *condition).unwrap_or(1.0);
@@ -180,8 +180,8 @@ impl Follower<'_> {
         Ok(first)
     }
 
-    /// The bifurcations within a step, in their order. `earlier` is the position before the step's
-    /// begin, with the arc between.
+    /// The bifurcations within a step, in order. `earlier` is the position before the step, with
+    /// the arc to its start.
     pub fn bifurcations(
         &self,
         earlier: Option<&(Position<Examined>, f64)>,
@@ -206,10 +206,10 @@ impl Follower<'_> {
             }
         }
         sort_by(&mut found, |a, b| a.0.total_cmp(&b.0));
-        // Next to a touch multipliers grow without bound: a bifurcation there is the touch.
+        // Near a touch, multipliers grow without bound: a bifurcation there belongs to the touch.
         let Ends { next, arc, is_touch, .. } = *at_end;
         found.retain(|(at, _)| !is_touch || arc - at > MERGED * arc);
-        // The piece after a bifurcation has the stability of what follows.
+        // A bifurcation gets the stability of the piece after it.
         let mut points: Vec<OrbitPoint> = found.into_iter().map(|(_, point)| point).collect();
         for k in 0..points.len() {
             if k + 1 == points.len() {
@@ -223,7 +223,7 @@ impl Follower<'_> {
         Ok(points)
     }
 
-    /// The bifurcation at which a test changes its sign, with its arc in the bracket; `None` for a
+    /// The bifurcation at which a test changes sign, with its arc in the bracket; `None` for a
     /// pair of real multipliers.
     fn zero_in(&self, test: Test, bracket: &Bracket) -> Result<Option<(f64, OrbitPoint)>, Obstacle> {
         let Bracket { ends: [last, next], arc, .. } = bracket;
@@ -232,7 +232,7 @@ impl Follower<'_> {
         if test == Test::Crossing {
             let crossing = |at: &Position<Examined>| Test::Crossing.of(at, last);
             let (at, near) = self.between_points(last, *arc, ends, &crossing)?;
-            // Interpolated, and refined on its own condition.
+            // First interpolated, then refined by the crossing's own equations.
             let position = match self.problem.crossing(&near.u, *arc) {
                 Some(u) => self.look(CurvePoint { u, tangent: near.tangent, steps: near.steps })?,
                 None => near,
@@ -246,9 +246,9 @@ impl Follower<'_> {
         Ok(is_own.then(|| (at, self.point(&position, special))))
     }
 
-    /// A zero of a test in a step at which the equations are singular, as at a crossing of
-    /// branches, so that no point next to it is solved for: the test and the unknowns are
-    /// interpolated from points on both sides.
+    /// A zero of a test in a step with singular equations, as at a crossing of branches. Points
+    /// near it cannot be computed, so the test and the unknowns are interpolated from points on
+    /// both sides.
     fn between_points(
         &self,
         last: &Position<Examined>,
@@ -256,7 +256,7 @@ impl Follower<'_> {
         ends: (f64, f64),
         test: &dyn Fn(&Position<Examined>) -> f64,
     ) -> Result<(f64, Position<Examined>), Obstacle> {
-        // Secant steps that keep away from the ends.
+        // Secant steps that stay away from the ends.
         let mut near = arc * (ends.0 / (ends.0 - ends.1)).clamp(0.1, 0.9);
         let mut nodes: Vec<(f64, Position<Examined>)> = Vec::new();
         for _ in 0..MOST_SECANTS {
@@ -267,7 +267,7 @@ impl Follower<'_> {
             }
             let values: Vec<f64> = nodes.iter().map(|(_, at)| test(at)).collect();
             let times: Vec<f64> = nodes.iter().map(|(s, _)| *s).collect();
-            // The zero as a function of the test: inverse interpolation.
+            // Inverse interpolation: the zero as a function of the test.
             let next = interpolated(&values, &times, 0.0);
             let moved = (next - near).abs();
             near = next.clamp(0.0, arc);
@@ -287,7 +287,7 @@ impl Follower<'_> {
     }
 }
 
-/// The polynomial through some points, at `x`.
+/// Value at `x` of the polynomial through given points.
 fn interpolated(from: &[f64], to: &[f64], x: f64) -> f64 {
     let weight = |i: usize| {
         let others = (0..from.len()).filter(|j| *j != i);

@@ -21,39 +21,39 @@ use nalgebra::DVector;
 use vibro_machine::Start;
 use vibro_studies::{Error, Result};
 
-/// Points along a branch to either side among which an orbit beside a special point is sought.
+/// Number of branch points to try as nearby orbits, on either side of a special point.
 const BESIDE: usize = 6;
-/// Distance from a special point beyond which an orbit is beside it, in units of the unknowns.
+/// Least distance of a nearby orbit from a special point, in units of the unknowns.
 const APART: f64 = 1e-4;
-/// Largest multiplier of an orbit that a table's start leads to again.
+/// Upper limit of a nearby orbit's multipliers: its start in a table then leads back to it.
 const LEADS_BACK: f64 = 1e6;
-/// Points of a branch among which a special point is found again from an orbit beside it.
+/// Length of a traced branch, in points, for finding a special point from a nearby orbit.
 const SHORT: usize = 60;
-/// Largest distance of a special point from where a table has it, in parts of the range.
+/// Largest distance of a special point from its value in a table, as a fraction of the range.
 const FOUND: f64 = 1e-6;
-/// Distance of two rows that are one point, in parts of the range and of the period: points are
-/// found to 1e-9 where they are regular.
+/// Tolerance for equal points in two rows, as a fraction of the range and of the period. Regular
+/// points are found to 1e-9.
 const ONE_POINT: f64 = 1e-8;
-/// Half of the arc on which a special point is located again: long beside rounding of the point,
-/// and short beside the curvature of a branch.
+/// Half of the arc on which a special point is located again: long compared with rounding of the
+/// point, short compared with the curvature of a branch.
 const NEXT_TO: f64 = 1e-5;
-/// Accuracy of that location, as arc.
+/// Accuracy of this location, as arc length.
 const ARC: f64 = 1e-14;
-/// Value of a condition at a special point at which it ceases to hold.
+/// Tolerance for the value of a condition at its special point.
 const CEASES: f64 = 1e-4;
 
-/// A point from which a curve over two parameters is followed.
+/// A starting point of a curve over two parameters.
 #[derive(Clone, Debug)]
 pub struct LocusStart {
-    /// Kind of all points of the curve, with the element that is meant.
+    /// Kind of all points of the curve, with the element concerned.
     pub special: Special,
     problem: Problem,
     u: DVector<f64>,
 }
 
 impl Branch {
-    /// The start of a curve from one of its points; `None` for a point that is not special, an end
-    /// of the range and an end of the following.
+    /// The start of a curve from one of the branch's points; `None` for a point that is not
+    /// special, an end of the range and an end where following failed.
     pub fn locus_start(&self, point: usize) -> Option<LocusStart> {
         let at = self.points.get(point)?;
         let special = at.special.clone()?;
@@ -61,8 +61,8 @@ impl Branch {
         is_start.then(|| LocusStart { special, problem: self.of.clone(), u: at.u.clone() })
     }
 
-    /// An orbit of the branch beside one of its points, to which a motion from its
-    /// [start](Orbit::start) leads again; `None` where there is none nearby.
+    /// An orbit of the branch near one of its points. It can be found again from its
+    /// [start](Orbit::start). `None` if no such orbit is nearby.
     pub fn beside(&self, point: usize) -> Option<Orbit> {
         let at = &self.points.get(point)?.u;
         let near = (1..=BESIDE).flat_map(|k| [point.checked_sub(k), Some(point + k)]).flatten();
@@ -75,9 +75,9 @@ impl Branch {
 }
 
 impl LocusStart {
-    /// The special point of a branch over a family's parameter, found from an orbit next to it that
-    /// is given by the parameter's value, its period (s) and a start. The point has a kind and a
-    /// value of the parameter.
+    /// The special point of a branch over a family's parameter, found from a nearby orbit. The
+    /// point is given by its kind and parameter value; the nearby orbit by its parameter value,
+    /// period (s) and start.
     ///
     /// # Errors
     /// As [`Orbit::near`] and [`find`](Self::find).
@@ -92,13 +92,13 @@ impl LocusStart {
         Self::find(&family, &orbit, special, value)
     }
 
-    /// The special point of a branch over the first parameter that an orbit beside it leads to: of
-    /// a kind, and nearest to a value of the parameter. Where several conditions cease to hold at
-    /// the value, it may have the name of another one. The family's machine has the orbit's value.
+    /// The special point of the branch over the first parameter that contains a nearby orbit: the
+    /// point of the given kind that is nearest to a parameter value. If several conditions cease
+    /// to hold there, its kind may differ. The family's machine has the orbit's value.
     ///
     /// # Errors
-    /// [`Error::Described`] where the branch of the orbit has no such point at the value; as
-    /// [`branch`](tree::branch).
+    /// [`Error::Described`] if the branch of the orbit has no such point at the value; otherwise
+    /// as [`branch`](tree::branch).
     pub fn find(family: &Family, orbit: &Orbit, special: &Special, value: f64) -> Result<Self> {
         let options = PathOptions { most_points: SHORT, ..PathOptions::default() };
         let branch = tree::branch(family, orbit, &options)?;
@@ -121,17 +121,17 @@ impl LocusStart {
         })
     }
 
-    /// The special point in the shortest word of its orbit, in which its curve is followed; at a
-    /// touch of a rigid stop in the shortest word that does not list it.
+    /// The special point in the shortest word of its orbit. Its curve is followed in this word,
+    /// which does not list a touch of a rigid stop.
     #[must_use]
     pub fn shortest(&self) -> Self {
         self.normal().map_or_else(|_| self.clone(), |(own, _)| own)
     }
 
-    /// Whether two starts over one parameter, each in its [shortest](Self::shortest) word, are one
-    /// point of a curve: of one kind, element and value, with an orbit of one period and the same
-    /// events. Orbits on both sides of a touch end there, each on its branch, and a pair of orbits
-    /// that mirror each other.
+    /// Whether two starts over one parameter, each in its [shortest](Self::shortest) word, are the
+    /// same point of a curve: same kind, element and value, and orbits with the same period and
+    /// events. This holds for the orbits on both sides of a touch, and for orbits that mirror each
+    /// other.
     pub fn is_same(&self, other: &Self) -> bool {
         let told = |own: &Self| {
             let Ok(place) = own.problem.place(&own.u) else { return None };
@@ -149,9 +149,9 @@ impl LocusStart {
             && is_near(own.4, their.4, own.4)
     }
 
-    /// The value of the parameter at which the point's own condition holds, located along the
-    /// branch of its shortest word: a second way beside the one by which the branch was searched,
-    /// with other equations. `None` where the condition has no zero next to the point.
+    /// The parameter value at which the point's own condition holds, located along the branch of
+    /// its shortest word. It is an independent check of the search along the branch, with other
+    /// equations. `None` if the condition has no zero near the point.
     pub fn located_again(&self) -> Option<f64> {
         let (LocusStart { problem, u, .. }, condition) = self.normal().ok()?;
         let axis = axis(u.len(), u.len() - 1);
@@ -176,13 +176,13 @@ impl LocusStart {
         place.map_or_else(|_| String::new(), |place| self.problem.word.in_words(&place.assembly))
     }
 
-    /// Number of the drive's common periods of the orbit; `None` for an autonomous machine.
+    /// Number of common drive periods in the orbit's period; `None` for an autonomous machine.
     pub fn periods(&self) -> Option<u32> {
         self.problem.word.periods
     }
 
-    /// The point in the shortest word of its orbit, with the condition of its curve. A touch stands
-    /// in the word that does not list it, where several words meet.
+    /// The point in the shortest word of its orbit, with the condition of its curve. Several words
+    /// meet at a touch; the word that does not list the touch is used.
     fn normal(&self) -> std::result::Result<(Self, Condition), Obstacle> {
         let special = self.special.clone();
         let (Label::Fold | Label::BranchPoint | Label::PeriodDoubling | Label::NeimarkSacker) = special.label
@@ -215,11 +215,11 @@ impl LocusStart {
     }
 }
 
-/// The curve over two parameters on which an orbit has the special point of a start, in both
-/// directions from it. The first parameter is that of the start's branch.
+/// The curve over two parameters on which an orbit keeps the special point of a start, followed in
+/// both directions. The first parameter is the parameter of the start's branch.
 ///
 /// # Errors
-/// As [`check_second`]; [`Error::Described`] where no such curve passes the start.
+/// As [`check_second`]; [`Error::Described`] if no such curve passes through the start.
 pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let first = start.problem.family.as_ref();
     let held = check_second(first, second)?;
@@ -243,7 +243,7 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let at = correct(&locus, &guess, &axis(guess.len(), last)).map_err(failed)?;
     let locus = locus.with_twins(&at.u).map_err(failed)?;
     let found = both_ways(&locus, &at.u).map_err(failed)?;
-    // Where a slider may stand at any place, the equations are singular: steps fail at once.
+    // If a sticking slider may rest at any position, the equations are singular: steps fail.
     let fails = |(_, end): &(_, Option<LocusEnd>)| *end == Some(LocusEnd::NoConvergence);
     let stands = start.special.element.starts_with("spring.") && found.len() == 2 && found.iter().all(fails);
     if found.len() == 1 || stands || locus.is_point(&found) {
@@ -252,10 +252,10 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     found.into_iter().map(|(w, end)| locus.seen(&w, end).map_err(failed)).collect()
 }
 
-/// The present value of a second parameter, from which curves begin.
+/// The present value of a second parameter, where curves begin.
 ///
 /// # Errors
-/// [`Error::Described`] where both parameters are one, and where the present value of the second
+/// [`Error::Described`] if both parameters are the same, or if the present value of the second
 /// lies outside its range.
 pub fn check_second(first: &Family, second: &Family) -> Result<f64> {
     let name = &second.parameter;

@@ -1,4 +1,4 @@
-//! Reasons for which a step of an iteration fails.
+//! Reasons for a failed step of an iteration.
 
 use vibro_studies::Error;
 
@@ -9,13 +9,13 @@ pub(super) enum Obstacle {
     Order,
     /// The motion without impacts has a neutral direction: σI - M is singular.
     Singular,
-    /// The impulses of the word cannot balance the load on a body that no spring holds.
+    /// The impulses of the word cannot balance the load on a body without a spring.
     Unbalanced,
-    /// A symmetric orbit is asked of a machine that is not symmetric.
+    /// A symmetric orbit was requested of an asymmetric machine.
     Asymmetric,
     /// Newton's method did not converge.
     NoConvergence,
-    /// The phases given for a special point are far from those of any orbit of the machine.
+    /// The phases given for a special point are far from any orbit of the machine.
     OtherMachine,
     /// The parameters are refused with an error.
     Refused(Error),

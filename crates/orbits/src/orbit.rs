@@ -1,4 +1,4 @@
-//! One periodic orbit of a described machine: found by Newton's method, examined, with its
+//! One periodic orbit of a described machine: found by Newton's method and certified, with its
 //! multipliers.
 
 use super::conditions::Condition;
@@ -21,30 +21,30 @@ use vibro_studies::Error;
 const STEPS: usize = 60;
 /// Longest Newton step, in the units of the unknowns.
 const LONGEST_STEP: f64 = 1.0;
-/// Distance of a multiplier from the unit circle that leaves stability undecided.
+/// Tolerance for multipliers on the unit circle: within it, stability is undecided.
 const MARGIN: f64 = 1e-6;
-/// Relative singular value of the equations below which there is a family of orbits.
+/// Relative tolerance for a zero singular value of the Jacobian: there is a family of orbits.
 const FAMILY: f64 = 1e-11;
-/// Largest difference of states and times, in their units, of one orbit.
+/// Largest difference between states or times of the same orbit, in their units.
 const SAME: f64 = 1e-6;
-/// Rate of a functional, relative to its terms and the period, below which an event is a touch.
+/// Rate of an event function, relative to terms and period, below which an event is a touch.
 const GRAZES: f64 = 1e-9;
-/// Duration of a slider's slip, in periods, below which it is a touch: an orbit at the edge of
-/// those on which the slider stands has one of rounding.
+/// Slip duration, in periods, below which a slider only touches its yield force. At the edge of
+/// the sticking orbits, rounding alone causes a slip this short.
 const BRIEF_SLIP: f64 = 1e-6;
-/// Sweeps of the Schur decomposition by multiplier.
+/// Largest number of sweeps of the Schur decomposition per multiplier.
 const SWEEPS: usize = 200;
 
 /// Whether an orbit attracts its neighbourhood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Stability {
-    /// All multipliers that are not 1 by theory lie within the unit circle.
+    /// All nontrivial multipliers lie within the unit circle.
     Stable,
-    /// One lies outside.
+    /// A multiplier lies outside the unit circle.
     Unstable,
-    /// The largest lies on the circle, and the machine has no losses.
+    /// The largest multiplier lies on the unit circle, and the machine has no losses.
     Neutral,
-    /// The largest lies so near the circle that rounding decides, or the orbit touches a stop.
+    /// The largest multiplier is too near the unit circle to decide, or the orbit touches a stop.
     Undecided,
 }
 
@@ -67,11 +67,11 @@ pub struct Orbit {
     pub(super) place: Arc<Place>,
     pub(super) cycle: Cycle,
     pub(super) numbers: Numbers,
-    /// Largest first; those that are 1 by theory come last.
+    /// Largest first; the trivial multipliers come last.
     multipliers: Vec<Complex<f64>>,
-    /// Number of multipliers that are 1 by theory.
+    /// Number of trivial multipliers (1 by theory).
     trivial: usize,
-    /// The conditions under which it is a motion of the machine, with their values.
+    /// The conditions under which the cycle is a motion of the machine, with their values.
     conditions: Vec<(Condition, f64)>,
 }
 
@@ -79,13 +79,13 @@ pub struct Orbit {
 #[derive(Debug)]
 pub(super) struct Obstructed {
     pub obstacle: Obstacle,
-    /// Largest residual, in the units of the unknowns, of the last step.
+    /// Largest residual of the last step, in the units of the unknowns.
     pub residual: f64,
     pub word: String,
 }
 
 impl Obstructed {
-    /// The error, with the word and the residual.
+    /// Converts to an error with the word and the residual.
     pub fn error(self) -> Error {
         let Self { obstacle, residual, word } = self;
         let reason = match obstacle {
@@ -130,8 +130,8 @@ pub(super) fn newton(
     Err((Obstacle::NoConvergence, residual))
 }
 
-/// The shortest step that solves the linearized equations. A family of orbits leaves directions in
-/// which nothing is solved: the step does not move along them.
+/// The shortest step that solves the linearized equations. For a family of orbits the equations
+/// are singular, and the step has no component along the family.
 fn least_step(matrix: DMatrix<f64>, value: &DVector<f64>) -> Option<DVector<f64>> {
     if !matrix.iter().chain(value.iter()).all(|x| x.is_finite()) {
         return None;
@@ -146,7 +146,7 @@ fn least_step(matrix: DMatrix<f64>, value: &DVector<f64>) -> Option<DVector<f64>
     svd.solve(&-value, cutoff).ok()
 }
 
-/// The eigenvalues of a matrix in no order; `None` where they are not found.
+/// The eigenvalues of a matrix in any order; `None` if the Schur decomposition fails.
 pub(super) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return None;
@@ -155,12 +155,12 @@ pub(super) fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(Schur::try_new(matrix, f64::EPSILON, sweeps)?.complex_eigenvalues().iter().copied().collect())
 }
 
-/// Sorts multipliers by modulus, largest first, and each conjugate pair in one order.
+/// Sorts multipliers by modulus, largest first; in a conjugate pair, by imaginary part.
 pub(super) fn sort(multipliers: &mut [Complex<f64>]) {
     sort_by(multipliers, |a, b| b.norm().total_cmp(&a.norm()).then(b.im.total_cmp(&a.im)));
 }
 
-/// The eigenvalues of a monodromy matrix, largest first; the `trivial` ones nearest to 1 come last.
+/// The eigenvalues of a monodromy matrix, largest first; the `trivial` nearest to 1 come last.
 pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Complex<f64>>> {
     let mut all = eigenvalues(matrix)?;
     sort_by(&mut all, |a, b| (a - 1.0).norm().total_cmp(&(b - 1.0).norm()));
@@ -171,13 +171,13 @@ pub(super) fn multipliers(matrix: DMatrix<f64>, trivial: usize) -> Option<Vec<Co
 }
 
 impl Orbit {
-    /// The orbit whose unknowns are known.
+    /// The orbit with given unknowns.
     pub(super) fn at(problem: Problem, place: Place, u: DVector<f64>) -> std::result::Result<Self, Obstacle> {
         let cycle = problem.cycle(&place, &u)?;
         Self::of_cycle(problem, place, u, cycle)
     }
 
-    /// The orbit of a cycle that returns.
+    /// The orbit of a periodic cycle.
     pub(super) fn of_cycle(
         problem: Problem,
         place: Place,
@@ -204,7 +204,7 @@ impl Orbit {
         &self.place
     }
 
-    /// Its events.
+    /// The events.
     pub fn word(&self) -> &Word {
         &self.problem.word
     }
@@ -219,43 +219,43 @@ impl Orbit {
         self.numbers.period
     }
 
-    /// Times of its events, s, from within the first common period of the drive on.
+    /// Times of the events, s, counted from the first common period of the drive.
     pub fn times(&self) -> &[f64] {
         if self.word().is_empty() { &[] } else { &self.numbers.times }
     }
 
-    /// The state (q, q') after its first event, or at its start where it has none.
+    /// The state (q, q') after the first event, or at the start of an orbit without events.
     pub fn state(&self) -> &[f64] {
         &self.numbers.states[0]
     }
 
-    /// The ways by which the neutral directions of the state drift in a period, SI.
+    /// Drift of each neutral direction of the state in a period, SI.
     pub fn drifts(&self) -> &[f64] {
         &self.numbers.drifts
     }
 
-    /// The multipliers of the period, largest first, without those that are 1 by theory: neutral
-    /// directions and, of an autonomous machine, the shift in time.
+    /// The nontrivial multipliers of the period, largest first. Neutral directions and, for an
+    /// autonomous machine, the shift in time have the multiplier 1 and are left out.
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers[..self.multipliers.len() - self.trivial.min(self.multipliers.len())]
     }
 
-    /// Number of multipliers that are 1 by theory.
+    /// Number of trivial multipliers (1 by theory).
     pub fn trivial_multipliers(&self) -> usize {
         self.trivial
     }
 
-    /// Largest modulus of the multipliers that are not 1 by theory; 0 where there is none.
+    /// Largest modulus of the nontrivial multipliers; 0 if there are none.
     pub fn spectral_radius(&self) -> f64 {
         self.multipliers().first().map_or(0.0, |m| m.norm())
     }
 
-    /// Whether it attracts its neighbourhood.
+    /// Whether the orbit attracts its neighbourhood.
     pub fn stability(&self) -> Stability {
         let radius = self.spectral_radius();
-        // Several stops that are hit at one instant may be hit one after the other beside the
-        // orbit, and a functional that hardly rises may not be reached there. A slider that hardly
-        // slips stands beside the orbit on one side, where it keeps its place.
+        // Near the orbit, stops that are hit together may be hit one after the other, and an event
+        // function that hardly rises may not reach zero. A slider that hardly slips may stick
+        // there.
         let slips = |letter: usize| matches!(self.word().letters[letter].watch(), Some(Watch::Yields(..)));
         let is_doubtful = |(condition, value): &(Condition, f64)| match condition {
             Condition::Together { .. } => true,
@@ -276,35 +276,35 @@ impl Orbit {
         }
     }
 
-    /// Whether it is a motion of the machine: each event is reached, and no other one.
+    /// Whether the orbit is a motion of the machine: it reaches each of its events and no other.
     pub fn is_certified(&self) -> bool {
         self.broken().is_none()
     }
 
-    /// The conditions under which it is a motion of the machine, with their values.
+    /// The conditions under which the orbit is a motion of the machine, with their values.
     pub(super) fn conditions(&self) -> &[(Condition, f64)] {
         &self.conditions
     }
 
-    /// The condition that is furthest from holding, where one does not hold.
+    /// The violated condition that is furthest from holding; `None` if all hold.
     pub(super) fn broken(&self) -> Option<(Condition, f64)> {
         let broken = self.conditions.iter().filter(|(condition, value)| condition.fails(*value));
         broken.min_by(|a, b| a.1.total_cmp(&b.1)).copied()
     }
 
-    /// A start on the orbit: in the middle of its longest flight.
+    /// A start on the orbit, in the middle of its longest flight.
     pub fn start(&self) -> Start {
         let (time, z) = self.middle_state();
         let mut start = Start { time, ..Start::default() };
         let names = Start::names(&self.place.assembly);
         let d = &self.place.assembly.description;
-        // The machine has these numbers.
+        // The machine has all these names, so `set` cannot fail.
         names.iter().zip(&z).for_each(|(name, x)| _ = start.set(d, name, *x));
         start
     }
 
-    /// Time and given state (q, q', inner places, what blocks keep) in the middle of its longest
-    /// flight.
+    /// Time and given state (q, q', inner displacements, stored values of blocks) in the middle of
+    /// the longest flight.
     pub(super) fn middle_state(&self) -> (f64, Vec<f64>) {
         let (time, z) = middle(&self.place, self.longest());
         (time, self.place.assembly.system().given(&z))
@@ -321,12 +321,12 @@ impl Orbit {
         self.problem.value(&self.u)
     }
 
-    /// Whether its events are those of a word, from some event on.
+    /// Whether the orbit has the events of a word, up to a cyclic shift.
     pub(super) fn has_word(&self, word: &Word) -> bool {
         same_word(self.word(), word)
     }
 
-    /// Whether another orbit of this machine is this one, from some event on.
+    /// Whether another orbit of this machine is the same, up to a cyclic shift of its events.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         if !same_word(self.word(), other.word()) {
             return false;
@@ -343,17 +343,17 @@ impl Orbit {
     }
 }
 
-/// Whether two words have the same events, from some event on.
+/// Whether two words have the same events, up to a cyclic shift.
 pub(super) fn same_word(a: &Word, b: &Word) -> bool {
     (0..a.len().max(1)).any(|k| a.is_from(k, b))
 }
 
-/// Time and augmented state in the middle of a flight, on the contacts that are held.
+/// Time and augmented state in the middle of a flight, projected onto the closed contacts.
 pub(super) fn middle(place: &Place, leg: &Leg) -> (f64, Vec<f64>) {
     within(place, leg, 0.5)
 }
 
-/// Time and augmented state after a part of a flight, on the contacts that are held.
+/// Time and augmented state after a part of a flight, projected onto the closed contacts.
 pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
     let time = leg.time + part * leg.span;
     let begin = leg.parts().take_while(|own| own.time <= time).last();
@@ -366,7 +366,7 @@ pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
     (time, z)
 }
 
-/// Whether anything takes energy from a machine.
+/// Whether anything dissipates energy in a machine; blocks count as losses.
 fn has_losses(place: &Place) -> bool {
     let system = place.assembly.system();
     !system.blocks.is_empty()

@@ -6,19 +6,19 @@
 //!
 //! The way from a word to a tree of branches:
 //!
-//! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases, `orbit`
-//!   Newton's method and the certificate that no other impact occurs.
-//! - `family` and `path` take the steps for which the follower of all machines' branches
-//!   (`crate::path`) asks; `special` and `grazing` locate bifurcations and touches by equations that
+//! - `system` is the machine in an orbit's units, `cycle` the linear part for given phases,
+//!   `orbit` Newton's method and the certificate that no other impact occurs.
+//! - `family` and `path` take the steps requested by the follower of all machines' branches
+//!   (`crate::path`); `special` and `grazing` locate bifurcations and touches by equations that
 //!   are regular there; `switching` starts branches at them.
 //! - `seeds`, `grower` and `trace` grow the tree; `ranges` and `coverage` read it; `locus` follows
 //!   a special point in two parameters.
 //!
-//! Two properties must survive every change. The result depends neither on the number of threads
-//! nor on interruptions: batches have a constant size (`grower`), and finished parts of a tree are
-//! kept bit for bit (`crate::stored`). And the equations of motion and the impact law are those of
-//! the closed forms (`vibro_impact::steady`), never those of the simulator, which is the oracle of
-//! the tests (docs/design.md, "What stands once").
+//! Two properties must survive every change. First, the result depends neither on the number of
+//! threads nor on interruptions: batches have a constant size (`grower`), and finished parts of a
+//! tree are kept bit for bit (`crate::stored`). Second, the equations of motion and the impact law
+//! are taken from the closed forms (`vibro_impact::steady`), never from the simulator, which is
+//! the oracle of the tests (docs/design.md, "What stands once").
 //!
 //! A new type of special point needs a [`Label`], a test function in `test_functions` (a zero) or
 //! an announcement in `grazing` (a touch), its departure in `switching`, and, if it has a curve in

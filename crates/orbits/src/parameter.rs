@@ -1,9 +1,9 @@
-//! Derivative of an orbit's equations by the parameter: a variation carried along the cycle.
+//! Derivative of an orbit's equations with respect to the parameter, carried along the cycle.
 //!
-//! Its sources are the changes of the systems of the flights, of the laws of the events, of the
-//! signals and of the functionals, each a difference of two machines beside the present one, and
-//! those of the times, which follow the drive's period. Differences of whole motions would not do:
-//! at given event times a stiff contact magnifies rounding, and each contact of a period once more.
+//! Its sources are the changes of flights' systems, event laws, signals and event functions (each
+//! a difference of two nearby machines) and of the times with the drive period. A difference of
+//! whole motions would not do: at given event times, each stiff contact magnifies rounding once
+//! more.
 
 use super::cycle::{Cycle, Leg, close};
 use super::place::{Place, with_signals};
@@ -14,24 +14,24 @@ use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use vibro_studies::flight::{Flow, dot};
 
-/// Distance of the two machines from the present one, in the parameter's unit: rounding and the
-/// third derivative leave about 1e-10 of each source.
+/// Distance of the two machines from the present one, in the parameter's unit. Rounding and the
+/// third derivative leave an error of about 1e-10 in each source.
 const STEP: f64 = 1e-5;
-/// Distance where impacts accumulate: their number jumps, which moves the state by some 1e-12.
+/// Distance for accumulating impacts: their number jumps, which moves the state by about 1e-12.
 const CHATTER_STEP: f64 = 1e-4;
 
-/// Machines on both sides of the present one.
+/// Machines on both sides of the present one, for a difference quotient.
 struct Beside {
     places: [Place; 2],
-    /// Their distance, in the parameter's unit.
+    /// Distance between them, in the parameter's unit.
     width: f64,
     /// Whether one of them is the present one.
     is_one_sided: bool,
 }
 
 impl Beside {
-    /// One machine is the present one where the other side is not allowed. `None` where the
-    /// machines have other signals, as beside a rate that is zero.
+    /// If one side is not allowed, the present machine takes its place. `None` if the machines
+    /// have different signals, as near a rate of zero.
     fn of(
         problem: &Problem,
         (place, u): (&Place, &DVector<f64>),
@@ -52,19 +52,19 @@ impl Beside {
         Ok(is_alike.then_some(Self { places, width, is_one_sided }))
     }
 
-    /// Whether the fixed times of a word are those of both machines.
+    /// Whether the fixed times of a word are the same for both machines.
     fn keeps_times(&self, word: &Word) -> bool {
         let mut fixed = word.letters.iter().filter_map(Letter::timed);
         let [below, above] = self.places.each_ref().map(|place| place.assembly.system());
         fixed.all(|timed| timed.time(below) == timed.time(above))
     }
 
-    /// Rate by which a number of the machine changes.
+    /// Derivative of a number of the machine with respect to the parameter.
     fn rate(&self, of: impl Fn(&Place) -> f64) -> f64 {
         (of(&self.places[1]) - of(&self.places[0])) / self.width
     }
 
-    /// Adds the rate by which a vector changes.
+    /// Adds the derivative of a vector with respect to the parameter.
     fn add(&self, to: &mut [f64], of: impl Fn(&Place) -> Result<Vec<f64>, Obstacle>) -> Result<(), Obstacle> {
         let [below, above] = [of(&self.places[0])?, of(&self.places[1])?];
         let rates = below.iter().zip(&above).map(|(a, b)| (b - a) / self.width);
@@ -72,7 +72,7 @@ impl Beside {
         Ok(())
     }
 
-    /// The variation of the signals at a time, in place of a variation's own.
+    /// Replaces the signals' part of a variation by its value at a time.
     fn signals(&self, time: f64, own: usize, v: &mut [f64]) {
         let [below, above] = [0, 1].map(|side| {
             let mut z = vec![0.0; v.len()];
@@ -84,8 +84,8 @@ impl Beside {
 }
 
 impl Problem {
-    /// Derivative of the equations at a point by the parameter, in its unit. Requires the cycle
-    /// with its propagators, and the derivatives by the other unknowns.
+    /// Derivative of the equations at a point with respect to the parameter, in its unit. Requires
+    /// the cycle with its propagators, and the derivatives with respect to the other unknowns.
     pub(super) fn by_parameter(
         &self,
         (place, u): (&Place, &DVector<f64>),
@@ -101,7 +101,7 @@ impl Problem {
         };
         let Some(beside) = at(step)? else { return self.by_whole_motions(u, cycle, step) };
         let column = self.by_machines((place, u), cycle, matrix, &beside)?;
-        // A difference to one side is of second order with one twice as far.
+        // A one-sided difference becomes second order with another one twice as far away.
         let farther = if beside.is_one_sided { at(2.0 * step)? } else { None };
         match farther {
             Some(farther) => Ok(column * 2.0 - self.by_machines((place, u), cycle, matrix, &farther)?),
@@ -109,7 +109,7 @@ impl Problem {
         }
     }
 
-    /// Derivative of the equations by the parameter, from the differences of two machines.
+    /// Derivative with respect to the parameter, from differences of two machines.
     fn by_machines(
         &self,
         (place, u): (&Place, &DVector<f64>),
@@ -152,7 +152,7 @@ impl Problem {
         for i in 0..own {
             column[i] = (along[i] - v[i]) / self.units.state[i];
         }
-        // Times of events are numbers in radians of the drive.
+        // The unknown event times are in radians of the drive.
         if self.driven_period(place).is_some() {
             let radian = self.radian(place);
             let slower = beside.rate(|place| self.radian(place)) / radian;
@@ -163,10 +163,10 @@ impl Problem {
 }
 
 impl Problem {
-    /// Derivative of the equations by the parameter as a difference of whole motions.
+    /// Derivative with respect to the parameter, as a difference of whole motions.
     fn by_whole_motions(&self, u: &DVector<f64>, cycle: &Cycle, step: f64) -> Result<DVector<f64>, Obstacle> {
         let first = self.first_time();
-        // An event's scale has kinks, and stays that of the orbit.
+        // An event's scale has kinks, so the scale of the orbit is used on both sides.
         slope(step, |by| {
             let mut moved = u.clone();
             moved[self.size()] += by;
@@ -179,19 +179,19 @@ impl Problem {
     }
 }
 
-/// A variation by the parameter on its way along a cycle.
+/// A variation with respect to the parameter, carried along a cycle.
 struct Carried<'a> {
     problem: &'a Problem,
     place: &'a Place,
     beside: &'a Beside,
-    /// Rate by which the period changes.
+    /// Derivative of the period with respect to the parameter.
     longer: f64,
     v: Vec<f64>,
 }
 
 impl Carried<'_> {
-    /// Carries it over the run of impacts and the flight before event `next`; returns the rate by
-    /// which the event's functional changes at its time.
+    /// Carries the variation over the run of impacts and the flight before event `next`. Returns
+    /// the derivative of the event's function at its time.
     fn over_flight(&mut self, cycle: &Cycle, k: usize, next: usize) -> Result<Option<f64>, Obstacle> {
         let (leg, beside) = (&cycle.legs[k], self.beside);
         let chatter = self.problem.word.letters.get(k).and_then(|letter| letter.chatter.as_ref());
@@ -209,13 +209,13 @@ impl Carried<'_> {
         Ok(Some(dot(row, &self.v) + moves + later))
     }
 
-    /// Carries it over the law of event `next`, at the end of a flight.
+    /// Carries the variation over the law of event `next`, at the end of a flight.
     fn over_event(&mut self, leg: &Leg, next: usize) -> Result<(), Obstacle> {
         let Self { problem, place, beside, longer, v } = self;
         let stay = Letter::staying(&problem.word);
         let letter = problem.word.letters.get(next).unwrap_or(&stay);
         if next == 0 {
-            // The signals too: the law of an impact feels the rates of prescribed bodies.
+            // Includes the signals: an impact's law depends on the rates of prescribed bodies.
             v.iter_mut().zip(&leg.rate).for_each(|(v, rate)| *v += *longer * rate);
         }
         letter.apply(place.assembly.system(), [&mut v[..]]);
@@ -228,7 +228,7 @@ impl Carried<'_> {
     }
 }
 
-/// A variation carried through a run of impacts, with the change of the run itself, at the time at
+/// Carries a variation through a run of impacts, with the change of the run itself, to the time at
 /// which its stop closes.
 fn through_run(
     place: &Place,
@@ -237,7 +237,7 @@ fn through_run(
     (time, z): &(f64, Vec<f64>),
     mut v: Vec<f64>,
 ) -> Result<Vec<f64>, Obstacle> {
-    // The signals on both sides are those of the two machines.
+    // Each of the two machines has its own signals.
     v[place.assembly.system().states()..].fill(0.0);
     let latest = leg.time + leg.span.max(0.0) + f64::EPSILON;
     let mut columns = DMatrix::from_vec(v.len(), 1, v);

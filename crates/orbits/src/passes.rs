@@ -1,4 +1,4 @@
-//! Orbits that pass a shorter word several times, in the equations of either word.
+//! Orbits that repeat a shorter word, in the equations of either word.
 
 use super::place::Place;
 use super::problem::{Numbers, Problem};
@@ -6,12 +6,12 @@ use super::word::Word;
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
 
-/// Largest difference of the times of passages of one orbit, rad.
+/// Largest difference of the times of repetitions of one orbit, rad.
 const REPETITION: f64 = 1e-6;
 
 impl Problem {
-    /// The point with the same numbers in the equations of the word passed `times` times. Requires
-    /// a point with an orbit.
+    /// The point with the same values in the equations of the word repeated `times` times.
+    /// Requires a point on an orbit.
     pub(super) fn repeated(
         &self,
         place: &Place,
@@ -22,7 +22,7 @@ impl Problem {
         let cycle = self.cycle(place, u)?;
         let turns = |k: usize| (k / events.len(), k % events.len());
         let problem = Self { word: self.word.repeated(times), ..self.clone() };
-        // Each turn begins where the one before has drifted to.
+        // Each repetition starts from the drifted end of the previous one.
         let drift = |i: usize| cycle.back[i] - states[0][i];
         let state = |&k: &usize| {
             let (turn, k) = turns(k);
@@ -40,18 +40,18 @@ impl Problem {
         Ok((problem, u))
     }
 
-    /// The equations of half the word, where its halves have the same events.
+    /// The equations of half the word, if its halves have the same events.
     pub(super) fn half(&self) -> Option<Self> {
         self.part(2)
     }
 
-    /// The equations of a part of the word, where it has the same events `times` times.
+    /// The equations of a part of the word, if the word repeats it `times` times.
     pub(super) fn part(&self, times: u32) -> Option<Self> {
         Some(Self { word: self.word.part(times)?, ..self.clone() })
     }
 
-    /// The difference of an orbit's halves: the event times of the second half less those of the
-    /// first, half a period later, in radians.
+    /// The difference of an orbit's halves: the event times of the second half minus the times of
+    /// the first half, half a period later, in radians.
     pub(super) fn halves(&self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
         let place = self.place(u)?;
         let Numbers { times, period, .. } = self.numbers(&place, u);
@@ -59,7 +59,7 @@ impl Problem {
         Ok(DVector::from_fn(half, |k, _| (times[half + k] - times[k] - 0.5 * period) / radian))
     }
 
-    /// The point of half the word at the mean of both halves of a point's times.
+    /// The point of half the word at the mean of both halves.
     pub(super) fn halved(&self, half: &Self, u: &DVector<f64>) -> Result<DVector<f64>, Obstacle> {
         let place = self.place(u)?;
         let numbers = self.numbers(&place, u);
@@ -76,8 +76,8 @@ impl Problem {
         Ok(half.point(&place, &Numbers { states, times, period, drifts }, self.value(u)))
     }
 
-    /// The equations of the shortest word that an orbit has, with its point: an orbit may pass a
-    /// shorter one several times.
+    /// The equations of the shortest word of an orbit, with its point: the orbit may repeat a
+    /// shorter word.
     pub(super) fn reduced(&self, u: &DVector<f64>) -> Result<(Self, DVector<f64>), Obstacle> {
         if let Some(once) = self.once(u)? {
             return Ok(once);
@@ -99,7 +99,7 @@ impl Problem {
                 states.truncate(part.word.nodes().len());
                 let own = Numbers { states, times: all[..count].to_vec(), period, drifts };
                 let at = part.point(&place, &own, self.value(u));
-                // Fixed times alone do not tell whether the state returns earlier.
+                // Fixed times alone do not show whether the state returns earlier.
                 let returns =
                     !part.word.is_timed() || part.residual(&place, &at, false)?.value.amax() < REPETITION;
                 if returns {
@@ -110,8 +110,8 @@ impl Problem {
         Ok((self.clone(), u.clone()))
     }
 
-    /// The orbit without events that returns after each of several periods of the drive, in the
-    /// equations of one.
+    /// An orbit without events that returns after each of several drive periods, in the equations
+    /// of one period.
     fn once(&self, u: &DVector<f64>) -> Result<Option<(Self, DVector<f64>)>, Obstacle> {
         let Some(times) = self.word.periods.filter(|n| self.word.is_empty() && *n > 1) else {
             return Ok(None);

@@ -1,5 +1,5 @@
-//! One branch followed along the parameter, with its special points: one follower for the orbits of
-//! every machine.
+//! Follows one branch along the parameter and finds its special points; used for every kind of
+//! machine.
 
 use super::branch::{OrbitPoint, Special};
 use super::position::Position;
@@ -9,39 +9,39 @@ use crate::path_options::PathOptions;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
-/// Least step; a branch that needs a smaller one ends with MX.
+/// Smallest step, as arc length; a branch ends with MX if it requires a smaller one.
 pub(super) const LEAST_STEP: f64 = 1e-7;
-/// Least cosine of the angle by which the tangent turns in a step.
+/// Smallest cosine of the angle between the tangents at both ends of a step.
 pub(super) const COSINE: f64 = 0.95;
-/// Growth of the step after few Newton steps, and its reduction after many.
+/// Factor by which the step grows after few Newton steps, and shrinks after many.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
-/// Points after which a branch can have closed.
+/// Minimum number of points of a closed branch.
 const SHORTEST_LOOP: usize = 10;
-/// Distance from the first point, in steps, at which a branch counts as closed.
+/// Distance from the first point, in steps, within which a branch counts as closed.
 const CLOSED: f64 = 0.05;
 
-/// Start of a path; `O` is what a machine's follower needs beside.
+/// Start of a path; `O` is further data that the machine's follower requires.
 #[derive(Clone, Debug)]
 pub(super) struct Departure<O> {
     pub u: DVector<f64>,
-    /// The direction in which the path leaves.
+    /// The direction of the path at its start.
     pub direction: DVector<f64>,
     /// The first step.
     pub step: f64,
-    /// The special point from which it leaves. That point need not be an orbit of the machine.
+    /// The special point where the path starts; it need not be an orbit of the machine.
     pub special: Option<Special>,
     pub of: O,
 }
 
-/// What follows at the end of a path.
+/// How a path ends.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum PathEnd<E> {
-    /// As the label of the last point says.
+    /// As given by the label of the last point.
     Plain,
     /// At the first point of the path.
     Closed,
-    /// Where other branches begin.
+    /// At a point where other branches begin.
     At(E),
 }
 
@@ -52,30 +52,30 @@ pub(super) struct Path<E> {
     pub end: PathEnd<E>,
 }
 
-/// A step that was taken.
+/// A completed step.
 pub(super) struct Advance<T, E> {
     pub between: Vec<OrbitPoint>,
     pub next: Position<T>,
     pub special: Option<Special>,
     pub end: Option<PathEnd<E>>,
-    /// The position beside the special point that the step leaves.
+    /// The position next to the special point where the step starts.
     pub begins: Option<Position<T>>,
 }
 
-/// A position with the arc from it to the next one.
+/// The previous position, with the arc length to the current one.
 pub(super) type Earlier<T> = Option<(Position<T>, f64)>;
 
 /// The orbits of a machine along a curve, as the follower of branches sees them.
 pub(super) trait Follow {
-    /// What is examined at each position.
+    /// Values tested at each position.
     type Tests;
-    /// What a departure has beside its point.
+    /// Data of a departure besides its point.
     type Of;
     /// An end of a path at which other branches begin.
     type End;
-    /// Part of the longest step below which steps that cost no less than longer ones grow. Where
-    /// Newton's method takes as many steps however short the way is, its length costs nothing: next
-    /// to a touch rounding takes them, and the curve would crawl.
+    /// Fraction of the longest step below which a step grows if it was no costlier than a longer
+    /// one. Near a touch, rounding makes Newton's method take the same number of iterations at any
+    /// length: without this growth the curve would crawl.
     const SHORT: f64;
 
     /// The position of a departure.
@@ -84,7 +84,7 @@ pub(super) trait Follow {
     /// The parameter's value at a point.
     fn value(&self, u: &DVector<f64>) -> f64;
 
-    /// One step, with the special points on it; `leaves` where it begins at a special point.
+    /// One step, with the special points on it; `leaves` if it begins at a special point.
     fn step(
         &self,
         before: (&Earlier<Self::Tests>, &Position<Self::Tests>),
@@ -92,20 +92,20 @@ pub(super) trait Follow {
         leaves: bool,
     ) -> Result<Advance<Self::Tests, Self::End>, Obstacle>;
 
-    /// A step where none down to the least length is found.
+    /// A step to use when even the smallest ordinary step fails.
     fn leap(
         &self,
         before: (&Earlier<Self::Tests>, &Position<Self::Tests>),
         is_first: bool,
     ) -> Option<Advance<Self::Tests, Self::End>>;
 
-    /// Gives the special point that a path leaves the stability of the piece after it.
+    /// Gives the special point where a path starts the stability of the piece after it.
     fn leave(&self, first: &mut OrbitPoint, advance: &Advance<Self::Tests, Self::End>);
 
-    /// Completes a path that has come to an end.
+    /// Completes a path that has ended.
     fn arrive(&self, points: &mut Vec<OrbitPoint>, end: &PathEnd<Self::End>);
 
-    /// The end of a path that cannot be followed further from its last position.
+    /// How a path ends that cannot be followed beyond its last position.
     fn stopped(&self, points: &mut [OrbitPoint], _: &Position<Self::Tests>) -> PathEnd<Self::End> {
         failed(points)
     }
@@ -132,7 +132,7 @@ pub(super) trait Follow {
     }
 }
 
-/// Labels the last point of a path that could not be followed further.
+/// Labels the last point of a path that cannot be followed further.
 pub(super) fn failed<E>(points: &mut [OrbitPoint]) -> PathEnd<E> {
     if let Some(last) = points.last_mut().filter(|p| p.special.is_none()) {
         last.special = Some(Special::of(Label::NoConvergence));
@@ -193,7 +193,7 @@ pub(super) fn follow<F: Follow>(
             step /= REDUCTION;
         }
         step = step.clamp(LEAST_STEP, options.longest_step);
-        // A special point from which the branch begins has no tests.
+        // A special point at the start of a branch has no tests.
         let begun = std::mem::replace(&mut last, next);
         let before = begins.unwrap_or(begun);
         let arc = before.tangent.dot(&(&last.u - &before.u));
@@ -201,8 +201,8 @@ pub(super) fn follow<F: Follow>(
     }
 }
 
-/// Whether a step from a point to another one, with the tangent there, passes the first point of
-/// its path again, with the path's first tangent.
+/// Whether a step from `last` to `next`, with the tangent at `next`, passes the first point of its
+/// path again in the path's first direction.
 pub(super) fn closes(
     (first, begins): (&DVector<f64>, &DVector<f64>),
     [last, next]: [&DVector<f64>; 2],

@@ -1,21 +1,20 @@
-//! Options of following a branch.
+//! Options for following a branch.
 
 use vibro_studies::Error;
 
-/// Options of following a branch.
+/// Options for following a branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {
-    /// The longest step along a branch: phases in rad, the parameter in fifths of its range.
+    /// Longest step along a branch: phases in rad, the parameter in fifths of its range.
     pub longest_step: f64,
     /// Largest number of points of a branch in one direction.
     pub most_points: usize,
 }
 
 impl PathOptions {
-    /// Allowed values of the longest step. Shorter steps are near those at which a path counts as
-    /// stuck. A step of any length can miss two special points of one kind, and can miss a pair of
-    /// multipliers that crosses the unit circle next to a fold. Both are more frequent with longer
-    /// steps.
+    /// Permitted values of the longest step. Shorter steps are close to the length at which a path
+    /// counts as stuck. A step of any length can miss two special points of one kind, or a pair of
+    /// multipliers that crosses the unit circle near a fold; longer steps miss them more often.
     pub const STEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.2;
 
     /// Refuses a longest step outside [`STEPS`](Self::STEPS).

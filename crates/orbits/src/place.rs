@@ -1,4 +1,4 @@
-//! A machine at one value of a parameter, and the machines over its values.
+//! A machine at one value of a parameter, and over a range of values.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use vibro_machine::Assembly;
@@ -10,7 +10,7 @@ use vibro_studies::flight::{Flow, Flows};
 use vibro_studies::{Error, Result};
 use vibro_studies::{Machine, common_period, is_steady, require_free, runs_on};
 
-/// A machine whose numbers are fixed, with the linear systems of the modes met so far.
+/// A machine with fixed parameters, and the linear systems of the modes used so far.
 #[derive(Debug)]
 pub struct Place {
     /// The machine with its matrices.
@@ -20,7 +20,7 @@ pub struct Place {
     flows: Mutex<Flows>,
 }
 
-/// Why a machine's blocks have no orbits: what rounds its inputs jumps.
+/// Reason why a machine's blocks have no orbits: a block rounds an input, so its output jumps.
 fn rounded_input(d: &Description) -> Option<String> {
     let rounds = |block: &&Block| {
         let sampling = block.sampling.as_ref();
@@ -34,17 +34,17 @@ fn rounded_input(d: &Description) -> Option<String> {
     ))
 }
 
-/// The augmented state with the signals of a time.
+/// Fills in the signals of an augmented state at a time.
 pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
     let inputs = system.signals.no_inputs();
     system.signals.fill(DoubleDouble::new(time), &inputs, z);
 }
 
 impl Place {
-    /// The place of a description with its present numbers.
+    /// The place of a description with its present parameter values.
     ///
     /// # Errors
-    /// What its matrices refuse; [`Error::Described`] for a machine whose signals do not repeat.
+    /// If its matrices are refused; [`Error::Described`] for a machine with aperiodic signals.
     pub fn new(description: Description) -> Result<Self> {
         let d = &description;
         let period = common_period(d);
@@ -74,27 +74,27 @@ impl Place {
     }
 }
 
-/// A machine over the values of one of its parameters.
+/// A machine over a range of one of its parameters.
 #[derive(Clone, Debug)]
 pub struct Family {
     /// The machine.
     pub machine: Machine,
     /// Name of the parameter.
     pub parameter: String,
-    /// Least and largest value, SI.
+    /// Smallest and largest value, SI.
     pub range: (f64, f64),
 }
 
-/// Parts of a parameter's range that count as much as a radian of an event's phase.
+/// Number of curve units in a parameter's range; one unit is weighted like one radian of phase.
 const PARTS: f64 = 5.0;
 
 impl Family {
-    /// A machine over a range of a parameter's values, SI.
+    /// A machine over a range of parameter values, SI.
     ///
     /// # Errors
-    /// [`Error::Refusal`] for an unknown name or a value that is not allowed;
-    /// [`Error::Described`] for a number of the start and for a range without length, and as
-    /// [`Place::new`] at either end.
+    /// [`Error::Refusal`] for an unknown name or a value that is not allowed; [`Error::Described`]
+    /// for a parameter of the start and for an empty range; otherwise as [`Place::new`] at both
+    /// ends.
     pub fn new(machine: &Machine, parameter: &str, range: (f64, f64)) -> Result<Self> {
         let name = machine.description.parameter(parameter)?.name;
         if !(range.0 < range.1 && (range.1 - range.0).is_finite()) {
@@ -112,10 +112,10 @@ impl Family {
         Ok(family)
     }
 
-    /// A machine with its present numbers alone: the family of its first parameter, at its value.
+    /// The family of a machine's first parameter, used only at the present value.
     ///
     /// # Errors
-    /// As [`Place::new`]; [`Error::Described`] for a machine without a number that can change.
+    /// As [`Place::new`]; [`Error::Described`] for a machine without a parameter.
     pub(super) fn of_one(machine: &Machine) -> Result<Self> {
         Place::new(machine.description.clone())?;
         let parameter = machine.description.parameters().into_iter().next().map(|p| p.name);
@@ -146,9 +146,9 @@ impl Family {
         Ok(Machine { description: self.described(value)?, section, units, changes })
     }
 
-    /// The bodies and elements at a value.
+    /// The description at a value.
     fn described(&self, value: f64) -> Result<Description> {
-        // An orbit has its own start: that of the file is not checked.
+        // An orbit has its own initial state, so the start in the file is not checked.
         Ok(self.machine.description.under_way([(self.parameter.as_str(), value)])?)
     }
 

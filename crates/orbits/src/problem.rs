@@ -1,11 +1,11 @@
 //! The equations of an orbit with a given word, along a parameter.
 //!
-//! Unknowns, all of size one: the state after the first event and at each further node of the word,
-//! the times of the events that are not fixed, in radians of the drive (the period in place of the
-//! first one where the machine is autonomous), a drift by period along each neutral direction, and
-//! the parameter. Equations: the state returns but for the drift, the motion from each node arrives
-//! at the next, each event's functional is zero at its time, and the state has a given place along
-//! each neutral direction.
+//! Unknowns, scaled to size one: the state after the first event and at each further node of the
+//! word; the times of free events, in radians of the drive (an autonomous machine has the period
+//! as the first one); a drift per period along each neutral direction; the parameter. Equations:
+//! the state returns except for the drift; the motion from each node arrives at the next; each
+//! event function is zero at its event's time; the state has a given position along each neutral
+//! direction.
 
 use super::cycle::{Cycle, Derivatives};
 use super::place::{Family, Place, with_signals};
@@ -19,14 +19,14 @@ use std::sync::Arc;
 use vibro_machine::neutral::Neutral;
 use vibro_studies::carried;
 
-/// Relative size of a Newton step that is rounding where impacts accumulate.
+/// Tolerance for convergence with accumulating impacts, as the relative size of a Newton step.
 const CHATTER_ROUNDING: f64 = 1e-10;
-/// Size of a Newton step below which it may be rounding: an event whose functional hardly rises has
-/// half of the digits.
+/// Size of a Newton step below which it may be rounding: an event whose function hardly rises has
+/// only half of the digits.
 const STALLED: f64 = 1e-7;
-/// Largest part of a flight by which a Newton step may shorten it.
+/// Limit of a flight's shortening in one Newton step, as a fraction of the flight.
 const SHORTENING: f64 = 0.5;
-/// Change of a signal over a period, relative to its values, that is rounding.
+/// Tolerance for a signal's change over a period, relative to its values: rounding.
 const EXACT: f64 = 1e-9;
 
 /// The equations of a word's orbits.
@@ -37,7 +37,7 @@ pub struct Problem {
     pub(super) units: Units,
     /// Neutral directions of the state (q, q').
     pub(super) neutral: Vec<Vec<f64>>,
-    /// The state's place along each.
+    /// The state's position along each neutral direction.
     pub(super) fixed: Vec<f64>,
     /// Time of the start of a word without events, s.
     pub(super) origin: f64,
@@ -46,42 +46,42 @@ pub struct Problem {
 /// Units of the unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Units {
-    /// By number of the state (q, q').
+    /// For each variable of the state (q, q').
     pub state: Vec<f64>,
-    /// Radian of an autonomous machine's period, s.
+    /// Unit of time of an autonomous machine: one radian of its period, s.
     pub time: f64,
 }
 
-/// An orbit's numbers in SI.
+/// Unknowns of an orbit in SI units.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
-    /// The state (q, q') at each node of the word: the first after the first event.
+    /// The state (q, q') at each node of the word; the first is the state after the first event.
     pub states: Vec<Vec<f64>>,
-    /// Times of the events, s; of a word without events the time of the start.
+    /// Times of the events, s; for a word without events, the time of the start.
     pub times: Vec<f64>,
     /// The period, s.
     pub period: f64,
-    /// Drifts by period along the neutral directions.
+    /// Drifts per period along the neutral directions.
     pub drifts: Vec<f64>,
 }
 
 /// Values of the equations.
 pub(super) struct Residual {
     pub value: DVector<f64>,
-    /// Derivatives by all unknowns but the parameter, on request.
+    /// Derivatives with respect to all unknowns except the parameter, on request.
     pub matrix: Option<DMatrix<f64>>,
     /// The motion.
     pub cycle: Cycle,
 }
 
 impl Problem {
-    /// Number of unknowns beside the parameter.
+    /// Number of unknowns without the parameter.
     pub(super) fn size(&self) -> usize {
         self.first_time() + self.word.free().len() + self.neutral.len()
     }
 
-    /// Place of the first event's time that is not fixed among the unknowns, and of its functional
-    /// among the equations.
+    /// Index of the first free event's time among the unknowns, and of its function among the
+    /// equations.
     pub(super) fn first_time(&self) -> usize {
         self.units.state.len() * self.word.nodes().len()
     }
@@ -96,17 +96,17 @@ impl Problem {
         Ok(self.family.place(self.value(u))?)
     }
 
-    /// A radian of the time, s.
+    /// One radian of time, s.
     pub(super) fn radian(&self, place: &Place) -> f64 {
         place.period.map_or(self.units.time, |period| period / TAU)
     }
 
-    /// The orbit's period where the drive gives it, s.
+    /// The orbit's period if the drive determines it, s.
     pub(super) fn driven_period(&self, place: &Place) -> Option<f64> {
         Some(place.period? * f64::from(self.word.periods?))
     }
 
-    /// The numbers of a point.
+    /// The SI values of a point.
     pub(super) fn numbers(&self, place: &Place, u: &DVector<f64>) -> Numbers {
         let (first, radian, free) = (self.first_time(), self.radian(place), self.word.free());
         let scaled = |node: &[f64]| node.iter().zip(&self.units.state).map(|(x, unit)| unit * x).collect();
@@ -130,14 +130,14 @@ impl Problem {
         Numbers { states, times, period, drifts }
     }
 
-    /// The time of the start a period later, s.
+    /// The time one period after the start, s.
     pub(super) fn end(&self, place: &Place, start: f64, period: f64) -> f64 {
         let first = self.word.letters.first().and_then(Letter::timed);
         let turns = i64::from(self.word.periods.unwrap_or(0));
         first.map_or(start + period, |first| first.later(turns).time(place.assembly.system()))
     }
 
-    /// The largest part of a step, up to 1, after which all events have their order.
+    /// The largest fraction of a step, up to 1, that keeps the order of the events.
     pub(super) fn orderly(&self, place: &Place, u: &DVector<f64>, step: &DVector<f64>) -> f64 {
         let (first, m, radian) = (self.first_time(), self.word.len(), self.radian(place));
         let Numbers { times, period, .. } = self.numbers(place, u);
@@ -146,14 +146,14 @@ impl Problem {
         let own = self.word.free().iter().enumerate().filter(|(_, k)| !(is_autonomous && **k == 0));
         own.for_each(|(i, &k)| moved[k] = radian * step[first + i]);
         let spans = (1..m).map(|k| (times[k] - times[k - 1], moved[k] - moved[k - 1]));
-        // The next period begins with a fixed time.
+        // The next period begins at a fixed time.
         let last =
             self.word.is_timed().then(|| (self.end(place, times[0], period) - times[m - 1], -moved[m - 1]));
         let shrinking = spans.chain(last).filter(|(span, change)| *span > 0.0 && *change < 0.0);
         shrinking.fold(1.0, |part: f64, (span, change)| part.min(SHORTENING * span / -change))
     }
 
-    /// The point with given numbers.
+    /// The point with given SI values.
     pub(super) fn point(&self, place: &Place, numbers: &Numbers, value: f64) -> DVector<f64> {
         let radian = self.radian(place);
         let scaled = |state: &Vec<f64>| -> Vec<f64> {
@@ -174,8 +174,8 @@ impl Problem {
         Ok(Cycle::follow(place, &self.word, &states, (&times, end), false)?.0)
     }
 
-    /// Values of the equations, with their derivatives by all unknowns but the parameter on
-    /// request.
+    /// Values of the equations; on request with their derivatives with respect to all unknowns
+    /// except the parameter.
     pub(super) fn residual(
         &self,
         place: &Place,
@@ -217,7 +217,7 @@ impl Problem {
         Ok(Residual { value, matrix, cycle })
     }
 
-    /// The way by which uniformly moving bodies carry the state along in a period from a time.
+    /// Displacement of the state in a period from `time` by uniformly moving bodies.
     pub(super) fn carried(&self, place: &Place, time: f64, period: f64) -> Result<Vec<f64>, Obstacle> {
         let (system, own) = (place.assembly.system(), self.units.state.len());
         let [before, after] = [time, self.end(place, time, period)].map(|time| {
@@ -237,7 +237,7 @@ impl Problem {
         Ok(along.iter().copied().collect())
     }
 
-    /// Size of an event's functional in the units of the state.
+    /// Size of an event function in the units of the state.
     pub(super) fn scale(&self, cycle: &Cycle, k: usize) -> f64 {
         let leg = cycle.before(k);
         let Some(place) = leg.ending else { return 1.0 };
@@ -276,7 +276,7 @@ impl Problem {
         }
         (0..first).for_each(|i| matrix[(i, i)] += 1.0);
         if m > 0 && self.driven_period(place).is_none() {
-            // Uniform motions carry the state along in proportion to the period.
+            // The displacement by uniform motions is proportional to the period.
             along
                 .iter()
                 .enumerate()
@@ -295,7 +295,7 @@ impl Problem {
     pub(super) fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
         let system = place.assembly.system();
         let mut all = Neutral::of(system).states();
-        // What blocks keep does not change along them.
+        // States of blocks do not change along neutral directions.
         all.iter_mut().for_each(|own| own.resize(system.states(), 0.0));
         all
     }

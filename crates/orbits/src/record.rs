@@ -1,4 +1,4 @@
-//! A motion recorded as the events of a word, with their times and the states after them.
+//! A recorded motion: the events of a word, with their times and the states after them.
 
 use super::problem::Units;
 use super::timed::Timed;
@@ -8,13 +8,13 @@ use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
 use vibro_studies::flight::{ObservedFlight, Observer, Passage, dot};
 
-/// Relative difference of times, or of places over a knot, that is rounding.
+/// Relative tolerance for equal times, or equal displacements at a knot: rounding.
 pub(super) const WHOLE: f64 = 1e-9;
-/// Least unit of a state's number relative to the largest of its kind.
+/// Smallest unit of a state variable, relative to the largest of its kind.
 const LEAST: f64 = 1e-3;
-/// Difference of times of one instant, relative to the time: rounding.
+/// Largest difference of simultaneous times, relative to the time: rounding.
 const INSTANT: f64 = 4.0 * f64::EPSILON;
-/// Samples of a flight for the sizes of states.
+/// Number of samples of a flight for the sizes of states.
 const SAMPLES: usize = 8;
 
 /// A motion as a word with its times.
@@ -26,9 +26,9 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     /// The drive's common period, s.
     pub period: f64,
-    /// Time of a knot at which prescribed bodies move others at once, s.
+    /// Time of a knot with a jump of prescribed bodies that moves others, s.
     pub jump: Option<f64>,
-    /// Least and largest value of each number of the state.
+    /// Smallest and largest value of each state variable.
     pub extents: Vec<(f64, f64)>,
 }
 
@@ -40,7 +40,7 @@ impl Record {
         }
     }
 
-    /// Units in which the state's numbers are of size one.
+    /// Units that make the state variables of size one.
     pub fn units(&self, system: &System, radian: f64) -> Units {
         let coordinates = system.coordinates;
         let extent = |i: usize| self.extents.get(i).copied().unwrap_or((0.0, 0.0));
@@ -53,7 +53,7 @@ impl Record {
         let unit_of = |most: f64| if most > 0.0 { most } else { 1.0 };
         let unit = |k: usize| if most > 0.0 { speed(k).max(LEAST * most) } else { 1.0 };
         let places = (0..coordinates).map(|k| unit(k) * radian);
-        // A stretch is of the size of its way, or of the largest of a coordinate.
+        // The unit of an inner elongation is its own amplitude, or the largest of a coordinate.
         let inner = system.places_of_first_order();
         let inner = inner
             .map(|k| if way(k) > 0.0 { way(k).max(LEAST * most * radian) } else { unit_of(most) * radian });
@@ -61,7 +61,7 @@ impl Record {
         Units { state, time: radian }
     }
 
-    /// Places in the letters of the events at which a stop closes after impacts that accumulate.
+    /// Indices of the events at which a stop closes after accumulating impacts, with the stop.
     fn closings(&self) -> Vec<(usize, usize)> {
         let closes = |(k, letter): (usize, &Letter)| {
             let stop = letter.events.iter().find_map(|event| match event.kind {
@@ -73,8 +73,8 @@ impl Record {
         self.letters.iter().enumerate().filter_map(closes).collect()
     }
 
-    /// Makes each run of impacts that accumulates one letter. The record begins after the last
-    /// closing, so that no run goes on over its end.
+    /// Replaces each run of accumulating impacts by one event. The record is rotated to begin
+    /// after the last closing, so that no run crosses its end.
     pub fn with_runs(&mut self, period: f64, periods: Option<u32>) {
         let closings = self.closings();
         let Some((last, _)) = closings.last() else { return };
@@ -84,8 +84,8 @@ impl Record {
             from = end;
             let hits: Vec<usize> =
                 (0..=end).filter(|k| self.letters[*k].hits().any(|hit| hit == stop)).collect();
-            // The run begins with the impact after which all intervals shrink. Fixed times lie in
-            // no run.
+            // The run begins with the impact after which all intervals shrink, without fixed
+            // times.
             let mut begin = hits.len() - 1;
             while begin >= 1 {
                 let interval = |k: usize| self.times[hits[k + 1]] - self.times[hits[k]];
@@ -112,7 +112,7 @@ impl Record {
         }
     }
 
-    /// Begins the record with another letter; those before it come a period later.
+    /// Rotates the record to begin with event `first`; earlier events move one period later.
     fn begin_with(&mut self, first: usize, period: f64, periods: Option<u32>) {
         let later = self.times.len() - first;
         self.letters.rotate_left(first);
@@ -123,15 +123,15 @@ impl Record {
         self.letters.iter_mut().skip(later).for_each(|letter| *letter = letter.later(turns));
     }
 
-    /// Begins the record with a fixed time, if it has one.
+    /// Rotates the record to begin with a fixed time, if it has one.
     pub fn begin_with_fixed_time(&mut self, period: f64, periods: Option<u32>) {
         if let Some(first) = self.letters.iter().position(|letter| letter.timed().is_some()) {
             self.begin_with(first, period, periods);
         }
     }
 
-    /// Whether a knot moves bodies at once. Impacts alone change rates there, samples alone what
-    /// blocks keep.
+    /// Whether a knot moves bodies at once. An impact there changes only rates, a sample only the
+    /// states of blocks.
     fn is_moved(&self, system: &System, passage: &Passage<'_>) -> bool {
         let (n, [before, after]) = (system.coordinates, passage.states);
         let has_impact = passage.events.iter().any(|e| matches!(e.kind, EventKind::Impact { .. }));
@@ -144,7 +144,7 @@ impl Record {
         })
     }
 
-    /// Takes what happens at a fixed time: knots and samples of one instant are one letter.
+    /// Records what happens at a fixed time: simultaneous knots and samples are one event.
     fn fix(&mut self, system: &System, passage: Passage<'_>) {
         let modes: [Mode; 2] = passage.flows.map(|flow| flow.mode.clone());
         let mut timed = Timed::at(system, self.period, passage.time, passage.events);
@@ -166,7 +166,7 @@ impl Record {
         self.states.push(after);
     }
 
-    /// Leaves out knots that change signals alone.
+    /// Removes knots that change only signals.
     pub fn leave_plain_knots_out(&mut self) {
         let is_plain = |letter: &Letter| {
             let is_knot = letter.events.iter().all(|event| event.kind == EventKind::Knot);

@@ -1,5 +1,5 @@
-//! The search for an orbit with a given word or period: stable ones are found by settled motions,
-//! unstable ones by motions that pass near them.
+//! Search for an orbit with a given word or period: stable orbits from settled motions, unstable
+//! orbits from motions that pass near them.
 
 use super::orbit::Orbit;
 use super::place::{Family, Place, with_signals};
@@ -14,38 +14,38 @@ use vibro_numerics::sorting::sort_by_key;
 use vibro_studies::{Error, Result, significant};
 use vibro_studies::{Machine, Section};
 
-/// Most returns of a word whose period is not given.
+/// Largest number of returns tried as a period if no period is given.
 const MOST_RETURNS: u32 = 6;
-/// Returns of a motion from each of which an orbit is sought.
+/// Number of returns of each motion; each starts a search for an orbit.
 const WINDOWS: u32 = 40;
-/// Half width of the box of random starts, in those of the motion from the given start.
+/// Ratio of the box of random starts to the box of the motion from the given start.
 const WIDER: f64 = 1.5;
-/// Attempts at a random start between the stops.
+/// Largest number of attempts at a random start between the stops.
 const ATTEMPTS: u32 = 50;
-/// Relative difference of a period that counts as the one asked for.
+/// Relative tolerance for the requested period.
 const SAME_PERIOD: f64 = 1e-3;
-/// Relative difference of a time from a multiple of the drive's period that is rounding.
+/// Relative tolerance for a multiple of the drive period.
 const WHOLE: f64 = 1e-6;
-/// Most other orbits that a failure names.
+/// Largest number of other orbits in an error message.
 const NAMED: usize = 5;
 
-/// Period of an orbit that is asked for.
+/// Requested period of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WantedPeriod {
-    /// So many common periods of the drive.
+    /// Number of common drive periods.
     Drive(u32),
     /// A time, s.
     Time(f64),
 }
 
-/// Request of a search.
+/// Request for a search.
 #[derive(Clone, Debug)]
 pub struct WordSearch {
     /// Start of the first motion.
     pub start: Start,
-    /// The word, if one is asked for.
+    /// The word, if one is requested.
     pub word: Option<WantedWord>,
-    /// The period, if one is asked for.
+    /// The period, if one is requested.
     pub period: Option<WantedPeriod>,
     /// Number of random starts.
     pub starts: u32,
@@ -54,34 +54,34 @@ pub struct WordSearch {
 }
 
 impl WordSearch {
-    /// Largest number of returns from which an orbit is sought, at each of which a search asks
-    /// whether to continue.
+    /// Largest number of returns; each starts a search for an orbit, which asks first whether to
+    /// continue.
     pub fn most_returns(&self) -> usize {
         WINDOWS as usize * (1 + self.starts as usize)
     }
 }
 
-/// What orbits are accepted, and how they are sought.
+/// Accepts or rejects the orbits found by a search.
 struct Seeker<'a> {
     family: Arc<Family>,
     value: f64,
     place: Place,
     section: Section,
-    /// Numbers of returns of an orbit.
+    /// Candidate numbers of returns in a period.
     returns: Vec<u32>,
     request: &'a WordSearch,
-    /// Orbits that were found and have another word or period.
+    /// Orbits found with another word or period.
     others: Mutex<BTreeSet<String>>,
 }
 
 impl Orbit {
-    /// An orbit with a given word, a given period, or both: that of the settled motion if it is
-    /// one, else one near which the motion from the start or from random starts passes. `go_on`
-    /// ends the search by returning false.
+    /// An orbit with a given word, a given period, or both. The settled motion is tried first,
+    /// then orbits near which the motion from the start or from random starts passes. The search
+    /// ends when `go_on` returns false.
     ///
     /// # Errors
-    /// [`Error::Described`] for a period that the machine cannot have, and where none is found,
-    /// with the orbits that were; as [`settled`](Self::settled).
+    /// [`Error::Described`] for a period that the machine cannot have, and if no orbit is found,
+    /// with the other orbits found; otherwise as [`settled`](Self::settled).
     pub fn search(
         machine: &Machine,
         request: &WordSearch,
@@ -136,7 +136,7 @@ impl<'a> Seeker<'a> {
         Ok(Self { family, value, place, section, returns, request, others: Mutex::default() })
     }
 
-    /// Whether an orbit has the word and the period that are asked for; if not it is noted.
+    /// Whether an orbit has the requested word and period; an orbit that does not is recorded.
     fn accepts(&self, orbit: &Orbit) -> bool {
         if !orbit.is_certified() || orbit.check_by_motion().is_err() {
             return false;
@@ -160,7 +160,7 @@ impl<'a> Seeker<'a> {
         has_word && has_period
     }
 
-    /// An orbit near which a motion passes.
+    /// An accepted orbit near which a motion passes.
     fn near(&self, motion: Motion, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Orbit> {
         let mut motion = motion.without_energy_accounts();
         for _ in 0..WINDOWS {
@@ -187,15 +187,15 @@ impl<'a> Seeker<'a> {
         None
     }
 
-    /// The motion from random start number `k`: states around those of the first motion, at any
-    /// phase.
+    /// The motion from random start number `k`: a state in the box around the first motion, at a
+    /// random phase.
     fn random(&self, machine: &Machine, bounds: &[(f64, f64)], k: u32) -> Option<Motion> {
         let mut seed = u64::from(k).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1);
         let mut uniform = || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1u64 << 53) as f64
         };
-        // The first numbers of near seeds are alike.
+        // The first random numbers of adjacent seeds are alike.
         for _ in 0..3 {
             uniform();
         }
@@ -215,7 +215,7 @@ impl<'a> Seeker<'a> {
                 (d.bodies[*body].name.clone(), own)
             };
             let bodies: BTreeMap<String, BodyStart> = of.iter().enumerate().map(&mut body).collect();
-            // The bounds are those of stretches, a start has inner places.
+            // The bounds limit elongations; a start has inner displacements.
             let mut z = vec![0.0; system.signals.size];
             for (k, own) in of.iter().enumerate() {
                 z[k] = bodies[&d.bodies[*own].name].s.unwrap_or(0.0);

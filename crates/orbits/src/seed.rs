@@ -1,5 +1,5 @@
-//! Orbits from motions: the events of a motion over a period are a word, and their times with the
-//! state after the first one are a guess.
+//! Initial guesses of orbits from motions: the events of a motion over a period are the word;
+//! their times and the state after the first event are the guess.
 
 use super::orbit::{Obstructed, Orbit, newton};
 use super::place::{Family, with_signals};
@@ -14,10 +14,10 @@ use vibro_machine::{Motion, Start};
 use vibro_studies::flight::Flows;
 use vibro_studies::{Error, Machine, MotionClass, Result, Section, SectionRule, carried, discard, settled};
 
-/// Most events and samples of an orbit: each has a matrix of the state's size.
+/// Largest number of events and samples of an orbit; each requires a matrix of the state's size.
 const MOST_LETTERS: usize = 20_000;
 
-/// A word, a guess of its orbit, and its equations.
+/// A word, an initial guess of its orbit, and its equations.
 #[derive(Debug)]
 pub(super) struct Seed {
     pub problem: Problem,
@@ -92,7 +92,7 @@ pub(super) fn seed(
     let own_states = if is_empty { vec![begin] } else { std::mem::take(&mut record.states) };
     let mode = record.letters.last().map_or(mode, |letter| letter.last_mode().clone());
     let word = Word::new(record.letters.into(), mode, periods);
-    // Times count from within the first period of the drive; fixed ones are those of the word.
+    // Times count from the first drive period; fixed times are taken from the word.
     let fixed =
         |k: usize| word.letters.get(k).and_then(Letter::timed).map(|own| own.time(place.assembly.system()));
     let whole = match (place.period, fixed(0)) {
@@ -117,8 +117,8 @@ pub(super) fn seed(
     Ok(Seed { problem, numbers: Numbers { states, times, period, drifts }, value })
 }
 
-/// Least and largest value of each number of the state of a motion over some returns, or as far as
-/// it goes on.
+/// Smallest and largest value of each state variable of a motion over some returns, or until the
+/// motion stops.
 pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> Vec<(f64, f64)> {
     let (mut record, mut flows) = (Record::default(), Flows::default());
     for _ in 0..returns {
@@ -129,7 +129,7 @@ pub(super) fn extents(motion: &mut Motion, section: &Section, returns: u32) -> V
     record.extents
 }
 
-/// The state that uniformly moving bodies have at an earlier time, with what they carry along.
+/// The state of uniformly moving bodies, and of bodies carried along, at an earlier time.
 fn move_back(system: &System, state: &mut [f64], time: f64) -> Result<()> {
     let mut earlier = state.to_vec();
     with_signals(system, time, &mut earlier);
@@ -175,12 +175,12 @@ impl Orbit {
         }
     }
 
-    /// The orbit on which the motion of a machine from a start settles, after `discard` returns to
-    /// its section, or fewer where it has settled before.
+    /// The orbit on which the motion of a machine from a start settles. At most `discard_returns`
+    /// returns to the section are discarded first, fewer if it settles before.
     ///
     /// # Errors
-    /// [`Error::Described`] where the motion settles on no periodic orbit, with its class, and
-    /// where Newton's method finds none; as [`Machine::motion`] and as [`Family::place`].
+    /// [`Error::Described`] if the motion does not settle on a periodic orbit, with its class, or
+    /// if Newton's method fails; otherwise as [`Machine::motion`] and [`Family::place`].
     pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
         let (motion, section) = machine.motion(start)?;
@@ -199,8 +199,8 @@ impl Orbit {
         Self::settled_in(&Arc::new(family.clone()), value, (&mut motion, &section), discard_returns)
     }
 
-    /// As [`settled`](Self::settled), of a family's machine at a value, from a motion's present
-    /// state. The motion goes on to where it has been observed.
+    /// As [`settled`](Self::settled), for a family's machine at a value and from a motion's
+    /// present state. The motion is left at the end of its observation.
     pub(super) fn settled_in(
         family: &Arc<Family>,
         value: f64,
@@ -221,10 +221,10 @@ impl Orbit {
         Self::of_seed(seed).map_err(Obstructed::error)
     }
 
-    /// The orbit near a motion that begins at a start and is followed over a time, s.
+    /// The orbit near a motion from a start, with a period close to `period`, s.
     ///
     /// # Errors
-    /// [`Error::Described`] where Newton's method does not converge, with what it found.
+    /// [`Error::Described`] if Newton's method does not converge, with its last result.
     pub fn near(machine: &Machine, start: &Start, period: f64) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
         let (mut motion, _) = machine.motion(start)?;

@@ -1,9 +1,9 @@
-//! The words of an orbit that touches a contact: one lists the contact's events, one does not.
+//! The two words of an orbit that touches a contact: with and without the contact's events.
 //!
-//! A visit is a run of events in which a contact leaves its state and returns to it. At the touch a
-//! visit has no duration, and the impact of a rigid stop no speed, so that the orbit has both
-//! words. A visit of several events makes the equations of its word singular there, since the
-//! functionals of its events are equal to first order.
+//! A visit is a run of events in which a contact leaves its state and returns to it. At the touch
+//! a visit has no duration, and the impact of a rigid stop has no speed, so both words describe
+//! the orbit. A visit of several events makes the equations of its word singular there, because
+//! its event functions are equal to first order.
 
 use super::conditions::{Condition, off_gap};
 use super::cycle::{Cycle, Leg};
@@ -17,29 +17,29 @@ use vibro_machine::mode::{Contact, ElementState, FrictionState, SliderState, Sto
 use vibro_machine::motion::{Event, EventKind};
 use vibro_studies::flight::{Series, coefficients, turning_points};
 
-/// Part of a flight at which no touch lies that recurs after a fraction of the flight.
+/// Fraction of a flight that is unlikely to coincide with a regularly recurring touch.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
-/// Most events of a visit: a stop with damping is met, pulls no more, and is left, and on the way a
-/// friction turns.
+/// Largest number of events of a visit: a stop with damping is met, no longer pulls, and opens,
+/// and a friction reverses meanwhile.
 const MOST_EVENTS: usize = 5;
-/// Distance of a stop from its gap, relative to its terms, that is none.
+/// Tolerance for a stop at its gap, relative to its terms.
 const RESTS: f64 = 1e-9;
-/// Duration of a visit, in periods, that is none.
+/// Tolerance for a visit of zero duration, in periods.
 const BRIEF: f64 = 1e-4;
 
-/// An orbit in another word, with the condition that ceases to hold there.
+/// An orbit in another word, with the condition that ceases to hold in that word.
 pub(super) struct Side {
     pub problem: Problem,
     pub u: DVector<f64>,
     pub condition: Condition,
 }
 
-/// The orbit that touches a contact in the shortest word on the other side: with the touch of a
-/// rigid stop as an impact without speed where the word does not list it, without the visits that
-/// have no duration where it does.
+/// The orbit that touches a contact in the shortest word on the other side. If the word does not
+/// list a rigid stop's touch, an impact at zero speed is inserted. If it lists the touch, visits
+/// of zero duration are removed.
 ///
 /// # Errors
-/// An obstacle where the other side has no such word.
+/// An obstacle if the other side has no such word.
 pub(super) fn other_side(
     problem: &Problem,
     u: &DVector<f64>,
@@ -62,7 +62,7 @@ pub(super) fn other_side(
     };
     let whole = other.point(&place, &numbers, problem.value(u));
     let (problem, u) = other.reduced(&whole)?;
-    // In the shorter word the condition is that of its first passage.
+    // The shorter word has the condition in its first repetition.
     let first = |letter: usize| letter % problem.word.len().max(1);
     let condition = match condition {
         Condition::Rises { letter } => Condition::Rises { letter: first(letter) },
@@ -107,7 +107,7 @@ impl At<'_> {
             numbers.states = vec![state];
             numbers.times = vec![time];
         } else {
-            // An impact is no node.
+            // An impact is not a node of the word.
             numbers.times.insert(index, time);
         }
         let word = Word::new(letters.into(), problem.word.mode.clone(), problem.word.periods);
@@ -115,8 +115,8 @@ impl At<'_> {
         Ok((Problem { word, ..problem.clone() }, numbers, Condition::Rises { letter: index }))
     }
 
-    /// The events of the visit that an event belongs to, if the visit has no duration: those of one
-    /// contact from its first to the one after which its state is as before.
+    /// The events of the visit that contains an event, if the visit has no duration: events of one
+    /// contact, from leaving its state until returning to it.
     fn visit(&self, letter: usize) -> Option<Vec<usize>> {
         let (word, m) = (&self.problem.word, self.problem.word.len());
         let period = self.problem.numbers(self.place, self.u).period;
@@ -155,7 +155,7 @@ impl At<'_> {
         visits.find(is_visit)
     }
 
-    /// Whether a stop stays at its gap in a flight, as that of a body that sticks there.
+    /// Whether a stop stays at its gap during a flight, for example while a body sticks there.
     fn rests(&self, flight: usize, contact: Option<Contact>) -> bool {
         let Some(Contact::Stop(stop)) = contact else { return false };
         let leg = &self.cycle.legs[flight];
@@ -163,8 +163,8 @@ impl At<'_> {
         states.into_iter().all(|z| off_gap(self.place.assembly.system(), stop, z) <= RESTS)
     }
 
-    /// An event in the word without visits: a contact whose visit it lies in is as before the
-    /// visit.
+    /// An event in the word without visits: if it lies in a contact's visit, the contact has its
+    /// state before the visit.
     fn beside(&self, kept: usize, visits: &[Vec<usize>]) -> Letter {
         let (word, m) = (&self.problem.word, self.problem.word.len());
         let mut own = word.letters[kept].clone();
@@ -180,13 +180,13 @@ impl At<'_> {
         own
     }
 
-    /// The word without the visit of event `letter` and all others that have no duration. The
-    /// condition is that of the flight in which the visit was.
+    /// The word without the visit of event `letter` and without all other visits of zero duration.
+    /// The condition belongs to the flight that contained the visit.
     fn without_visits(&self, letter: usize) -> Result<Other, Obstacle> {
         let Self { problem, place, u, cycle } = *self;
         let (word, m) = (&problem.word, problem.word.len());
         let own = self.visit(letter).ok_or(Obstacle::NoConvergence)?;
-        // A single event is an impact, of which others stay.
+        // A single event is an impact; other single impacts are kept.
         let several = (0..m).filter_map(|k| self.visit(k)).filter(|visit| visit.len() > 1);
         let visits: Vec<Vec<usize>> = several.chain([own.clone()]).collect();
         let is_kept = |k: &usize| !visits.iter().any(|visit| visit.contains(k));
@@ -201,7 +201,7 @@ impl At<'_> {
         let count = problem.units.state.len();
         let mut origin = problem.origin;
         let (states, times) = if kept.is_empty() {
-            // A touch at the orbit's begin would be left out.
+            // A touch at the start of the orbit would not be found.
             let longest = cycle.legs.iter().max_by(|a, b| a.span.total_cmp(&b.span));
             let (time, state) = within(place, longest.ok_or(Obstacle::NoConvergence)?, GOLDEN);
             origin = time;
@@ -223,7 +223,7 @@ impl At<'_> {
     }
 }
 
-/// The element of a contact.
+/// The element of a contact, in an arbitrary state.
 fn element_of(contact: Contact) -> ElementState {
     match contact {
         Contact::Stop(i) => ElementState::Stop(i, StopState::Below),
@@ -232,7 +232,7 @@ fn element_of(contact: Contact) -> ElementState {
     }
 }
 
-/// Time, s, after which a functional of a flight has its largest value within it.
+/// Time in a flight, s, of the largest interior value of an event function.
 fn highest(leg: &Leg, functional: usize) -> f64 {
     let row = leg.flow.watched[functional].1.as_slice();
     let (mut best, mut past) = ((f64::NEG_INFINITY, 0.0), 0.0);

@@ -1,4 +1,4 @@
-//! Special points of described machines by the condition that ceases to hold.
+//! Special points of described machines, from the condition that ceases to hold.
 
 use super::branch::Special;
 use super::conditions::Condition;
@@ -30,7 +30,7 @@ impl Special {
         };
         let crossing = |element: String| Self::new(Label::Crossing, element);
         match condition {
-            // A letter of a fixed time has no functional that rises.
+            // An event at a fixed time has no event function that rises.
             Condition::Rises { letter } => match word.letters[letter].watch() {
                 Some(watch) => of(watch.contact()),
                 None => crossing(element_of(&word.letters[letter])),

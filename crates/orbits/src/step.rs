@@ -14,24 +14,24 @@ use crate::path_options::PathOptions;
 use crate::test_functions::{SignedLog, determinant, pair_test};
 use vibro_machine::mode::Watch;
 
-/// Part of the period before a fixed time at which a run of impacts that cannot be followed on ends
-/// there.
+/// Time before a fixed time, as a fraction of the period, within which a run of impacts that
+/// cannot be followed further has met the fixed time.
 const NEAR_END: f64 = 1e-5;
-/// Steps that are tried where shorter ones fail.
+/// Step lengths that are tried if shorter ones fail.
 const JUMPS: [f64; 4] = [1e-3, 3e-3, 1e-2, 3e-2];
-/// Share of the parameter in the tangent below which the equations are bordered as they are.
+/// Smallest parameter component of the tangent for using the unbordered equations.
 const STEEP: f64 = 1e-2;
-/// Distance from a touch within which a bifurcation is one with it.
+/// Largest distance of a touch's own bifurcation from the touch.
 const AT_TOUCH: f64 = 1e-5;
-/// Parts of the arc to a touch at which the touch's multipliers are taken: at the first of them
-/// where the largest multiplier is below [`LIMITED`].
+/// Fractions of the arc to a touch at which its multipliers are tried. The first fraction with all
+/// multipliers below [`LIMITED`] is used.
 const BEFORE: [f64; 5] = [1.0 - 1e-7, 1.0 - 1e-5, 1.0 - 1e-3, 0.9, 0.5];
-/// Modulus of a multiplier above which it is one of a touch, where it has no bound: half of the
-/// digits of the others remain.
+/// Modulus beyond which a multiplier is considered to grow without bound at a touch. At this
+/// limit, half of the digits of the other multipliers remain.
 const LIMITED: f64 = 1e8;
 
-/// Part of the arc to the birth of a branch at which tests are taken in place of those at the
-/// birth, where they vanish; beside the begin of a path at the same distance.
+/// Fraction of the arc to the birth of a branch at which tests replace the vanishing tests at the
+/// birth itself; also used at the start of a path.
 const BESIDE: f64 = 0.9;
 
 /// Start of a path, with the equations of its orbits.
@@ -39,7 +39,7 @@ pub(super) type Departure = path::Departure<Problem>;
 type Step = Advance<Examined, Condition>;
 
 impl Departure {
-    /// The orbit after a first step of a length; `None` where there is none.
+    /// The orbit after a first step of a given length; `None` if there is none.
     pub fn first_orbit(&self, step: f64) -> Option<Orbit> {
         let direction = self.direction.normalize();
         let at = correct(&self.of, &(&self.u + &direction * step), &direction).ok()?;
@@ -61,7 +61,7 @@ pub(super) struct Follower<'a> {
 impl Follow for Follower<'_> {
     type Tests = Examined;
     type Of = Problem;
-    /// A condition that ceases to hold.
+    /// A condition that ceases to hold at the end of a path.
     type End = Condition;
     const SHORT: f64 = 1e-2;
 
@@ -102,7 +102,7 @@ impl Follow for Follower<'_> {
                 Some(own) => own,
                 None => self.look(self.within(last, &next, arc, at)?)?,
             };
-            // A touch has multipliers on this side of it.
+            // The touch takes the multipliers on this side of it.
             let (multipliers, stability) = (beside.0.multipliers.clone(), beside.0.stability);
             next = Position { multipliers, stability, ..own };
             (arc, end, before) = (at, Some(PathEnd::At(condition)), Some(beside));
@@ -123,7 +123,7 @@ impl Follow for Follower<'_> {
             let between = self.bifurcations(earlier.as_ref(), last, &ends)?;
             return Ok(Step { between, next, special, end, begins: None });
         }
-        // At the special point itself tests vanish, or have no value: those beside it are taken.
+        // At the special point itself, tests vanish or have no value: tests next to it are used.
         let begins = self.look(self.within(last, &next, arc, (1.0 - BESIDE) * arc)?);
         let between = match &begins {
             Ok(begins) => self.bifurcations(None, begins, &ends.seen_from(last, begins)).unwrap_or_default(),
@@ -133,7 +133,7 @@ impl Follow for Follower<'_> {
         Ok(Step { between, next, special, end, begins })
     }
 
-    /// Next to a crossing the equations are nearly singular: a longer step passes it.
+    /// Near a crossing the equations are nearly singular: a longer step passes it.
     fn leap(&self, before: (&Earlier<Examined>, &Position<Examined>), is_first: bool) -> Option<Step> {
         let mut jumps = JUMPS.iter().filter(|_| !is_first);
         jumps.find_map(|jump| self.step(before, *jump, false).ok())
@@ -145,7 +145,7 @@ impl Follow for Follower<'_> {
         }
     }
 
-    /// Next to a touch multipliers grow without bound: a bifurcation there is the touch.
+    /// Near a touch, multipliers grow without bound: a bifurcation there belongs to the touch.
     fn arrive(&self, points: &mut Vec<OrbitPoint>, end: &PathEnd<Condition>) {
         while let [_, .., before, last] = &points[..]
             && matches!(end, PathEnd::At(_))
@@ -156,8 +156,8 @@ impl Follow for Follower<'_> {
         }
     }
 
-    /// A run of impacts that has not accumulated when a fixed time comes is another motion, so that
-    /// no equation holds beyond.
+    /// A run of impacts that has not accumulated by a fixed time is another motion: no equations
+    /// continue the branch there.
     fn stopped(&self, points: &mut [OrbitPoint], last: &Position<Examined>) -> PathEnd<Condition> {
         let is_run =
             |letter: usize| self.problem.word.letters.get(letter).is_some_and(|own| own.chatter.is_some());
@@ -166,7 +166,7 @@ impl Follow for Follower<'_> {
             _ => false,
         });
         let place = self.problem.place(&last.u);
-        // A visit of a buffer without duration leaves singular equations.
+        // A visit to a buffer with zero duration makes the equations singular.
         let visit = last.tests.conditions.iter().find_map(|(condition, value)| match condition {
             Condition::Lasts { letter } if *value < NEAR_END => {
                 let watch = self.problem.word.letters.get(*letter)?.watch()?;
@@ -216,13 +216,13 @@ impl Follower<'_> {
         Ok(Position { u, tangent, steps, period, multipliers, stability, tests })
     }
 
-    /// The point at an arc from a position.
+    /// The point at a given arc from a position.
     pub fn at(&self, from: &Position<Examined>, arc: f64) -> Result<CurvePoint, Obstacle> {
         correct(self.problem, &(&from.u + &from.tangent * arc), &from.tangent)
     }
 
-    /// The point at an arc within a step of the length `step`, as [`at`](Self::at), but predicted
-    /// by the cubic between the step's ends. From there Newton's method takes fewer steps.
+    /// The point at `arc` within a step of length `step`, as [`at`](Self::at). It is predicted by
+    /// the cubic between the step's ends, which saves Newton steps.
     pub fn within(
         &self,
         last: &Position<Examined>,
@@ -234,7 +234,7 @@ impl Follower<'_> {
         if along < COSINE || step == 0.0 {
             return self.at(last, arc);
         }
-        // What lies across the first tangent: the plane of the point is that of `at`.
+        // The part perpendicular to the first tangent: the point stays in the plane of `at`.
         let way = &next.u - &last.u;
         let aside = &way - &last.tangent * way.dot(&last.tangent);
         let turn = &next.tangent / along - &last.tangent;
@@ -247,7 +247,7 @@ impl Follower<'_> {
         correct(self.problem, &predicted, &last.tangent)
     }
 
-    /// The position before a touch at which the touch's multipliers are taken, with its arc.
+    /// A position before a touch that supplies the touch's multipliers, with its arc.
     fn before_touch(
         &self,
         (last, next): (&Position<Examined>, &Position<Examined>),

@@ -1,26 +1,26 @@
-//! Impact word of a periodic orbit: which stops it meets in which order, how it closes, and how
-//! long it takes.
+//! Impact word of a periodic orbit: the order of its impacts on the two stops, how the orbit
+//! closes, and its period.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use vibro_studies::{Error, Result};
 
-/// Largest difference of phases, rad, at which passages or halves of an orbit count as equal.
+/// Tolerance for equal passages or halves of an orbit, as a difference of phases, rad.
 pub(super) const REPETITION: f64 = 1e-8;
 
-/// Largest numbers of letters and half periods of a word that is read: the memory that the
-/// equations need grows with the square of the number of impacts.
+/// Largest numbers of letters and half periods of a parsed word. The memory for the equations
+/// grows with the square of the number of impacts.
 pub(super) const MOST_LETTERS: usize = 1024;
 const MOST_HALF_PERIODS: u32 = 1 << 16;
 
-/// Text of the word without letters.
+/// Text of the empty word.
 const EMPTY: &str = "-";
 
 /// The order of impacts of a periodic orbit with the way it closes (docs/theory.md, section 14).
 ///
 /// The orbit repeats itself after [`half_periods`](Self::half_periods) half drive periods:
-/// unchanged where [`closing`](Self::closing) is +1, with the opposite sign where it is -1. The
-/// second kind is a symmetric orbit, of which the word holds half.
+/// unchanged if [`closing`](Self::closing) is +1, with the opposite sign if it is -1. An orbit
+/// with -1 is symmetric, and its word contains half of its impacts.
 ///
 /// ```
 /// use vibro_orbits::paper::OrbitWord;
@@ -39,11 +39,11 @@ pub struct OrbitWord {
     half_periods: u32,
 }
 
-/// An operation between equivalent words: a rotation, by which the word begins at another letter,
-/// and after it the mirror image if `mirrored`.
+/// An operation between equivalent words: a rotation, so that the word begins at another letter,
+/// then the mirror image if `mirrored`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Turn {
-    /// Letters by which the first one moves, counted in the unfolded word.
+    /// Shift of the first letter, counted in letters of the unfolded word.
     pub by: usize,
     /// Whether the mirror image is taken: opposite stops, half a drive period later.
     pub mirrored: bool,
@@ -81,7 +81,7 @@ impl OrbitWord {
         Ok(Self::of(letters, closing, half_periods))
     }
 
-    /// A word of stops (±1) that is known to be valid.
+    /// A word from stops (±1) that are known to be valid.
     pub(super) fn of(letters: Vec<i8>, closing: i8, half_periods: u32) -> Self {
         Self { letters, closing, half_periods }
     }
@@ -148,7 +148,7 @@ impl OrbitWord {
         sign * f64::from(self.letters[index])
     }
 
-    /// The word passed twice, which closes with +1: W becomes W W, and the half word W of a
+    /// The word repeated twice, which closes with +1: W becomes W W, and the half word W of a
     /// symmetric orbit becomes W followed by its opposite.
     #[must_use]
     pub fn unfolded(&self) -> Self {
@@ -157,7 +157,7 @@ impl OrbitWord {
         Self::of(letters, 1, 2 * self.half_periods)
     }
 
-    /// The word passed k times; for a symmetric orbit k must be odd.
+    /// The word repeated k times; for a symmetric orbit k must be odd.
     pub(super) fn repeated(&self, k: usize) -> Self {
         let sides = (0..k * self.len()).map(|i| self.side(i) as i8);
         Self::of(sides.collect(), self.closing, self.half_periods * k as u32)
@@ -170,16 +170,16 @@ impl OrbitWord {
         if self.closing != 1 || n % 2 == 1 {
             return None;
         }
-        // Over an odd number of half periods only the opposite can follow, over an even number only
-        // a repetition.
+        // After an odd number of half periods only the opposite can follow, after an even number
+        // only a repetition.
         let closing = if half % 2 == 1 { -1 } else { 1 };
         let (first, second) = self.letters.split_at(n / 2);
         let fits = first.iter().zip(second).all(|(a, b)| *b == closing * a);
         fits.then(|| Self::of(first.to_vec(), closing, half))
     }
 
-    /// The word that gives this word when passed k times, if there is one; for a symmetric orbit k
-    /// must be odd.
+    /// The word that gives this word when repeated k times, if there is one; for a symmetric orbit
+    /// k must be odd.
     fn divided(&self, k: usize) -> Option<Self> {
         let parts = u32::try_from(k).ok()?;
         let n = self.len() / k;
@@ -193,7 +193,7 @@ impl OrbitWord {
         (0..self.len()).all(|i| f64::from(self.letters[i]) == part.side(i)).then_some(part)
     }
 
-    /// The word with letter `side` (±1) put in at place `k`.
+    /// The word with letter `side` (±1) inserted at index `k`.
     #[must_use]
     pub fn inserted(&self, k: usize, side: i8) -> Self {
         let mut word = self.clone();
@@ -215,15 +215,15 @@ impl OrbitWord {
         if self.closing == -1 { 2 * self.len() } else { self.len() }
     }
 
-    /// The word after a turn.
+    /// The word after `turn`.
     fn turned(&self, turn: Turn) -> Self {
         let sign = if turn.mirrored { -1.0 } else { 1.0 };
         let letters = (0..self.len()).map(|i| (sign * self.side(i + turn.by)) as i8).collect();
         Self::of(letters, self.closing, self.half_periods)
     }
 
-    /// All turns. Those with the mirror image exist only without loads. For a symmetric orbit they
-    /// equal rotations and are left out.
+    /// All turns. Turns with a mirror image exist only without loads; a symmetric orbit leaves
+    /// them out, since they equal rotations.
     fn all_turns(&self, mirror: bool) -> impl Iterator<Item = Turn> {
         let mirrored = mirror && self.closing == 1;
         let both = [false, true].into_iter().filter(move |m| !m || mirrored);
@@ -232,7 +232,7 @@ impl OrbitWord {
     }
 
     /// The canonical word (the first equivalent one in the order U < L) with a turn that leads to
-    /// it. Rotations are equivalent, and without loads (`mirror`) mirror images too.
+    /// it. Rotations are equivalent; without loads (`mirror`) mirror images are too.
     pub(super) fn canonical_turn(&self, mirror: bool) -> (Self, Turn) {
         let own = (self.clone(), Turn { by: 0, mirrored: false });
         self.all_turns(mirror).fold(own, |best, turn| {
@@ -243,13 +243,13 @@ impl OrbitWord {
     }
 
     /// The first of all equivalent words in the order U < L. A word can begin at any impact of its
-    /// orbit: an orbit has one word for each impact, and the mirror images of these words.
+    /// orbit, and may be mirrored, so an orbit has several words.
     #[must_use]
     pub fn canonical(&self) -> Self {
         self.canonical_turn(true).0
     }
 
-    /// Turns that leave the word unchanged: orbits whose phases differ by one of these are equal.
+    /// Turns that leave the word unchanged: orbits whose phases differ by such a turn are equal.
     pub(super) fn symmetries(&self, mirror: bool) -> Vec<Turn> {
         self.all_turns(mirror).filter(|turn| self.turned(*turn).letters == self.letters).collect()
     }
@@ -266,9 +266,8 @@ impl OrbitWord {
         (0..n).map(|i| at(i + turn.by) - whole).collect()
     }
 
-    /// The shortest word of the orbit with its phases: repetitions and symmetry are removed where
-    /// phases repeat to `tolerance`. A symmetric orbit then closes with -1, which requires that
-    /// there are no loads (`mirror`).
+    /// The shortest word of the orbit with its phases: repetitions and symmetry are removed if
+    /// phases repeat to `tolerance`. A word is folded to closing -1 only without loads (`mirror`).
     pub(super) fn reduced(&self, phases: &[f64], mirror: bool, tolerance: f64) -> (Self, Vec<f64>) {
         let repeats = |part: &Self| {
             let n = part.len();

@@ -1,4 +1,4 @@
-//! Starts of branches at the special points of another one.
+//! Starts of branches at the special points of another branch.
 
 use super::branch::{Branch, Special};
 use super::conditions::Condition;
@@ -17,13 +17,13 @@ use vibro_studies::Section;
 
 /// First step from a point where branches meet.
 const SWITCH_STEP: f64 = 1e-3;
-/// Step of the difference that tells on which side of a touch a branch lies.
+/// Step of the difference that determines the side of a touch on which a branch lies.
 const SIDE_STEP: f64 = 1e-5;
-/// Ways along the parameter, in its unit, at which the machine's own motion is asked for the word
-/// beyond a special point.
+/// Distances beyond a special point, in the parameter's unit, at which the word is taken from the
+/// machine's own motion.
 const BEYOND: [f64; 3] = [1e-5, 1e-3, 1e-2];
 
-/// The departures of a doubled branch at a doubling.
+/// The departure of a doubled branch at a doubling.
 pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departure, Obstacle> {
     let place = problem.place(u)?;
     let (doubled, u) = problem.repeated(&place, u, 2)?;
@@ -33,7 +33,7 @@ pub(super) fn at_doubling(problem: &Problem, u: &DVector<f64>) -> Result<Departu
     Ok(Departure { direction: direction.push(0.0), of: doubled, u, step: SWITCH_STEP, special })
 }
 
-/// The departures, in both directions, of the branch that crosses another one along `along`.
+/// Both departures of the branch that crosses another one, whose direction is `along`.
 pub(super) fn at_crossing(
     problem: &Problem,
     u: &DVector<f64>,
@@ -41,8 +41,8 @@ pub(super) fn at_crossing(
 ) -> Result<[Departure; 2], Obstacle> {
     let mut matrix: DMatrix<f64> = problem.linearize(u, None)?.matrix;
     let last = matrix.nrows();
-    // The null space is a plane. With the branch's own direction as one more equation one direction
-    // is left.
+    // The null space is a plane. Requiring a direction perpendicular to the branch leaves one
+    // direction.
     matrix = matrix.insert_row(last, 0.0);
     matrix.set_row(last, &along.normalize().transpose());
     let direction = least_vectors(matrix).ok_or(Obstacle::NoConvergence)?.1;
@@ -56,8 +56,8 @@ pub(super) fn at_crossing(
     Ok([departure(-&direction), departure(direction)])
 }
 
-/// The departure, at a touch of a rigid stop, of the branch whose word lists it, or whose word does
-/// not list it any more. At the touch an impact has no speed, so that both words have one orbit.
+/// The departure at a touch of a rigid stop: of the branch whose word lists the touch, or no
+/// longer lists it. At the touch an impact has zero speed, so both words describe one orbit.
 pub(super) fn at_touch(
     problem: &Problem,
     u: &DVector<f64>,
@@ -67,7 +67,7 @@ pub(super) fn at_touch(
     let Side { problem: other, u: at, condition: sought } = other_side(problem, u, condition)?;
     let axis = crate::curve::axis(at.len(), at.len() - 1);
     let direction = tangent(&other, &at, &axis)?;
-    // The side on which the sought condition holds.
+    // The side on which the condition holds.
     let side = |sign: f64| {
         let moved = &at + &direction * (sign * SIDE_STEP);
         let place = other.place(&moved)?;
@@ -80,8 +80,8 @@ pub(super) fn at_touch(
     Ok(Departure { of: other, u: at, direction: direction * sign, step: SWITCH_STEP, special })
 }
 
-/// Orbits with other words beyond a special point, by the machine's own motion from the orbit
-/// there.
+/// Orbits with other words beyond a special point, from the machine's own motion that starts on
+/// the orbit there.
 pub(super) fn beyond(branch: &Branch, u: &DVector<f64>) -> Vec<Orbit> {
     let problem = &branch.of;
     let mut found: Vec<Orbit> = Vec::new();
@@ -96,9 +96,9 @@ pub(super) fn beyond(branch: &Branch, u: &DVector<f64>) -> Vec<Orbit> {
     found
 }
 
-/// The orbit near the motion that begins on another orbit, in the machine at a value; where it is
-/// the same word's and violates a condition, the orbit near the motion that begins on that one. The
-/// touch of a buffer is a visit of almost no depth: the motion from the touch itself may miss it.
+/// The orbit near the motion from another orbit, in the machine at a value. If it has the same
+/// word and violates a condition, the search is repeated from it. The touch of a buffer is a visit
+/// of almost zero depth, which the motion from the touch itself may miss.
 fn by_motion(problem: &Problem, u: &DVector<f64>, value: f64) -> Option<Orbit> {
     let (from, to) = problem.family.range;
     if !(from..=to).contains(&value) {
@@ -122,8 +122,8 @@ fn by_motion(problem: &Problem, u: &DVector<f64>, value: f64) -> Option<Orbit> {
     Orbit::of_seed(seed).ok().filter(Orbit::is_certified).or(by_visit)
 }
 
-/// The orbit that has the shortest visit of a stop as a seed has it, at a value of the parameter
-/// that is found with it: the branch may turn at the touch.
+/// The orbit whose shortest visit of a stop equals the seed's. The parameter value is found with
+/// it, since the branch may turn at the touch.
 fn with_visit(seed: &Seed) -> Option<Orbit> {
     let Seed { problem, numbers, value } = seed;
     let free = problem.word.free();

@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-/// A number by its sign and the logarithm of its modulus, which neither overflows nor underflows.
+/// A number as its sign and the logarithm of its modulus, without overflow or underflow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SignedLog {
     /// -1, 0 or 1.
@@ -47,8 +47,7 @@ pub(super) fn pair_test(multipliers: &[Complex<f64>]) -> SignedLog {
     SignedLog { sign: product.re.signum(), log }
 }
 
-/// Distance from the unit circle within which a complex pair counts as on it, as for the exact
-/// orbit.
+/// Tolerance for a complex pair on the unit circle, as for the exact orbit.
 const ON_CIRCLE: f64 = 1e-5;
 
 /// Whether a complex multiplier is on the unit circle. If none is, a zero of the pair's test is a

@@ -1,6 +1,6 @@
-//! Letters whose time is fixed: knots at which a contact or a stiffness changes, and samples of
-//! blocks. Each is known by the number of its knot or sample, so that its time moves with the
-//! machine's numbers and is no unknown.
+//! Events at fixed times: knots at which a contact or a stiffness changes, and samples of blocks.
+//! Each is identified by the number of its knot or sample. Its time depends on the machine's
+//! parameters and is not an unknown.
 
 use super::place::Place;
 use crate::obstacle::Obstacle;
@@ -11,50 +11,50 @@ use vibro_machine::signals::RepeatedKnot;
 use vibro_machine::system::{LimitedValue, SampleAction, SampleKind, Sampler, System};
 use vibro_studies::flight::dot;
 
-/// Difference of times of one instant, in periods: rounding of numbers that follow from each other.
+/// Largest difference of simultaneous times, in periods: rounding of different computations.
 const INSTANT: f64 = 1e-12;
 
-/// What ticks.
+/// Source of ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A repeated signal, by its place among these.
+    /// A repeated signal, by its index among the repeated signals.
     Signal(usize),
-    /// A block that reads its inputs.
+    /// A block reading its inputs.
     Reads(usize),
-    /// A block whose outputs act.
+    /// A block whose outputs take effect.
     Acts(usize),
 }
 
-/// A time at which a signal has a knot or something happens to a sampled block.
+/// A knot of a signal, or the time of a read or an output of a sampled block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tick {
-    /// What ticks.
+    /// The source of the tick.
     pub source: Source,
-    /// Ticks of the source before it, from time 0 on.
+    /// Number of earlier ticks of the source, from time 0.
     pub number: i64,
     /// Ticks of the source in a common period.
     pub per_period: i64,
 }
 
-/// What happens at a fixed time.
+/// Ticks and actions at a fixed time.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Timed {
-    /// The ticks, all of one instant.
+    /// The ticks, all at one instant.
     pub ticks: Vec<Tick>,
-    /// What happens to sampled blocks.
+    /// Actions of sampled blocks.
     pub actions: Vec<SampleAction>,
-    /// The side of its limits of each limited value that samples read, in the order of
+    /// The side of its limits on which each limited value lies that samples read, in the order of
     /// [`System::sample_as`].
     pub sides: Vec<i8>,
 }
 
 impl Tick {
-    /// A tick of a source by its number.
+    /// The tick of a source with a given number.
     pub(super) fn new(source: Source, number: i64, system: &System, period: f64) -> Self {
         Self { source, number, per_period: per_period(source, system, period) }
     }
 
-    /// The tick so many common periods later.
+    /// The tick `periods` common periods later.
     #[must_use]
     pub(super) fn later(self, periods: i64) -> Self {
         Self { number: self.number + periods * self.per_period, ..self }
@@ -70,7 +70,7 @@ impl Tick {
         }
     }
 
-    /// Dotted name of the section that ticks.
+    /// Dotted name of the section that owns the source.
     pub(super) fn owner(&self, assembly: &Assembly) -> String {
         let d = &assembly.description;
         match self.source {
@@ -83,7 +83,7 @@ impl Tick {
     }
 }
 
-/// Dotted names of the sections that have the signals of a system, in their order there.
+/// Dotted names of the sections that own the signals of a system, in the order of the signals.
 fn owners(d: &Description) -> Vec<String> {
     let bodies = d.bodies.iter().filter(|body| body.kind.is_prescribed());
     let mut all: Vec<String> = bodies.map(|body| format!("body.{}", body.name)).collect();
@@ -114,7 +114,7 @@ fn per_period(source: Source, system: &System, period: f64) -> i64 {
 }
 
 impl Timed {
-    /// What happens at a time that a motion reaches, with the events that it reports there.
+    /// Ticks and actions at a time reached by a motion, with the events reported there.
     pub fn at(system: &System, period: f64, time: f64, events: &[Event]) -> Self {
         let actions: Vec<SampleAction> = events.iter().filter_map(Event::sample).collect();
         let tick = |source, number| Tick::new(source, number, system, period);
@@ -141,31 +141,31 @@ impl Timed {
         self.sides.extend(other.sides);
     }
 
-    /// What happens at this instant moved by a number of common periods.
+    /// The same ticks and actions, `periods` common periods later.
     #[must_use]
     pub fn later(&self, periods: i64) -> Self {
         let ticks = self.ticks.iter().map(|tick| tick.later(periods)).collect();
         Self { ticks, ..self.clone() }
     }
 
-    /// Whether the other one is this, so many common periods later.
+    /// Whether `other` is the same, `periods` common periods later.
     pub fn is_later(&self, other: &Self, periods: i64) -> bool {
         (&self.actions, &self.sides) == (&other.actions, &other.sides)
             && self.ticks.iter().map(|tick| tick.later(periods)).eq(other.ticks.iter().copied())
     }
 
-    /// The common period of the first tick's source in which it lies, from 0 on.
+    /// Number of the common period, counted from 0, that contains the first tick.
     pub fn turn(&self) -> i64 {
         self.ticks.first().map_or(0, |tick| tick.number.div_euclid(tick.per_period.max(1)))
     }
 
-    /// Its time, s: the last of its ticks', which differ by rounding.
+    /// Its time, s: the latest of its ticks, which differ by rounding.
     pub fn time(&self, system: &System) -> f64 {
         self.ticks.iter().map(|tick| tick.time(system)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Refuses ticks that are of one instant no more, and sources that tick more or less often in a
-    /// period.
+    /// Refuses ticks that are no longer at one instant, and sources whose number of ticks in a
+    /// period has changed.
     pub(super) fn check(&self, place: &Place) -> Result<(), Obstacle> {
         let (system, period) = (place.assembly.system(), place.period.unwrap_or(f64::NAN));
         let latest = self.time(system);
@@ -182,7 +182,7 @@ impl Timed {
         system.sample_as(&self.actions, &mut |_| sides.next().copied().unwrap_or(0), z);
     }
 
-    /// The sides on which the samples find what they limit in a state before them.
+    /// The side of its limits on which each limited value lies, in a state before the samples.
     pub fn sides_in(&self, system: &System, z: &[f64]) -> Vec<i8> {
         let (mut sides, mut z) = (Vec::new(), z.to_vec());
         let mut decide = |own: LimitedValue| {
@@ -193,7 +193,7 @@ impl Timed {
         sides
     }
 
-    /// The limited values in a state before the samples, each with how far it is on its side.
+    /// The limited values in a state before the samples, each with its margin on its side.
     pub fn margins(&self, system: &System, z: &[f64]) -> Vec<((usize, usize), f64)> {
         let (mut all, mut z, mut sides) = (Vec::new(), z.to_vec(), self.sides.iter());
         let mut decide = |own: LimitedValue| {
@@ -205,7 +205,7 @@ impl Timed {
         all
     }
 
-    /// Dotted names of the sections that tick, without repetition.
+    /// Dotted names of the sections that own the ticks, without repetition.
     pub fn owners(&self, assembly: &Assembly) -> Vec<String> {
         let mut all: Vec<String> = Vec::new();
         for tick in &self.ticks {
@@ -217,7 +217,7 @@ impl Timed {
         all
     }
 
-    /// What ticks, in words: `sample control`, `step mesh`.
+    /// The ticks in words: `sample control`, `step mesh`.
     pub fn in_words(&self, assembly: &Assembly) -> Vec<String> {
         let mut words: Vec<String> = Vec::new();
         for tick in &self.ticks {
@@ -232,7 +232,7 @@ impl Timed {
     }
 }
 
-/// How far a functional is above zero in a state, relative to its terms.
+/// The value of an event function in a state, relative to its terms; positive above zero.
 pub(super) fn beyond(row: &[f64], z: &[f64]) -> f64 {
     let size: f64 = row.iter().zip(z).map(|(a, x)| (a * x).abs()).sum();
     dot(row, z) / size.max(f64::MIN_POSITIVE)

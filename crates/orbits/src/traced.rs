@@ -11,23 +11,23 @@ pub(super) struct Traced<E> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// The point from which it was followed in both directions.
+    /// The common start of both directions.
     pub began_at: usize,
     /// The ends at the first and at the last point.
     pub ends: [PathEnd<E>; 2],
 }
 
-/// In which order a machine's branches are followed from a start with two departures, and which
-/// points have the stability of a piece.
+/// Order in which the branches of a machine are followed from two departures, and the points that
+/// take the stability of a piece.
 pub(super) struct Order {
     /// Whether the first departure is followed backwards.
     pub is_back_first: bool,
-    /// Whether all points, and not special points alone, have the stability of the piece after
+    /// Whether all points, instead of only special points, take the stability of the piece after
     /// them.
     pub are_pieces: bool,
 }
 
-/// Follows the departures of a start, one or two.
+/// Follows the one or two departures of a start.
 pub(super) fn trace<O, E>(
     departures: &[Departure<O>],
     order: &Order,
@@ -42,7 +42,7 @@ pub(super) fn trace<O, E>(
         second => (second, first),
     };
     let (mut points, begin) = back.map_or((Vec::new(), PathEnd::Plain), |path| (path.points, path.end));
-    // Each point has the stability of the piece that follows it, which was that before it.
+    // Each point takes the stability of the next piece, the previous one before reversal.
     for k in (1..points.len()).rev() {
         if order.are_pieces || points[k].special.is_some() {
             points[k].stability = points[k - 1].stability;

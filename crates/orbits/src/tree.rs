@@ -1,5 +1,5 @@
-//! Branches grown from settled motions: each is followed in both directions, and at its special
-//! points further ones begin.
+//! A tree of branches from settled motions: each is followed in both directions, and further
+//! branches begin at its special points.
 
 use super::branch::{Branch, Special};
 use super::conditions::Condition;
@@ -23,17 +23,17 @@ use vibro_numerics::sorting::sort_by_key;
 use vibro_studies::now;
 use vibro_studies::{Error, Result};
 
-/// First step from an orbit.
+/// Length of the first step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
-/// Steps from a special point at which the branch that begins there is compared with known ones:
-/// the longer one may lead beyond the end of a short branch.
+/// Steps from a special point at which the branch that begins there is compared with known ones;
+/// the longer step may lead beyond the end of a short branch.
 const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
-/// Distance of a fold from a crossing at which it is the turn of the side branch.
+/// Tolerance for a fold at a crossing: it is only the turn of the side branch.
 const TURN: f64 = 1e-4;
-/// Branches followed side by side: a number that does not depend on the machine's threads, so that
-/// the branches found do not either.
+/// Number of branches followed in parallel. A constant, so that the result does not depend on the
+/// number of threads.
 const BATCH: usize = 4;
-/// Most branches.
+/// Largest number of branches.
 const MOST: usize = 400;
 
 /// Options of a tree.
@@ -41,15 +41,15 @@ const MOST: usize = 400;
 pub struct TreeOptions {
     /// Start of the first motion.
     pub start: Start,
-    /// Values of the parameter at which motions are followed until they settle: rising, falling,
-    /// and for a positive depth from the start.
+    /// Number of parameter values with settled motions: rising, falling and, for a positive depth,
+    /// from the start.
     pub seeds: usize,
-    /// Returns to the section discarded at each value; fewer where the motion has settled.
+    /// Number of returns discarded at each value; fewer if the motion settles before.
     pub discard: u32,
-    /// Number of switches at doublings, crossings and touches of rigid stops; 0 follows the curves
-    /// of the settled orbits alone.
+    /// Number of switches at doublings, crossings and touches of rigid stops; with 0, only curves
+    /// of settled orbits are followed.
     pub depth: u32,
-    /// Options of following a branch.
+    /// Options for following a branch.
     pub path: PathOptions,
 }
 
@@ -59,7 +59,7 @@ impl Default for TreeOptions {
     }
 }
 
-/// A start from which a branch may be followed.
+/// A possible start of a branch.
 struct BranchStart {
     depth: u32,
     parent: Option<(usize, usize)>,
@@ -68,14 +68,14 @@ struct BranchStart {
 
 enum StartKind {
     Orbit(Box<Orbit>),
-    /// One departure, or two of which the first is followed backwards.
+    /// One departure, or two; the first of the two is followed backwards.
     Departures(Vec<Departure>),
 }
 
 /// A branch with its ends, in the order of its points.
 type Grown = std::result::Result<(Branch, [PathEnd<Condition>; 2]), Obstacle>;
 
-/// The departures of a branch in both directions from an orbit.
+/// The departures in both directions from an orbit.
 fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     let (problem, u) = (&orbit.problem, &orbit.u);
     if is_degenerate(&problem.linearize(u, None)?.matrix) {
@@ -93,12 +93,12 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
     Ok([departure(-&direction), departure(direction)])
 }
 
-/// Follows the branch of one orbit of the family's machine, with its present value of the
-/// parameter, in both directions.
+/// Follows the branch of one orbit of the family's machine, at the present value of the parameter,
+/// in both directions.
 ///
 /// # Errors
-/// [`Error::Described`] where the present value lies outside the range; the orbit's own obstacle,
-/// as an error.
+/// [`Error::Described`] if the present value lies outside the range; otherwise the orbit's own
+/// obstacle as an error.
 pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<Branch> {
     let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
     let (value, (from, to)) = (family.present()?, family.range);
@@ -147,8 +147,8 @@ fn trace(start: &StartKind, options: &PathOptions, kept: &dyn KeptPaths) -> Grow
     Ok(branch_of(problem, traced))
 }
 
-/// The branch of points that were traced. The side branch of a crossing turns there: its fold is
-/// the crossing.
+/// The branch of traced points. The side branch of a crossing turns there, so a fold at the
+/// crossing is not labelled.
 fn branch_of(problem: Problem, traced: Traced<Condition>) -> (Branch, [PathEnd<Condition>; 2]) {
     let Traced { mut points, closed, began_at, ends } = traced;
     let crossings = points.iter().filter(|p| p.label() == Some(Label::BranchPoint));
@@ -163,7 +163,7 @@ fn branch_of(problem: Problem, traced: Traced<Condition>) -> (Branch, [PathEnd<C
     (Branch { id, parent, depth, periods, points, closed, began_at, of: problem }, ends)
 }
 
-/// The branch of an orbit through which none passes alone.
+/// A branch with a single point, for an orbit whose equations are singular.
 fn alone(orbit: &Orbit) -> Grown {
     let (problem, u) = (&orbit.problem, orbit.u.clone());
     let tangent = crate::curve::axis(u.len(), u.len() - 1);
@@ -174,20 +174,20 @@ fn alone(orbit: &Orbit) -> Grown {
     Ok(branch_of(problem.clone(), Traced { points, closed: false, began_at: 0, ends }))
 }
 
-/// Branches as far as they have grown.
+/// The branches found so far.
 struct Grower<'a> {
     family: &'a Arc<Family>,
     options: &'a TreeOptions,
     kept: &'a dyn KeptPaths,
     branches: Vec<Branch>,
-    /// The orbits of branches without length.
+    /// The orbits of single-point branches.
     points: Vec<Orbit>,
     queue: Vec<BranchStart>,
 }
 
-/// The branches of a family that settled motions and special points lead to. `told` receives the
-/// branches found so far and the number of branches and starts known so far. The growth ends when
-/// `told` returns false.
+/// The branches of a family reached from settled motions and special points. `told` receives the
+/// branches found so far and the number of known branches and starts. The growth ends when `told`
+/// returns false.
 ///
 /// # Errors
 /// As [`Family::place`].
@@ -199,7 +199,7 @@ pub fn tree(
     tree_on(family, options, &(), told)
 }
 
-/// As [`tree`], with the paths that an interrupted growth has kept.
+/// As [`tree`], with the paths kept from an interrupted growth.
 ///
 /// # Errors
 /// As [`tree`].
@@ -228,7 +228,7 @@ impl Grower<'_> {
     fn plant(&mut self) -> Result<()> {
         let (from, to) = self.family.range;
         let count = self.options.seeds.max(1);
-        // Values inside the range: at its ends symmetric choices of numbers are frequent.
+        // Values inside the range: its ends are often symmetric choices of parameters.
         let value = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
         let chain = |upward: bool| -> Vec<Orbit> {
             let (mut end, mut found): (Option<Start>, Vec<Orbit>) = (None, Vec::new());
@@ -241,8 +241,8 @@ impl Grower<'_> {
             found
         };
         let chains: Vec<Vec<Orbit>> = [true, false].into_par_iter().map(chain).collect();
-        // A motion from the start may settle on another orbit than the motions of both chains. The
-        // chains begin at the start at the first and at the last value.
+        // A motion from the start may settle on another orbit than both chains. The chains
+        // themselves begin at the start, at the first and at the last value.
         let fresh = if self.options.depth == 0 { 0..0 } else { 1..count.max(1) - 1 };
         let fresh = fresh.into_par_iter().filter_map(|k| self.settled(value(k), None)?.0);
         let fresh: Vec<Orbit> = fresh.collect();
@@ -252,8 +252,8 @@ impl Grower<'_> {
         Ok(())
     }
 
-    /// The orbit on which a motion settles at a value of the parameter, and where the motion is
-    /// then. It begins on the end of another motion, or at the tree's start.
+    /// The orbit on which a motion settles at a parameter value, and the final state of the
+    /// motion. It continues from another motion's end, or begins at the tree's start.
     fn settled(&self, value: f64, from: Option<&Start>) -> Option<(Option<Orbit>, Start)> {
         let machine = self.family.at(value).ok()?;
         let begun = match from {
@@ -266,7 +266,7 @@ impl Grower<'_> {
         Some((settled.ok(), now(&motion)))
     }
 
-    /// Follows the branches of the next starts side by side, and adds those that are new.
+    /// Follows the branches of the next starts in parallel, and adds the new ones.
     fn grow(&mut self) {
         sort_by_key(&mut self.queue, |start| start.depth);
         let starts: Vec<BranchStart> = self.queue.drain(..BATCH.min(self.queue.len())).collect();
@@ -282,12 +282,12 @@ impl Grower<'_> {
                 continue;
             }
             let is_departure = matches!(kind, StartKind::Departures(_));
-            // A word that the machine has on neither side of a special point begins no branch.
+            // If the machine has the word on neither side of a special point, no branch begins.
             if is_departure && branch.points.len() == 1 {
                 continue;
             }
             (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
-            // A branch without length is the point at which its neighbours meet: they begin there.
+            // A single-point branch is where its neighbours meet: they begin there.
             let point = branch.points.first().filter(|_| is_departure && branch.is_point());
             match point.map(|point| branch.orbit(point)) {
                 None => {
@@ -303,7 +303,7 @@ impl Grower<'_> {
         }
     }
 
-    /// Whether a start lies on a branch that is there.
+    /// Whether a start lies on a known branch.
     fn is_known(&self, start: &StartKind) -> bool {
         match start {
             StartKind::Orbit(orbit) => self.branches.iter().any(|branch| branch.passes(orbit)),
@@ -314,8 +314,8 @@ impl Grower<'_> {
         }
     }
 
-    /// Queues what begins at the special points of a branch; from a branch that is a point, with
-    /// the parent of the branch.
+    /// Queues the starts at the special points of a branch; for a single-point branch, with its
+    /// parent as theirs.
     fn switch(&mut self, branch: &Branch, ends: &[PathEnd<Condition>; 2], parent: Option<(usize, usize)>) {
         let goes_on = branch.depth < self.options.depth;
         let mut add = |point: usize, depth: u32, kind: StartKind| {
@@ -335,7 +335,7 @@ impl Grower<'_> {
                 }
                 Label::BranchPoint if !is_end => {
                     let along = &branch.points[k + 1].u - &branch.points[k - 1].u;
-                    // The point from which the branch itself began is not taken again.
+                    // The point at which the branch itself began is skipped.
                     let began = k > 0 && branch.began_at == Some(k);
                     if let Ok(both) = switching::at_crossing(&branch.of, &point.u, &along)
                         && !began
@@ -350,8 +350,8 @@ impl Grower<'_> {
             let PathEnd::At(condition) = end else { continue };
             let at = &branch.points[point];
             let Some(special) = &at.special else { continue };
-            // At a touch of a rigid stop branches part; elsewhere the curve goes on with other
-            // events.
+            // At a touch of a rigid stop the curve branches; at another touch it continues with
+            // other events.
             let Ok(place) = branch.of.place(&at.u) else { continue };
             let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
             if parts && !goes_on {

@@ -1,4 +1,4 @@
-//! Curves of bifurcations and of touches in two parameters: their equations, ends, and follower.
+//! Curves of bifurcations and touches in two parameters: equations, ends, and follower.
 
 mod following;
 mod marks;
@@ -12,9 +12,9 @@ use crate::obstacle::Obstacle;
 use nalgebra::{ComplexField, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Equations of a curve in two parameters, the last two unknowns, each in its curve unit.
+/// Equations of a curve in two parameters, which are the last two unknowns, in curve units.
 pub(crate) trait TwoParameters: Equations + Clone {
-    /// Least and largest value of parameter 0 or 1, in its curve unit.
+    /// Smallest and largest value of parameter 0 or 1, in its curve unit.
     fn range(&self, k: usize) -> (f64, f64);
 
     /// Whether a point is an orbit of the machine, except for a touch that defines the curve.
@@ -26,31 +26,31 @@ pub(crate) trait TwoParameters: Equations + Clone {
     /// Adapts the condition's borders to a point of the curve.
     fn adapt(&mut self, u: &DVector<f64>);
 
-    /// The end of the curve that a point lies beyond.
+    /// The end of the curve that a point has passed.
     fn passed(&self, u: &DVector<f64>) -> Option<LocusEnd>;
 
     /// The end near a point beyond which the curve cannot be followed.
     fn near_end(&self, u: &DVector<f64>) -> Option<LocusEnd>;
 
-    /// Products of the left null vector of a fold with the columns of both parameters, as a
-    /// continuous function along the curve; `None` on other curves.
+    /// Products of a fold's left null vector with the columns of both parameters, as a continuous
+    /// function along the curve; `None` on other curves.
     fn products(&self, _: &DVector<f64>) -> Option<[f64; 2]> {
         None
     }
 
-    /// Functions of a point that are zero at special points of two conditions.
+    /// Test functions that vanish at special points of codimension two.
     fn tests_on_curve(&self, _: &DVector<f64>) -> Vec<(LocusEnd, f64)> {
         Vec::new()
     }
 
-    /// Whether the curve ends at a special point of two conditions.
+    /// Whether the curve ends at a special point of codimension two.
     fn ends_at(&self, mark: LocusEnd) -> bool {
         mark == LocusEnd::FoldPitchfork
     }
 }
 
-/// Bordered measure of singularity of a matrix: zero where the matrix is singular, and of the size
-/// of its least singular value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical
+/// Bordered measure of a matrix's singularity: zero for a singular matrix, otherwise of the size
+/// of its smallest singular value (W. Govaerts, Numerical Methods for Bifurcations of Dynamical
 /// Equilibria, 2000).
 pub(crate) fn smallness<T: ComplexField<RealField = f64>>(
     matrix: &DMatrix<T>,
@@ -65,7 +65,7 @@ pub(crate) fn smallness<T: ComplexField<RealField = f64>>(
     Some(whole.lu().solve(&right)?[n].clone())
 }
 
-/// The singular vectors of the least singular value.
+/// The singular vectors of the smallest singular value.
 #[derive(Clone, Debug)]
 pub(crate) struct Border<T: ComplexField> {
     pub left: DVector<T>,
@@ -80,8 +80,8 @@ impl<T: ComplexField<RealField = f64>> Border<T> {
 }
 
 impl Border<f64> {
-    /// The same vectors, with the signs of a neighbouring point's. Each has a sign of its own where
-    /// the singular value is rounding.
+    /// The same vectors, with signs aligned to a nearby point's. Each sign is arbitrary if the
+    /// singular value is only rounding.
     pub fn aligned(self, other: &Self) -> Self {
         let align = |own: DVector<f64>, other: &DVector<f64>| if own.dot(other) < 0.0 { -own } else { own };
         Self { left: align(self.left, &other.left), right: align(self.right, &other.right) }
@@ -103,15 +103,14 @@ pub struct LocusPoint {
     pub end: Option<LocusEnd>,
 }
 
-/// End of a curve in two parameters, or a special point of two conditions on it.
+/// End of a curve in two parameters, or a special point of codimension two on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocusEnd {
     /// EP: the end of the range of a parameter.
     Range,
-    /// GR: beyond it the block would pass a stop, or an impact would have no speed.
+    /// GR: beyond it the block would pass a stop, or an impact would have zero speed.
     Touch,
-    /// CP: a cusp of a fold curve, at which both parameters reverse their direction. The curve
-    /// continues.
+    /// CP: a cusp of a fold curve, where both parameters reverse direction. The curve continues.
     Cusp,
     /// LPBP: a fold curve meets the pitchfork curve of a symmetric orbit.
     FoldPitchfork,
@@ -126,13 +125,13 @@ pub enum LocusEnd {
     Closed,
 }
 
-/// Angle of multipliers, rad, from 1 or -1 within which a curve that cannot be continued ends at
-/// that resonance. At the resonance itself one of the equations is satisfied identically, so that
-/// only a step across the resonance detects it.
+/// Angle of multipliers from 1 or -1, rad, within which a curve that cannot be continued ends at
+/// this resonance. At the resonance itself, one of the equations is satisfied identically, so only
+/// a step across the resonance detects it.
 const RESONANT: f64 = 1e-2;
 
 impl LocusEnd {
-    /// The resonance near which multipliers with an angle, rad, are.
+    /// The resonance near which multipliers have a given angle, rad.
     pub(super) fn resonance(angle: f64) -> Option<Self> {
         if angle < RESONANT {
             Some(Self::Resonance(1))

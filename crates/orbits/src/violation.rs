@@ -6,7 +6,7 @@ use super::place::Place;
 use super::word::Word;
 
 impl Orbit {
-    /// The reason why it is not a motion of the machine, in words.
+    /// The reason why the orbit is not a motion of the machine, in words.
     pub fn violation(&self) -> Option<String> {
         self.broken().map(|(condition, _)| condition.in_words(self.word(), self.place()))
     }

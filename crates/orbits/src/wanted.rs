@@ -1,26 +1,26 @@
-//! Words of orbits as they are asked for: `impact steel, press buffer`.
+//! Words of orbits as users write them: `impact steel, press buffer`.
 
 use super::word::Word;
 use std::collections::BTreeSet;
 use vibro_machine::Assembly;
 use vibro_studies::{Error, Result};
 
-/// Kinds of events of rigid stops, of compliant ones, of springs, and of friction.
+/// Kinds of events of rigid stops, compliant stops, springs, and friction.
 const RIGID: &[&str] = &["impact", "chatter", "close", "open"];
 const COMPLIANT: &[&str] = &["press", "free", "cap"];
 const SPRING: &[&str] = &["corner"];
 const FRICTION: &[&str] = &["stick", "slip", "level"];
-/// Kinds that a word always names; events of other kinds may be left out of it altogether.
+/// Kinds that a word always names; a word may omit all events of any other kind.
 const NAMED: &[&str] = &["impact", "chatter", "press"];
-/// Kinds of which the second ends what the first begins.
+/// Pairs of kinds: an event of the second kind ends an event of the first.
 const PAIRS: &[([&str; 2], &str)] =
     &[(["press", "press"], "free"), (["close", "chatter"], "open"), (["stick", "stick"], "slip")];
 
 /// One event: its reports, each with kind and element.
 type WantedLetter = BTreeSet<(String, String)>;
 
-/// A word that an orbit must have, from some event on. Kinds of events other than impacts and first
-/// touches that it does not mention are left out of the comparison.
+/// A word that an orbit must have, up to a cyclic shift. Events of kinds that it does not mention
+/// are ignored, except impacts and first contacts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WantedWord {
     text: String,
@@ -67,12 +67,12 @@ fn elements(kind: &str, assembly: &Assembly) -> Option<Vec<String>> {
 }
 
 impl WantedWord {
-    /// A word from its text: events with commas between, each as kind and element, with ` + `
-    /// between those of one instant.
+    /// Parses a word: events separated by commas, each with kind and element; simultaneous events
+    /// are joined by ` + `.
     ///
     /// # Errors
-    /// [`Error::Described`] for an unknown kind or element, with what is allowed, and for a word
-    /// that no motion can pass again and again: what begins must end before it begins again.
+    /// [`Error::Described`] for an unknown kind or element, with the choices, and for a word that
+    /// no motion can repeat: what begins must end before it begins again.
     pub fn parse(text: &str, assembly: &Assembly) -> Result<Self> {
         let mut letters = Vec::new();
         for letter in text.split(',') {
@@ -121,7 +121,7 @@ impl WantedWord {
         Ok(())
     }
 
-    /// Whether an orbit's word is this one, from some event on.
+    /// Whether an orbit has this word, up to a cyclic shift.
     pub(super) fn is(&self, word: &Word, assembly: &Assembly) -> bool {
         let mentioned: BTreeSet<&str> = NAMED
             .iter()
@@ -153,14 +153,14 @@ impl WantedWord {
     }
 }
 
-/// A letter without the impact with which a run of impacts begins.
+/// An event without the impact that begins a run of impacts.
 fn without_first_impact(letter: WantedLetter) -> WantedLetter {
     let runs: Vec<String> =
         letter.iter().filter(|(kind, _)| kind == "chatter").map(|(_, name)| name.clone()).collect();
     letter.into_iter().filter(|(kind, name)| kind != "impact" || !runs.contains(name)).collect()
 }
 
-/// An event from its text, with its element's dotted name.
+/// Parses an event; its element becomes a dotted name.
 fn event_of(event: &str, word: &str, assembly: &Assembly) -> Result<(String, String)> {
     let kinds = || [RIGID, COMPLIANT, SPRING, FRICTION].concat().join(", ");
     let Some((kind, name)) = event.split_once(' ').map(|(kind, name)| (kind, name.trim())) else {

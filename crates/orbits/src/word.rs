@@ -9,7 +9,7 @@ use vibro_machine::system::System;
 use vibro_machine::{Assembly, motion::EventKind};
 use vibro_studies::named;
 
-/// Word of a change of mode without a report, as of a stop that is left without a force.
+/// Word for a change of mode without a report, for example when a stop opens without a force.
 const CHANGE: &str = "change";
 
 /// One event of an orbit.
@@ -17,42 +17,42 @@ const CHANGE: &str = "change";
 pub struct Letter {
     /// Modes before and after it.
     pub modes: [Mode; 2],
-    /// What it comes from.
+    /// The cause of the event.
     pub cause: Cause,
-    /// The reports of the event: impacts in their order, then changes of elements. Times and speeds
-    /// are those of the motion in which the event was found.
+    /// The reports of the event: impacts in their order, then changes of elements. Times and
+    /// speeds are from the motion in which the event was found.
     pub events: Vec<Event>,
-    /// Where the event is the first impact of a run that accumulates: what the run ends with.
+    /// For the first impact of a run that accumulates: how the run ends.
     pub chatter: Option<Chatter>,
 }
 
-/// What an event comes from.
+/// The cause of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
-    /// A functional passes zero.
+    /// An event function passes zero.
     Passes {
-        /// The functional.
+        /// The event function.
         watch: Watch,
-        /// Its place among the functionals of the mode before with the same `watch`: an
+        /// Index among the event functions of the mode before with the same `watch`: an
         /// `ElastoGap` has two.
         place: usize,
     },
-    /// A knot or a sample, whose time is fixed.
+    /// A knot or a sample at a fixed time.
     Timed(Timed),
 }
 
-/// A run of impacts that accumulates until its stop closes. It is one part of a word, whatever the
-/// number of its impacts.
+/// A run of impacts that accumulates until its stop closes. It is one event of a word, whatever
+/// its number of impacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chatter {
     /// The stop.
     pub stop: usize,
-    /// The mode in which it has closed.
+    /// The mode after the stop has closed.
     pub mode: Mode,
 }
 
 impl PartialEq for Letter {
-    /// Whether two events have the same law: modes, functional, and impacts in their order.
+    /// Whether two events have the same law: modes, cause, and impacts in their order.
     fn eq(&self, other: &Self) -> bool {
         self.modes == other.modes && self.cause == other.cause && self.has_impacts_of(other)
     }
@@ -63,17 +63,17 @@ impl Letter {
         self.impacts().eq(other.impacts()) && self.chatter == other.chatter
     }
 
-    /// The functional that passes zero; `None` at a fixed time.
+    /// The event function that passes zero; `None` at a fixed time.
     pub fn watch(&self) -> Option<Watch> {
         if let Cause::Passes { watch, .. } = self.cause { Some(watch) } else { None }
     }
 
-    /// What happens at its fixed time; `None` for a functional.
+    /// Ticks and actions at its fixed time; `None` for an event function.
     pub fn timed(&self) -> Option<&Timed> {
         if let Cause::Timed(timed) = &self.cause { Some(timed) } else { None }
     }
 
-    /// The letter so many common periods later: fixed times alone differ.
+    /// The event `periods` common periods later: only fixed times differ.
     pub(super) fn later(&self, periods: i64) -> Self {
         let cause = match &self.cause {
             Cause::Timed(timed) => Cause::Timed(timed.later(periods)),
@@ -82,7 +82,7 @@ impl Letter {
         Self { cause, ..self.clone() }
     }
 
-    /// Whether another letter is this one, so many common periods later.
+    /// Whether `other` is this event, `periods` common periods later.
     pub(super) fn is_later(&self, other: &Self, periods: i64) -> bool {
         let is_cause = match (&self.cause, &other.cause) {
             (Cause::Timed(own), Cause::Timed(other)) => own.is_later(other, periods),
@@ -91,7 +91,7 @@ impl Letter {
         is_cause && self.modes == other.modes && self.has_impacts_of(other)
     }
 
-    /// The impacts: stop, and number of stops that take part in it.
+    /// The impacts: stop, and number of stops that take part.
     fn impacts(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.events.iter().filter_map(|event| match event.kind {
             EventKind::Impact { stop, stops, .. } => Some((stop, stops)),
@@ -104,13 +104,13 @@ impl Letter {
         self.impacts().map(|(stop, _)| stop)
     }
 
-    /// The mode after it, and after its run of impacts.
+    /// The mode after the event and, if it begins one, after its run of impacts.
     pub(super) fn last_mode(&self) -> &Mode {
         self.chatter.as_ref().map_or(&self.modes[1], |chatter| &chatter.mode)
     }
 
-    /// Whether it opens a compliant stop. At given event times a stiff contact turns a change of
-    /// the place into one of the speed, its angular frequency times as large.
+    /// Whether it opens a compliant stop. At given event times, a stiff contact turns a change of
+    /// displacement into a change of velocity, larger by its angular frequency.
     fn opens_compliant(&self) -> bool {
         let [before, after] = &self.modes;
         let pairs = before.stops.iter().zip(&after.stops);
@@ -122,9 +122,9 @@ impl Letter {
         self.impacts().next().is_some()
     }
 
-    /// Applies the event's law to augmented states, each as a function of the state before at a
-    /// fixed time: linear in the augmented state, whose coordinate 1 carries gaps and whose signals
-    /// carry prescribed rates. At a knot the signals are those after it.
+    /// Applies the event's law to augmented states, each as a function of the state before it at a
+    /// fixed time. The law is linear in the augmented state: coordinate 1 carries gaps and the
+    /// signals carry prescribed rates. At a knot the states have the signals after it.
     pub(super) fn apply<'v>(&self, system: &System, states: impl IntoIterator<Item = &'v mut [f64]>) {
         let Some(timed) = self.timed() else { return self.strike(system, states) };
         let mut states: Vec<&mut [f64]> = states.into_iter().collect();
@@ -150,14 +150,14 @@ impl Letter {
         state
     }
 
-    /// The letter of a word without events: the contacts of its mode are kept.
+    /// A placeholder event for a word without events: it keeps the contacts of the mode.
     pub(super) fn staying(word: &Word) -> Self {
         let modes = [word.mode.clone(), word.mode.clone()];
         let cause = Cause::Passes { watch: Watch::Meets(usize::MAX), place: 0 };
         Self { modes, cause, events: Vec::new(), chatter: None }
     }
 
-    /// Removes from variations what the contacts after the event constrain.
+    /// Projects variations onto the contacts that are closed after the event.
     pub(super) fn keep<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         variations.into_iter().for_each(|v| keep(system, &self.modes[1], v));
     }
@@ -185,16 +185,16 @@ impl Letter {
 /// The corners before and after an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Between {
-    /// The corners' ticks, before and after the event.
+    /// The ticks of the corners before and after the event.
     pub ticks: [Tick; 2],
-    /// Whether each is an event of the word, whose order with this one is a condition of its own.
+    /// Whether each corner is an event of the word; their order is then a separate condition.
     pub are_letters: [bool; 2],
 }
 
 /// The events of a period in their order, and the period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Word {
-    /// The events; without one the motion stays in [`mode`](Self::mode).
+    /// The events; if empty, the motion stays in [`mode`](Self::mode).
     pub letters: Arc<[Letter]>,
     /// The mode after the last event.
     pub mode: Mode,
@@ -207,8 +207,8 @@ pub struct Word {
 }
 
 impl Word {
-    /// A word with its mode after the last event. Fixed times count from the common period on in
-    /// which the first one lies, if the word begins with it.
+    /// A word with its mode after the last event. If the word begins with a fixed time, fixed
+    /// times count from the common period of this event.
     pub(super) fn new(letters: Arc<[Letter]>, mode: Mode, periods: Option<u32>) -> Self {
         let first = letters.first().and_then(Letter::timed).map_or(0, Timed::turn);
         let letters =
@@ -224,23 +224,23 @@ impl Word {
         &self.free
     }
 
-    /// Whether it has fixed times.
+    /// Whether the word has events at fixed times.
     pub(super) fn is_timed(&self) -> bool {
         self.free.len() < self.len()
     }
 
-    /// Common periods of the drive in its period.
+    /// Number of common drive periods in the word's period.
     pub(super) fn turns(&self) -> i64 {
         i64::from(self.periods.unwrap_or(0))
     }
 
-    /// The events after which the state is an unknown: the first one, and those that open a
-    /// compliant stop, so that no contact magnifies what another one has magnified.
+    /// Events after which the state is an unknown: the first event, and events that open a
+    /// compliant stop. Thus no contact magnifies what another has magnified.
     pub(super) fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
-    /// Whether impacts accumulate in it.
+    /// Whether the word has a run of impacts that accumulates.
     pub(super) fn has_run(&self) -> bool {
         self.letters.iter().any(|letter| letter.chatter.is_some())
     }
@@ -250,17 +250,17 @@ impl Word {
         self.letters.len()
     }
 
-    /// Whether it has no event.
+    /// Whether the word has no event.
     pub fn is_empty(&self) -> bool {
         self.letters.is_empty()
     }
 
-    /// The mode of the flight that ends before the event after event `k`.
+    /// The mode of the flight from event `k` to event `k` + 1, where it ends.
     pub(super) fn mode_after(&self, k: usize) -> &Mode {
         self.letters.get(k).map_or(&self.mode, Letter::last_mode)
     }
 
-    /// The word passed `times` times.
+    /// The word repeated `times` times.
     #[must_use]
     pub(super) fn repeated(&self, times: u32) -> Self {
         let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
@@ -269,14 +269,14 @@ impl Word {
         Self { between: self.repeated_corners(times), ..whole }
     }
 
-    /// The corners next to the events of the word passed `times` times.
+    /// The corners next to the events of the word repeated `times` times.
     fn repeated_corners(&self, times: u32) -> Arc<[Option<Between>]> {
         let turns = (0..i64::from(times)).map(|turn| turn * self.turns());
         let of = |own: Between, by: i64| Between { ticks: own.ticks.map(|tick| tick.later(by)), ..own };
         turns.flat_map(|by| self.between.iter().map(move |own| own.map(|own| of(own, by)))).collect()
     }
 
-    /// The first part of the word, where it has the same events `times` times.
+    /// The first part of the word, if the word repeats it `times` times.
     pub(super) fn part(&self, times: u32) -> Option<Self> {
         let (count, letters) = (times as usize, &self.letters);
         let is_whole = letters.len().is_multiple_of(count)
@@ -294,7 +294,7 @@ impl Word {
         Some(Self { between, ..Self::new(letters[..part].to_vec().into(), self.mode.clone(), periods) })
     }
 
-    /// Whether another word is this one from letter `first` on.
+    /// Whether another word is this one, starting at letter `first`.
     pub(super) fn is_from(&self, first: usize, other: &Self) -> bool {
         let m = self.len();
         let turn =
@@ -309,9 +309,9 @@ impl Word {
             && (0..m).all(is_own)
     }
 
-    /// The events in words: `impact steel, press buffer, free buffer`, with the number of samples
-    /// in a row: `sample control ×40`; empty without events. Changes of mode without a report are
-    /// left out.
+    /// The events in words: `impact steel, press buffer, free buffer`, with the number of
+    /// consecutive samples: `sample control ×40`; empty without events. Changes of mode without a
+    /// report are left out.
     pub fn in_words(&self, assembly: &Assembly) -> String {
         let mut words: Vec<(String, usize)> = Vec::new();
         for letter in self.letters.iter() {

@@ -1,4 +1,4 @@
-//! The `.fmu` archive: written so that the same content gives the same bytes, read as a host does.
+//! The `.fmu` archive: the same content gives the same bytes; read as by a host.
 
 use crate::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,13 +11,13 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 /// File name of the command line, without `.exe`.
 pub const PROGRAM: &str = "vibro";
 
-/// Content of an archive: path inside it → bytes, in the order of the paths.
+/// Content of an archive: path and bytes of each file, in the order of the paths.
 pub type Content = BTreeMap<String, Vec<u8>>;
 
 /// The archive's bytes: entries sorted, times 1980-01-01, permissions fixed.
 ///
 /// # Errors
-/// [`Error::Archive`] when an entry cannot be written.
+/// [`Error::Archive`] if an entry cannot be written.
 pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
     let mut none = ZipArchive::new(Cursor::new(EMPTY)).map_err(in_memory)?;
     to_bytes_with(content, &BTreeMap::new(), &mut none)
@@ -30,11 +30,11 @@ fn in_memory(source: zip::result::ZipError) -> Error {
     Error::Archive { path: PathBuf::from("(in memory)"), source }
 }
 
-/// As [`to_bytes`], with further entries that are copied from `held` as they are compressed there:
-/// path → path in `held`.
+/// As [`to_bytes`], with further entries copied from `held` in compressed form; `borrowed` maps a
+/// path to the path in `held`.
 ///
 /// # Errors
-/// [`Error::Archive`] when an entry cannot be written or is not held.
+/// [`Error::Archive`] if an entry cannot be written or is not in `held`.
 pub(crate) fn to_bytes_with(
     content: &Content,
     borrowed: &BTreeMap<String, String>,
@@ -50,7 +50,7 @@ pub(crate) fn to_bytes_with(
             continue;
         }
         let mode = if name.starts_with("binaries/") || name == PROGRAM { 0o755 } else { 0o644 };
-        // An archive within an archive is compressed already.
+        // An archive within an archive is already compressed.
         let packed = name.ends_with(".fmu");
         let method = if packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
         let options = SimpleFileOptions::default()
@@ -63,7 +63,7 @@ pub(crate) fn to_bytes_with(
     Ok(zip.finish().map_err(in_memory)?.into_inner())
 }
 
-/// Writes the archive, whole or not at all: another process never sees a half-written one.
+/// Writes the archive atomically: another process never sees a half-written one.
 ///
 /// # Errors
 /// [`Error::Archive`], [`Error::File`].
@@ -71,7 +71,7 @@ pub fn write(content: &Content, path: &Path) -> Result<()> {
     write_file(path, &to_bytes(content)?)
 }
 
-/// Writes a file by way of a temporary one beside it; makes its folder.
+/// Writes a file through a temporary file in the same folder; creates the folder.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -112,7 +112,7 @@ pub fn read_all(path: &Path) -> Result<Content> {
     of(fs::File::open(path).map_err(Error::file("opening", path))?, path)
 }
 
-/// Reads every file of an archive from a reader; `path` names it in messages.
+/// Reads every file of an archive from a reader; `path` is its name in messages.
 ///
 /// # Errors
 /// [`Error::Archive`].

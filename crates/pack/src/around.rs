@@ -1,5 +1,5 @@
-//! Archives around a kit in memory: its entries are copied as they are compressed in it, which
-//! leaves out most of the time.
+//! Archives from a kit in memory: the kit's entries are copied in compressed form, which saves
+//! most of the time.
 
 use crate::archive::{self, Content};
 use crate::content::content;
@@ -11,14 +11,14 @@ use std::path::Path;
 use vibro_machine_component::Plan;
 use zip::ZipArchive;
 
-/// The archive of a machine for a version of FMI around the content of a kit's file. It has the
-/// entries of [`content()`] with their bytes.
+/// The archive of a machine for an FMI version, made from the bytes of a kit file. It has the
+/// entries of [`content()`] with the same bytes.
 ///
 /// # Errors
-/// [`Error::Archive`], [`Error::Missing`] for what is no kit; as [`content()`].
+/// [`Error::Archive`], [`Error::Missing`] if `kit` is not a kit; otherwise as [`content()`].
 pub fn around(version: Version, plan: &Plan, kit: &[u8]) -> Result<Vec<u8>> {
     let mut held = opened(kit)?;
-    // A kit in which each entry is its own name instead of its bytes.
+    // A kit with each entry's name instead of its bytes.
     let named = named(&mut held)?;
     let mut entries = content(version, plan, &named)?;
     let borrowed: Vec<String> = entries.keys().filter(|name| is_borrowed(name)).cloned().collect();
@@ -30,10 +30,10 @@ pub fn around(version: Version, plan: &Plan, kit: &[u8]) -> Result<Vec<u8>> {
     archive::to_bytes_with(&entries, &borrowed, &mut held)
 }
 
-/// FMI 3.0 tuples of the platforms in the content of a kit's file.
+/// FMI 3.0 tuples of the platforms in a kit file.
 ///
 /// # Errors
-/// [`Error::Archive`], [`Error::Missing`] for what is no kit.
+/// [`Error::Archive`], [`Error::Missing`] if `kit` is not a kit.
 pub fn platforms_of(kit: &[u8]) -> Result<Vec<&'static str>> {
     Ok(named(&mut opened(kit)?)?.binaries.folders().map(|(tuple, _)| tuple).collect())
 }

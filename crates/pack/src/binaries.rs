@@ -1,18 +1,18 @@
-//! Compiled libraries and the folders of archives in which they lie.
+//! Compiled libraries and their folders in archives.
 
 use crate::archive::Content;
 use fmi_doors::Version;
 use std::collections::BTreeMap;
 
-/// A platform as archives name it.
+/// A platform, named as in archives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PackedPlatform {
-    /// Folder under `binaries/`: the names of FMI 2.0 for x86, and for other processors, as FMI
-    /// 2.0.4 (2.3) has it, the platform tuples of FMI 3.0.
+    /// Folder under `binaries/`: the FMI 2.0 name for x86; for other processors the FMI 3.0
+    /// platform tuple, as in FMI 2.0.4 (2.3).
     pub folder: &'static str,
     /// Folder under `binaries/` in FMI 3.0 (2.5.1.4.1): the platform tuple.
     pub tuple: &'static str,
-    /// Ending of the library's name.
+    /// Suffix of the library's name.
     pub ending: &'static str,
 }
 
@@ -24,7 +24,7 @@ const fn place(folder: &'static str, tuple: &'static str, ending: &'static str) 
 pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("linux64", "x86_64-linux", ".so"),
     place("win64", "x86_64-windows", ".dll"),
-    // Hosts on Apple's own processors look here too.
+    // Hosts on Apple's own processors look in this folder too.
     place("darwin64", "x86_64-darwin", ".dylib"),
     place("aarch64-darwin", "aarch64-darwin", ".dylib"),
     place("aarch64-linux", "aarch64-linux", ".so"),
@@ -32,8 +32,8 @@ pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("win32", "x86-windows", ".dll"),
 ];
 
-/// Folder of this platform's binary inside the archive of FMI 2.0 (2.3), as hosts look for it: they
-/// go by operating system and pointer width alone, whatever the processor.
+/// Folder of this platform's binary in an FMI 2.0 archive (2.3), where hosts look for it: it
+/// depends only on operating system and pointer width, not on the processor.
 pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
     (true, _, 64) => "win64",
     (true, _, _) => "win32",
@@ -42,8 +42,7 @@ pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = 
     _ => "linux32",
 };
 
-/// Folder of this platform's binary inside the archive of FMI 3.0 (2.5.1.4.1): processor and
-/// system.
+/// Folder of this platform's binary in an FMI 3.0 archive (2.5.1.4.1): processor and system.
 pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::env::consts::OS.as_bytes()) {
     (b"x86_64", b"windows") => "x86_64-windows",
     (b"x86_64", b"macos") => "x86_64-darwin",
@@ -55,13 +54,13 @@ pub const PLATFORM_TUPLE: &str = match (std::env::consts::ARCH.as_bytes(), std::
     _ => "x86-linux",
 };
 
-/// Ending of a shared library's name on this platform, with its dot.
+/// Suffix of a shared library's name on this platform, with its dot.
 pub const SHARED_LIBRARY: &str = std::env::consts::DLL_SUFFIX;
 
 /// This platform.
 const OWN: PackedPlatform = place(PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY);
 
-/// Path inside an archive of a platform's binary of a model.
+/// Path in an archive of a model's binary for a platform.
 pub fn binary_path(version: Version, model_identifier: &str, place: PackedPlatform) -> String {
     format!("binaries/{}/{model_identifier}{}", place.in_archive(version), place.ending)
 }
@@ -76,7 +75,7 @@ impl PackedPlatform {
     }
 }
 
-/// Compiled libraries by platform; archives of FMI 2.0 and 3.0 hold them under different folders.
+/// Compiled libraries by platform; FMI 2.0 and 3.0 archives have different folders for them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Binaries(Vec<(PackedPlatform, Vec<u8>)>);
 
@@ -92,7 +91,7 @@ impl Binaries {
         Self(vec![(OWN, bytes)])
     }
 
-    /// The libraries of some platforms, by their FMI 3.0 tuples.
+    /// The libraries for some platforms, given by their FMI 3.0 tuples.
     #[must_use]
     pub fn only(&self, tuples: &[&str]) -> Self {
         self.0.iter().filter(|(place, _)| tuples.contains(&place.tuple)).cloned().collect()
@@ -105,13 +104,13 @@ impl Binaries {
 
     /// Inverse of [`folders`](Self::folders); `None` for an unknown tuple.
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        // WebAssembly is no platform of FMUs: in a page a library is for one of those below.
+        // WebAssembly is not a platform of FMUs: in a page, only the platforms below are valid.
         let own = Some(OWN).filter(|_| !cfg!(target_family = "wasm"));
         let known = |name: &str| own.into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
         libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()
     }
 
-    /// Path inside the archive of a version of a model → bytes.
+    /// Files of a model's binaries in an archive: path and bytes.
     pub fn of(&self, version: Version, model_identifier: &str) -> Content {
         self.0
             .iter()

@@ -1,6 +1,5 @@
-//! Everything that an archive of a machine holds: the library that serves all machines, under the
-//! machine's name, and the machine's file in the resources. All but this is generated from the
-//! file.
+//! Content of a machine's archive: the library that serves all machines, under the machine's name,
+//! and the machine's file in the resources. Everything else is generated from this file.
 
 use crate::archive::{self, Content};
 use crate::error::Result;
@@ -16,7 +15,7 @@ use vibro_sketch::Sketch;
 /// Path of the model description inside every archive.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 
-/// End of an archive's file name, which tells its version of FMI.
+/// Suffix of an archive's file name, which depends on the FMI version.
 pub const fn suffix(version: Version) -> &'static str {
     match version {
         Version::Fmi2 => "",
@@ -30,10 +29,10 @@ pub fn file_name(machine: &str, version: Version) -> String {
     format!("{machine}{}.fmu", suffix(version))
 }
 
-/// Content of a version's archive; a plan with arrays gives the archive of FMI 3.0 with arrays.
+/// Content of a version's archive; a plan with arrays gives the FMI 3.0 archive with arrays.
 ///
 /// # Errors
-/// [`Error::Picture`](crate::Error::Picture): only by a defect of this crate.
+/// [`Error::Picture`](crate::Error::Picture), only through a defect of this crate.
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), plan.xml(version, kit.date.clone()).into_bytes()),
@@ -58,16 +57,16 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     Ok(content)
 }
 
-/// Writes the archive of a machine for a version of FMI, whole or not at all.
+/// Writes the archive of a machine for an FMI version, atomically.
 ///
 /// # Errors
-/// [`Error::Machine`](crate::Error::Machine) for a machine that has no start,
+/// [`Error::Machine`](crate::Error::Machine) for a machine without a start,
 /// [`Error::File`](crate::Error::File).
 pub fn write(machine: &Description, version: Version, kit: &Kit, path: &Path) -> Result<()> {
     archive::write(&content(version, &Plan::of(machine)?, kit)?, path)
 }
 
-/// Icon, diagram and terminals, by the names that the version gives them (FMI 2.0, 2.3; FMI 3.0.2,
+/// Icon, diagram and terminals, with the names required by the version (FMI 2.0, 2.3; FMI 3.0.2,
 /// 2.5.1 and 2.4.9).
 fn pictures(version: Version, plan: &Plan) -> Result<Content> {
     let machine = &plan.assembly.description;

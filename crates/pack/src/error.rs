@@ -1,19 +1,19 @@
-//! What can go wrong while archives are written and read.
+//! Errors when writing and reading archives.
 
 use std::path::{Path, PathBuf};
 
-/// What can go wrong; every message says what was wrong and what to do.
+/// Error; each message says what is wrong and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
     #[error("{action} {}: {source}", path.display())]
     File {
-        /// What was tried, e.g. `writing`.
+        /// The attempted action, e.g. `writing`.
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: std::io::Error,
     },
     /// The archive could not be written or read.
@@ -21,7 +21,7 @@ pub enum Error {
     Archive {
         /// The archive.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: zip::result::ZipError,
     },
     /// The archive lacks a file.
@@ -29,7 +29,7 @@ pub enum Error {
     Missing {
         /// The archive.
         path: PathBuf,
-        /// The file looked for.
+        /// The missing file.
         name: String,
     },
     /// The machine cannot be packed as an FMU.
@@ -41,7 +41,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// For `map_err` on file operations.
+    /// Maps an I/O error of a file operation, for `map_err`.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { action, path: path.to_owned(), source }
     }

@@ -1,16 +1,16 @@
-//! The kit: the part that the archives of all machines share, and its file.
+//! The kit: the part shared by the archives of all machines, and its file.
 
 use crate::archive::{self, Content};
 use crate::binaries::Binaries;
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// Name of the file of a kit that goes with the Python package.
+/// Name of the kit's file in the Python package.
 pub const KIT_FILE: &str = "machine-kit.zip";
 /// Name, among the licences, of the list of linked packages.
 pub const LICENCE_LIST: &str = "README.txt";
 
-/// Folders of the entries of its file, and the entry of its date.
+/// Folders of the entries of a kit file, and the entry with the date.
 const BINARIES: &str = "binaries/";
 const LICENCES: &str = "licences/";
 pub(crate) const DATE: &str = "date.txt";
@@ -18,11 +18,11 @@ pub(crate) const DATE: &str = "date.txt";
 /// Compiled library and licences, shared by the archives of all machines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Kit {
-    /// The library that serves all machines, compiled.
+    /// The compiled library, which serves all machines.
     pub binaries: Binaries,
-    /// The texts of the licences of what is in it.
+    /// Licence texts of everything in the library.
     pub licences: Content,
-    /// When its sources were last changed.
+    /// Date of the last change of its sources.
     pub date: Option<String>,
 }
 
@@ -62,7 +62,7 @@ impl Kit {
     /// Reads a kit's file.
     ///
     /// # Errors
-    /// [`Error::Archive`], [`Error::File`]; [`Error::Missing`] for an archive that is no kit.
+    /// [`Error::Archive`], [`Error::File`]; [`Error::Missing`] for an archive that is not a kit.
     pub fn read(path: &Path) -> Result<Self> {
         let missing = || Error::Missing { path: path.to_owned(), name: format!("{BINARIES}PLATFORM") };
         let kit = Self::from_entries(archive::read_all(path)?).ok_or_else(missing)?;

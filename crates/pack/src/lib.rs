@@ -1,12 +1,12 @@
-//! FMU archives of machines that a text file describes, without a compiler: one compiled library
-//! serves all machines, and all else in an archive follows from the machine's file.
+//! FMU archives of machines described by a text file, without a compiler: one compiled library
+//! serves all machines, and the rest of an archive is generated from the machine's file.
 //!
 //! ```text
 //! description ─▶ content (modelDescription.xml, page, terminals, pictures, file) ─┐
 //!                         kit (the compiled library and its licences, kept) ──────┴─▶ archive
 //! ```
 //!
-//! The packager `fmu-build` makes kits; the Python package holds one.
+//! The packager `fmu-build` makes kits; the Python package contains one.
 #![forbid(unsafe_code)]
 
 pub mod archive;

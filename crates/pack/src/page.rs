@@ -1,4 +1,4 @@
-//! The page of documentation of a described machine: its sketch, its description in words, and the
+//! The documentation page of a described machine: its sketch, its description in words, and the
 //! table of its variables.
 
 use crate::error::Result;
@@ -7,14 +7,14 @@ use vibro_figures::canvas;
 use vibro_machine_component::{FILE, Plan, Quantity, Role};
 use vibro_sketch::Sketch;
 
-/// Style sheet: limited line length, tables that scroll, a dark scheme on request; the sketch stays
+/// Style sheet: limited line length, scrolling tables, a dark scheme on request; the sketch stays
 /// on white.
 const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
     table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
     figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
-/// Least displayed width of the sketch, as a fraction of its drawn width. Its names are then nine
-/// pixels high. On a narrower page the sketch scrolls sideways.
+/// Smallest displayed width of the sketch, as a fraction of its drawn width: its names are then
+/// nine pixels high. On a narrower page the sketch scrolls sideways.
 const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, explanation, roles.
@@ -43,7 +43,7 @@ const SECTIONS: [(&str, &str, &[Role]); 6] = [
     ),
 ];
 
-/// The start value of a parameter, or of a number that follows from parameters.
+/// The start value of a parameter, or of a value that follows from parameters.
 fn start(plan: &Plan, quantity: Quantity) -> Option<f64> {
     match quantity {
         Quantity::Parameter(i) => Some(plan.table.parameters[i].value),
@@ -52,19 +52,19 @@ fn start(plan: &Plan, quantity: Quantity) -> Option<f64> {
     }
 }
 
-/// A text whose characters have no meaning in HTML, such as a comment of the machine's file.
+/// Escapes the special characters of HTML, for example in a comment of the machine's file.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// The page. Names and units consist of letters, digits and signs to which HTML gives no meaning.
+/// The page. Names and units need no escaping: their characters have no meaning in HTML.
 ///
 /// # Errors
-/// [`Error::Picture`](crate::Error::Picture): only by a defect of this crate.
+/// [`Error::Picture`](crate::Error::Picture), only through a defect of this crate.
 pub fn page(plan: &Plan) -> Result<String> {
     let (name, machine) = (plan.name(), &plan.assembly.description);
     let sketch = canvas::svg(&Sketch::new(machine))?;
-    // Within a page an SVG has no declaration.
+    // An SVG within a page has no declaration.
     let sketch = sketch.find("<svg").map_or("", |from| &sketch[from..]);
     let width: f64 = sketch.split('"').nth(1).and_then(|width| width.parse().ok()).unwrap_or_default();
     let sketch = sketch.replacen("<svg", &format!("<svg style=\"min-width:{:.0}px\"", LEAST * width), 1);

@@ -1,6 +1,6 @@
-//! Reference results in the archives of described machines, by the layered standard FMI-LS-REF
+//! Reference results in the archives of described machines, as in the layered standard FMI-LS-REF
 //! 1.0.0-alpha.1 (modelica/fmi-ls-ref): the default experiment and its events, computed by the
-//! engine on the computer that packs.
+//! engine on the computer that builds the archive.
 
 use crate::archive::Content;
 use fmi_doors::description::Experiment;
@@ -17,14 +17,14 @@ pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 /// Version of the layered standard.
 const VERSION: &str = "1.0.0-alpha.1";
 
-/// Steps of the default experiment per row of its result.
+/// Number of steps of the default experiment per row of its result.
 const REPORTED: u32 = 4;
-/// Most events in the result.
+/// Largest number of events in the result.
 const EVENTS: usize = 1000;
-/// Relative perturbation of the second motion's start: some roundings.
+/// Relative perturbation of the second motion's start: a few roundings.
 const SHIFT: f64 = 1e-14;
-/// Largest difference of both motions, relative to a column's largest value, up to which the result
-/// is written. Other processors then agree as well.
+/// Largest difference of both motions, relative to a column's largest value, for a row to be
+/// written. Other processors then agree as well.
 const AGREEMENT: f64 = 1e-9;
 
 /// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
@@ -35,7 +35,7 @@ smoke-test.xml   that experiment and its result, in the form of the draft's sche
                  that reproduces default.csv to 1e-8 of each column's largest value runs this FMU right\n\
 events.csv       its events, at most 1000: two rows at each one's time, the states before and after its law\n";
 
-/// The files by their names in the folder; empty for a machine whose motion cannot be computed.
+/// The files by name in the folder; empty for a machine whose motion cannot be computed.
 pub fn files(plan: &Plan) -> Content {
     let experiment = plan.description().experiment;
     let Ok((rows, end)) = default_result(plan, experiment) else { return Content::new() };
@@ -58,10 +58,10 @@ pub fn files(plan: &Plan) -> Content {
     ])
 }
 
-/// A file that the manifest names: media type, place, role, description.
+/// A file listed in the manifest: media type, path, role, description.
 pub type Related<'a> = (&'a str, &'a str, &'a str, &'a str);
 
-/// Files of every such folder: the explanation, and the default experiment.
+/// Files that every such folder has: the explanation and the default experiment.
 pub const ALWAYS: [Related<'_>; 2] = [
     (
         "application/xml",
@@ -90,7 +90,7 @@ pub fn manifest<'a>(files: impl IntoIterator<Item = Related<'a>>) -> String {
     text + "</fmiReferences>\n"
 }
 
-/// `smoke-test.xml`: an experiment whose result is in `default.csv`, by the draft's schema of
+/// `smoke-test.xml`: an experiment whose result is `default.csv`, in the draft's schema of
 /// experiments. `agreement` is the text on the expected reproducibility.
 pub fn smoke_test(experiment: Experiment, agreement: &str) -> String {
     let Experiment { start_time, stop_time, tolerance, step_size } = experiment;
@@ -120,7 +120,7 @@ fn push(text: &mut String, time: f64, states: &[f64]) {
     }
 }
 
-/// The motion whose start differs by a few roundings from the machine's own.
+/// A motion whose start differs by a few roundings from the machine's own.
 fn beside(plan: &Plan, motion: &Motion) -> Result<Motion, Error> {
     let states = states(motion);
     let starts =
@@ -129,7 +129,7 @@ fn beside(plan: &Plan, motion: &Motion) -> Result<Motion, Error> {
     Motion::new(Arc::new(machine))
 }
 
-/// The rows of the result, to ten digits, and the time of the last.
+/// The rows of the result, to ten digits, and the time of the last row.
 fn default_result(plan: &Plan, experiment: Experiment) -> Result<(String, f64), Error> {
     let mut motion = Motion::new(plan.assembly.clone())?;
     let mut other = beside(plan, &motion)?;
@@ -165,7 +165,7 @@ fn default_result(plan: &Plan, experiment: Experiment) -> Result<(String, f64), 
     Ok((text, end))
 }
 
-/// Two rows for each event up to a time: before and after its law.
+/// Two rows for each event up to `end`: before and after its law.
 fn events(plan: &Plan, end: f64) -> String {
     let mut text = format!("time{}\n", heading(plan));
     let Ok(mut motion) = Motion::new(plan.assembly.clone()) else { return text };

@@ -6,11 +6,11 @@ use std::fmt::Write;
 use vibro_machine::description::{Body, BodyKind, Dimension, Level};
 use vibro_machine_component::Plan;
 
-/// Kinds of the terminals, of translation and of rotation; kinds of tools begin with an underscore
-/// and the tool's name.
+/// Kinds of the terminals, for translation and for rotation. Kinds defined by tools begin with an
+/// underscore and the tool's name.
 const KINDS: [&str; 2] = ["_VibroImpact_TranslationalFlange", "_VibroImpact_RotationalFlange"];
 
-/// The input that a body's motion has, and its level: `s`, `v` or `a`.
+/// The input of a body's motion, and its level: `s`, `v` or `a`.
 fn driving_input(body: &Body) -> Option<(String, &'static str)> {
     let name = &body.name;
     match &body.kind {
@@ -25,7 +25,7 @@ fn driving_input(body: &Body) -> Option<(String, &'static str)> {
     }
 }
 
-/// The text of the file. The rule is `bus`, since a partner may have displacement and force alone.
+/// The text of the file. The rule is `bus`, since a partner may only have displacement and force.
 pub fn xml(plan: &Plan) -> String {
     let machine = &plan.assembly.description;
     let mut text = String::from(
@@ -67,7 +67,7 @@ pub fn xml(plan: &Plan) -> String {
 mod tests {
     use super::*;
 
-    /// Bodies that inputs drive at each level, and a load of one.
+    /// Bodies driven by inputs at each level, and a body with a load.
     const DRIVEN: &str = "name = \"Driven\"\n[body.a]\nmotion = { input = true }\n[body.b]\nmotion = { rate = { input = true } }\n\
         [body.c]\ndimension = \"rotation\"\nmotion = { acceleration = { input = true } }\n[body.d]\nmass = 1.0\n[load.push]\non = \"d\"\n\
         input = true\n";

@@ -1,5 +1,5 @@
-//! Blocks under the machine: a box with what it reads on its left and what it puts out, with the
-//! loads that follow it, on its right. Signals have no lines to the machine: they are named.
+//! Blocks under the machine: a box with its inputs on the left, and its outputs with the loads
+//! that follow them on the right. Signals are named instead of connected to the machine by lines.
 
 use crate::connections::number;
 use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN};
@@ -7,13 +7,13 @@ use vibro_figures::canvas::text_width;
 use vibro_machine::Description;
 use vibro_machine::description::Block;
 
-/// Height of the name of a signal.
+/// Line height of a signal's name.
 pub(crate) const LINE: f64 = 50.0;
 /// Length of the arrows into and out of a box.
 pub(crate) const ARROW: f64 = 90.0;
 /// Distance between a signal's name and its arrow.
 pub(crate) const BESIDE: f64 = 14.0;
-/// Least width and height of a box.
+/// Smallest width and height of a box.
 const BOX: (f64, f64) = (190.0, 130.0);
 /// Distance between boxes.
 const APART: f64 = 36.0;
@@ -24,9 +24,9 @@ pub(crate) struct BlockBox {
     pub name: String,
     /// Time between samples, in words; empty for a continuous block.
     pub sample: String,
-    /// By line what it reads.
+    /// The inputs, by line.
     pub reads: Vec<String>,
-    /// By line what it puts out.
+    /// The outputs, by line.
     pub puts: Vec<String>,
     pub left: f64,
     pub right: f64,
@@ -63,20 +63,20 @@ impl BlockBox {
         [&self.reads, &self.puts].map(|names| widest(names, FONT) + ARROW + 2.0 * BESIDE)
     }
 
-    /// Height of a line's middle among `count` lines.
+    /// y coordinate of the middle of a line among `count` lines.
     pub(crate) fn line(&self, line: usize, count: usize) -> f64 {
         0.5 * (self.top + self.bottom) + LINE * (line as f64 - 0.5 * (count as f64 - 1.0))
     }
 
-    /// Heights of the middles of name and time between samples.
+    /// y coordinates of the middles of the name and of the time between samples.
     pub(crate) fn titles(&self) -> [f64; 2] {
         let middle = 0.5 * (self.top + self.bottom);
         if self.sample.is_empty() { [middle; 2] } else { [middle - 0.45 * ARM_FONT, middle + ARM_FONT] }
     }
 }
 
-/// The boxes of a machine's blocks, one under the other from a height on, in a picture of a width,
-/// and the least width that holds them.
+/// The boxes of a machine's blocks, stacked below `top` in a picture of the given width, and the
+/// smallest width that holds them.
 pub(crate) fn blocks(machine: &Description, top: f64, width: f64) -> (Vec<BlockBox>, f64) {
     let of = |(place, block): (usize, &Block)| BlockBox::new(machine, place, block);
     let mut all: Vec<BlockBox> = machine.blocks.iter().enumerate().map(of).collect();

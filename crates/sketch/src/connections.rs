@@ -1,4 +1,4 @@
-//! Elements as connections between bodies, with the symbol of each.
+//! Elements as connections between bodies, with their symbols.
 
 use vibro_machine::description::{Arms, SeriesLaw, Spring, StopLaw};
 use vibro_machine::{Description, Element};
@@ -8,7 +8,7 @@ use vibro_machine::{Description, Element};
 pub(crate) enum Symbol {
     /// A zigzag, a dashpot, or both in parallel.
     Spring { zigzag: bool, dashpot: bool },
-    /// A zigzag in series with a dashpot or a slider, and where `dashpot` one in parallel to both.
+    /// A zigzag in series with a dashpot or a slider; `dashpot`: one in parallel to both.
     Series { slides: bool, dashpot: bool },
     /// Two plates with a gap; a zigzag behind one of them if it is compliant.
     Stop { compliant: bool },
@@ -20,8 +20,8 @@ pub(crate) enum Symbol {
     Link,
 }
 
-/// The ends of an element. Between two ends e is that of the second less that of the first, each
-/// with its arm; `None` is ground. Else e is a sum over three bodies or more.
+/// The ends of an element. Between two ends, the elongation e is the second minus the first, each
+/// with its arm; `None` is ground. Otherwise e is a sum over three or more bodies.
 #[derive(Clone, Debug)]
 pub(crate) enum Ends {
     Two([Option<usize>; 2]),

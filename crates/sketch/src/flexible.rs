@@ -1,12 +1,12 @@
-//! Bodies with many coordinates, drawn as one box each.
+//! Bodies with several coordinates, drawn as one box each.
 
 use std::collections::HashMap;
 use vibro_machine::Description;
 use vibro_machine::description::{Arms, Body, BodyKind, Dimension, Free};
 use vibro_numerics::sorting::sort_by_key;
 
-/// The machine with a body in place of the coordinates and nodes of each body with many. An element
-/// between two nodes of one body is left out.
+/// The machine with each body of several coordinates and nodes replaced by one body. An element
+/// between two nodes of the same body is left out.
 pub(crate) fn drawn(machine: &Description) -> Description {
     let mut drawn = machine.clone();
     if !machine.bodies.iter().any(Body::is_inner) {
@@ -34,7 +34,7 @@ pub(crate) fn drawn(machine: &Description) -> Description {
         arms.terms.dedup_by_key(|term| term.0);
         !several || arms.terms.len() > 1
     };
-    // Without `..`, so that a further kind of element is an error here until its arms are moved.
+    // Without `..`, so that a new kind of element is a compile error until its arms are moved.
     let Description {
         springs,
         dampers,

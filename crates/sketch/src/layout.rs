@@ -1,6 +1,6 @@
-//! Places of all symbols. Bodies are boxes in a row. Elements between neighbours, and loads, stand
-//! in lanes of the gap between two boxes; elements to ground stand in the gaps at the ends of the
-//! row or in lanes under it; all others stand in lanes over the row. Blocks stand under all.
+//! Positions of all symbols. Bodies are boxes in a row. Elements between neighbours, and loads,
+//! are in lanes of the gap between two boxes. Elements to ground are in the end gaps or in lanes
+//! under the row. Other elements are in lanes above the row; blocks are at the bottom.
 
 use crate::blocks::{BlockBox, blocks};
 use crate::connections::{Connection, Ends, Symbol, connections};
@@ -12,15 +12,15 @@ use vibro_machine::Description;
 use vibro_machine::description::{BodyKind, Dimension};
 use vibro_numerics::sorting::sort_by_key;
 
-/// Least length of a symbol.
+/// Smallest length of a symbol.
 const SYMBOL: f64 = 230.0;
-/// Length of a symbol between the texts of its lever arms.
+/// Length of the symbol itself between the texts of its lever arms.
 const BARE: f64 = 240.0;
-/// Room between a text and what is beside it.
+/// Space between a text and its neighbour.
 const ROOM: f64 = 24.0;
-/// Distance from a box to the lanes over and under it.
+/// Distance from a box to the lanes above and below it.
 const OFF: f64 = 30.0;
-/// Least width and height of a box.
+/// Smallest width and height of a box.
 const BOX: (f64, f64) = (170.0, 190.0);
 /// Distance between legs on a box.
 const LEGS: f64 = 46.0;
@@ -39,32 +39,32 @@ pub(crate) struct BodyBox {
     pub gravity: f64,
 }
 
-/// A symbol with its place in a lane.
+/// A symbol with its position in a lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub name: String,
-    /// `None` is a load's arrow.
+    /// `None` for a load's arrow.
     pub symbol: Option<Symbol>,
     pub from: f64,
     pub to: f64,
     /// Height of the symbol's middle.
     pub y: f64,
-    /// Whether a stop is drawn as two plates that face one another, else as a clasp.
+    /// Whether a stop is drawn as two facing plates; otherwise as a clasp.
     pub faces: bool,
     /// Texts of the lever arms at both ends.
     pub arms: [Option<String>; 2],
-    /// The boxes with which its ends move; `None` is ground.
+    /// The boxes attached to its ends; `None` for ground.
     pub with: With,
-    /// By how much it is longer than as it was laid out.
+    /// Extension compared with its length in the layout.
     pub stretch: f64,
-    /// Distance between the plates of a stop, if it is another than as laid out.
+    /// Distance between the plates of a stop, if it differs from the layout.
     pub opening: Option<f64>,
 }
 
-/// The boxes with which two places move, by their columns.
+/// Columns of the boxes attached to two points.
 pub(crate) type With = [Option<usize>; 2];
 
-/// Places of all symbols.
+/// Positions of all symbols.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Layout {
     pub width: f64,
@@ -77,7 +77,7 @@ pub(crate) struct Layout {
     pub lines: Vec<([(f64, f64); 2], With)>,
     /// Walls: x, top, bottom, and whether the hatching is on the right.
     pub walls: Vec<(f64, f64, f64, bool)>,
-    /// Texts of lever arms at legs, with their places and columns.
+    /// Texts of lever arms at legs, with their positions and columns.
     pub texts: Vec<((f64, f64), String, usize)>,
     pub blocks: Vec<BlockBox>,
 }
@@ -105,7 +105,7 @@ pub(crate) fn room_of(arm: Option<&str>) -> f64 {
 
 /// Width of a symbol with its name and lever arms.
 fn need(item: &Item) -> f64 {
-    // The symbol is centred, so that both ends have the room of the longer text.
+    // The symbol is centred, so both ends get the space for the longer text.
     let arm = item.arms.iter().map(|arm| room_of(arm.as_deref())).fold(0.0, f64::max);
     (text_width(&item.name, FONT) + ROOM).max(SYMBOL).max(if arm > 0.0 { BARE + 2.0 * arm } else { 0.0 })
 }
@@ -128,11 +128,11 @@ struct Long {
     arms: Vec<(usize, String)>,
 }
 
-/// Items by where they stand: in gaps, under boxes and over the row.
+/// Items by their region: in gaps, under boxes and above the row.
 #[derive(Default)]
 struct Sorted {
     gaps: Vec<Vec<Item>>,
-    /// By column: items with the wall on the left, and on the right.
+    /// Items by column: first with the wall on the left, then on the right.
     under: Vec<[Vec<Item>; 2]>,
     over: Vec<Long>,
 }
@@ -217,8 +217,8 @@ impl Layout {
         layout
     }
 
-    /// Places the boxes. Returns by column the long elements whose legs stand on the box, from left
-    /// to right.
+    /// Places the boxes. Returns, for each column, the long elements that have a leg on the box,
+    /// from left to right.
     fn boxes(&mut self, machine: &Description, order: &[usize], sorted: &Sorted) -> Vec<Vec<usize>> {
         let count = order.len();
         let span = |long: &Long| long.columns[long.columns.len() - 1] - long.columns[0];
@@ -226,8 +226,8 @@ impl Layout {
             .map(|place| {
                 let ends = |(_, long): &(usize, &Long)| long.columns.contains(&place);
                 let mut own: Vec<_> = sorted.over.iter().enumerate().filter(ends).collect();
-                // Leftward elements the short ones first, rightward ones last: legs do not cross
-                // the lanes of other elements of their box.
+                // Leftward elements first, short before long, then rightward ones, long before
+                // short: legs do not cross the lanes of other elements of their box.
                 sort_by_key(&mut own, |(_, long)| {
                     let leftwards = long.columns[0] != place;
                     if leftwards { (0, span(long)) } else { (1, usize::MAX - span(long)) }
@@ -245,7 +245,7 @@ impl Layout {
         let stack = |gap: &Vec<Item>| gap.iter().map(lane).sum::<f64>();
         let tallest = sorted.gaps.iter().map(stack).fold(BOX.1, f64::max) + ROOM;
         let mut x = MARGIN + if walled(&sorted.gaps[0]) { WALL } else { 0.0 };
-        // An element above the row with a wall begins to the left of its first box.
+        // An element above the row with a wall starts left of its first box.
         let walls = sorted.over.iter().filter(|long| long.walled && long.columns[0] == 0);
         let first = walls.map(|long| need(&long.item) + WALL).fold(0.0, f64::max);
         x += (first - widths[0]).max(0.0);
@@ -356,8 +356,8 @@ impl Layout {
             let height = lane(item);
             let (first, last) = (ports[0].1, ports[ports.len() - 1].1);
             let (from, to) = if *walled { (first - need(item), first) } else { (first, last) };
-            // Legs of elements in the lanes above cross this lane: the symbol stands in the widest
-            // part between them.
+            // Legs of elements in the lanes above cross this lane: the symbol is in the widest
+            // free interval.
             let above = by_length[rank + 1..].iter().flat_map(|&above| ports_of(self, above));
             let mut cuts: Vec<f64> = above.map(|port| port.1).filter(|x| from < *x && *x < to).collect();
             cuts.extend([from, to]);
@@ -389,7 +389,7 @@ impl Layout {
         }
     }
 
-    /// The x of the leg of a long element on a box.
+    /// The x coordinate of a long element's leg on a box.
     fn port(&self, place: usize, long: usize, legs: &[Vec<usize>]) -> f64 {
         let BodyBox { left, right, .. } = self.bodies[place];
         let rank = legs[place].iter().position(|&i| i == long).unwrap_or(0);

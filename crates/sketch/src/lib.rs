@@ -1,6 +1,6 @@
 //! Schematic sketch of a machine: bodies in a row along their coordinate, springs as zigzags,
 //! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched.
-//! Blocks are boxes under them.
+//! Blocks are boxes at the bottom.
 //!
 //! ```text
 //! description ─▶ connections   elements with their ends
@@ -59,7 +59,7 @@ impl Sketch {
     }
 
     /// The sketch of the machine in motion: each body moved along the row by `shift`, and the
-    /// plates of each stop as far apart as `opening` says, by name, in units of the drawing.
+    /// plates of each stop `opening` apart; both by name, in units of the drawing.
     ///
     /// ```
     /// use vibro_machine::file::{no_records, parse};
@@ -79,8 +79,8 @@ impl Sketch {
         Self { layout: self.layout.moved(shift, opening), icon: self.icon }
     }
 
-    /// Names of the drawn bodies, then of the drawn elements, then of the blocks: the numbers of
-    /// the things in [`flat`](vibro_figures::canvas::flat()).
+    /// Names of the drawn bodies, then of the drawn elements, then of the blocks, in the order of
+    /// the item numbers in [`flat`](vibro_figures::canvas::flat()).
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let Layout { bodies, placed, blocks, .. } = &self.layout;
         let elements = placed.iter().map(|placed| placed.name.as_str());

@@ -1,13 +1,13 @@
-//! A layout with its bodies in other places: what is fastened to them goes with them.
+//! A layout with moved bodies; everything attached to them moves along.
 
 use crate::layout::{Layout, With};
 
-/// Least length of a symbol between bodies that come near.
+/// Smallest length of a symbol between approaching bodies.
 const LEAST: f64 = 60.0;
 
 impl Layout {
-    /// The layout with each body moved along the row by `shift`, and the plates of stops as far
-    /// apart as `opening` says, both by name and in units of the drawing.
+    /// The layout with each body moved along the row by `shift`, and the plates of each stop
+    /// `opening` apart; both by name, in units of the drawing.
     pub(crate) fn moved(&self, shift: &dyn Fn(&str) -> f64, opening: &dyn Fn(&str) -> Option<f64>) -> Self {
         let mut moved = self.clone();
         let shifts: Vec<f64> = self.bodies.iter().map(|body| shift(&body.name)).collect();

@@ -1,15 +1,15 @@
-//! Order of the bodies in the row, such that elements act between neighbours and ground is at the
+//! Order of the bodies in the row: elements act between neighbours if possible, with ground at the
 //! ends.
 
 use crate::connections::{Connection, Ends, Symbol};
 
-/// Up to this many bodies every order is tried; with more, exchanges of two until none is better.
+/// Largest number of bodies for trying all orders; with more, pairs are exchanged.
 const ALL_ORDERS: usize = 7;
-/// Most passes over all pairs in the search by exchanges.
+/// Largest number of passes over all pairs in the search by exchanges.
 const TURNS: usize = 20;
 
-/// The body of an element to ground, and the side on which ground is drawn: that on which a stop's
-/// plates face one another.
+/// The body of an element to ground, and the side on which ground is drawn: the side on which a
+/// stop's plates face each other.
 pub(crate) fn ground_side(connection: &Connection) -> Option<(usize, Side)> {
     match (&connection.ends, connection.symbol) {
         (Ends::Two([None, Some(body)]), Symbol::Stop { .. }) => Some((*body, Side::Right)),
@@ -45,7 +45,7 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
-            // With many bodies only nearby ones are exchanged, which bounds the time.
+            // For a large number of bodies only nearby ones are exchanged, which bounds the time.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
                 let changed = cost(&best, connections);
@@ -74,8 +74,8 @@ fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize]
     }
 }
 
-/// Cost of an order: elements that pass over bodies, stops that do not face, ground at inner bodies
-/// and, with the least weight, inversions of the file's order.
+/// Cost of an order: elements that cross bodies, stops whose plates do not face each other, ground
+/// at inner bodies and, with the smallest weight, inversions of the file's order.
 fn cost(order: &[usize], connections: &[Connection]) -> usize {
     let mut column = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &body)| column[body] = place);

@@ -20,7 +20,7 @@ struct Hand<'c> {
     canvas: &'c mut Canvas,
     named: bool,
     scale: f64,
-    /// By how much the symbol at hand is longer than as laid out.
+    /// Extension of the current symbol compared with the layout.
     stretch: f64,
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64
 }
 
 impl Hand<'_> {
-    /// The marks that `draw` draws, as those of one thing.
+    /// Draws marks with `draw`, tagged as one item.
     fn tagged(&mut self, tag: u32, draw: impl FnOnce(&mut Hand<'_>)) {
         let Self { named, scale, stretch, .. } = *self;
         self.canvas.tagged(tag, |canvas| draw(&mut Hand { canvas, named, scale, stretch }));
@@ -150,7 +150,7 @@ impl Hand<'_> {
         }
     }
 
-    /// The arc that marks a body that turns.
+    /// The arc that marks a rotating body.
     fn turn(&mut self, (x, y): CanvasPoint) {
         let at = |k: u32| {
             let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
@@ -231,7 +231,7 @@ impl Hand<'_> {
 
     /// A zigzag with `teeth` in the middle of a line.
     fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
-        // As long as it was laid out, and what it is stretched.
+        // The length in the layout plus the stretch.
         let length = (to - from - self.stretch).min(34.0 * f64::from(teeth));
         let length = (length + self.stretch).max(0.2 * length).min(to - from);
         let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
@@ -245,7 +245,7 @@ impl Hand<'_> {
         self.line(points);
     }
 
-    /// A short zigzag, and a dashpot or a slider behind it, which take half of the stretch each.
+    /// A short zigzag in series with a dashpot or a slider; each takes half of the stretch.
     fn series(&mut self, from: f64, to: f64, y: f64, slides: bool) {
         let (middle, stretch) = (0.5 * (from + to), self.stretch);
         self.stretch = 0.5 * stretch;
@@ -258,13 +258,13 @@ impl Hand<'_> {
         self.stretch = stretch;
     }
 
-    /// The middles of a symbol's two halves, which go with its ends.
+    /// The middles of a symbol's two halves, which move with its ends.
     fn halves(&self, from: f64, to: f64) -> (f64, f64) {
         let half = 0.5 * (to - from - self.stretch);
         (from + half, to - half)
     }
 
-    /// Two bars in sliding contact, each to `half` beyond the middle.
+    /// Two bars in sliding contact, each extending to `half` beyond the middle.
     fn bars(&mut self, from: f64, to: f64, y: f64, half: f64) {
         let (left, right) = self.halves(from, to);
         self.line(vec![(from, y), (left - half, y), (left - half, y - 9.0)]);
@@ -273,8 +273,8 @@ impl Hand<'_> {
         self.line(vec![(right + half, y + 9.0), (right + half, y), (to, y)]);
     }
 
-    /// A pawl of the left end on the teeth of the right one, which it keeps from going away, or
-    /// where they `face` each other from coming near.
+    /// A pawl of the left end on the teeth of the right end. It prevents separation, or approach
+    /// if both ends `face` each other.
     fn ratchet(&mut self, from: f64, to: f64, y: f64, face: bool) {
         const TOOTH: f64 = 24.0;
         let (first, base) = (0.5 * (from + to) - 2.0 * TOOTH, y + 12.0);
@@ -312,8 +312,8 @@ impl Hand<'_> {
         self.line(vec![(right, y), (to, y)]);
     }
 
-    /// Places of the first plate, which goes with the left end, and of what it meets, between which
-    /// a stop is open.
+    /// Positions of the first plate, which moves with the left end, and of its counterpart; a stop
+    /// is open between them.
     fn met(&self, (from, to): (f64, f64), compliant: bool, opening: Option<f64>, way: f64) -> (f64, f64) {
         let (left, right) = self.halves(from, to);
         let off = if compliant { 48.0 } else { 0.0 };
@@ -323,7 +323,7 @@ impl Hand<'_> {
         (plate, opening.map_or(rest, |open| plate + way * open.clamp(0.0, room.max(0.0))))
     }
 
-    /// A stop with two plates that face each other.
+    /// A stop with two facing plates.
     fn plates(&mut self, ends: (f64, f64), y: f64, compliant: bool, opening: Option<f64>) {
         let ((from, to), (left, right)) = (ends, self.met(ends, compliant, opening, 1.0));
         self.line(vec![(from, y), (left, y)]);

@@ -1,5 +1,4 @@
-//! Sketches of random machines: no two names overlap, and none lies outside the picture or under a
-//! line.
+//! Sketches of random machines: names do not overlap, leave the picture or lie under a line.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -43,7 +42,7 @@ fn machine(seed: u64) -> Description {
         let kind = if i == 0 { kind[1] } else { kind[random.below(3)] };
         // Writing to a string cannot fail.
         let _ = writeln!(text, "[body.{name}]\n{kind}");
-        // Something acts on each.
+        // Each body has an element.
         let _ = writeln!(text, "[spring.g{i}]\nbetween = [\"ground\", \"{name}\"]\nstiffness = 1.0");
     }
     for k in 0..random.below(15) {
@@ -96,7 +95,7 @@ fn attribute<'a>(element: &'a str, name: &str) -> Option<&'a str> {
     element.split_once(&format!(" {name}=\""))?.1.split('"').next()
 }
 
-/// The bounding box of a text, from widths of letters and height of capitals, in units of the
+/// The bounding box of a text, from widths of letters and the height of capitals, in units of the
 /// drawing.
 #[derive(Debug)]
 struct Label {

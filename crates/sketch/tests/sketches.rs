@@ -30,7 +30,7 @@ fn invariant_every_body_and_element_is_named_once() {
             .chain(machine.links.iter().map(|x| &x.name))
             .chain(machine.loads.iter().map(|x| &x.name));
         let elements = elements.chain(machine.blocks.iter().map(|x| &x.name));
-        // A body with many coordinates is drawn once, with its nodes.
+        // A body with several coordinates is drawn once, with its nodes.
         let of = |name: &str| name.split(['.', '[']).next().unwrap_or_default().to_owned();
         let bodies: BTreeSet<String> = machine.bodies.iter().map(|body| of(&body.name)).collect();
         // A body and an element may have the same name.

@@ -1,4 +1,4 @@
-//! Makes the pages: each one HTML file around a library compiled to WebAssembly, which opens from
+//! Builds the pages. Each is one HTML file around a library compiled to WebAssembly; it opens from
 //! disk and loads nothing.
 //!
 //! ```text
@@ -7,8 +7,8 @@
 //! explorer.html
 //! ```
 //!
-//! The page of described machines comes from `web/workbench/` in the same way, and may hold a kit
-//! of compiled libraries for FMUs.
+//! The page of described machines is built from `web/workbench/` in the same way, and may contain
+//! a kit of compiled libraries for FMUs.
 //!
 //! The program needs the Rust target wasm32-unknown-unknown, node and npm. It installs the npm
 //! packages of `web/explorer/page/package-lock.json` under the target folder.
@@ -32,7 +32,7 @@ enum Page {
 }
 
 impl Page {
-    /// Its name: that of its folder, of the profile of its core, and in the name of its package.
+    /// The page's name, used for its folder, the profile of its core, and its package.
     fn name(self) -> &'static str {
         match self {
             Self::Explorer => "explorer",
@@ -62,10 +62,10 @@ struct Arguments {
     scalar: bool,
 }
 
-/// What can go wrong; every message says what to do.
+/// Build errors; each message says what to do.
 #[derive(Debug, thiserror::Error)]
 enum Error {
-    /// A tool is not there.
+    /// A required tool is not installed.
     #[error("{what} is missing: {advice}")]
     Missing {
         /// The tool.
@@ -106,7 +106,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The workspace this program was compiled from.
+/// The workspace of this program's sources.
 fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.ancestors().nth(2).unwrap_or(here)
@@ -137,7 +137,7 @@ fn build(arguments: &Arguments) -> Result<PathBuf, Error> {
     Ok(page)
 }
 
-/// Whether all tools are there.
+/// Checks that all tools are installed.
 fn check_tools() -> Result<(), Error> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc)
@@ -183,15 +183,15 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     // this program.
     let folder = folder.join(if arguments.scalar { "cargo-scalar" } else { "cargo" });
     cargo.args(["--target", TARGET, "--target-dir"]).arg(&folder);
-    // The page contains no path of the machine that builds it.
+    // The page must not contain paths of the build machine.
     let remap = |from: &Path, to: &str| format!("--remap-path-prefix={}={to}", from.to_string_lossy());
     let mut flags = vec![remap(workspace(), "/vibro-impact")];
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     flags.extend(
         home.or_else(|| Some(std::env::home_dir()?.join(".cargo"))).map(|home| remap(&home, "/cargo")),
     );
-    // Both pages ask for streams that (de)compress. Every browser that has them (since 2023) also
-    // has these vectors.
+    // Both pages use (de)compression streams. Every browser that has them (since 2023) also has
+    // these vectors.
     flags.extend((!arguments.scalar).then(|| "-Ctarget-feature=+simd128".to_owned()));
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}"));
     if arguments.quick {
@@ -203,7 +203,7 @@ fn core(folder: &Path, arguments: &Arguments) -> Result<PathBuf, Error> {
     Ok(folder.join(TARGET).join(name).join(format!("vibro_{name}.wasm")))
 }
 
-/// Writes the bindings by wasm-bindgen: `core.js`, `core.d.ts` and `core_bg.wasm`.
+/// Writes the wasm-bindgen bindings: `core.js`, `core.d.ts` and `core_bg.wasm`.
 fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     let problem = |e: &dyn std::fmt::Display| Error::Bindings(e.to_string());
     let mut bindgen = Bindgen::new();
@@ -212,14 +212,14 @@ fn bindings(core: &Path, folder: &Path) -> Result<(), Error> {
     bindgen.web(true).map_err(|e| problem(&e))?.generate(folder).map_err(|e| problem(&e))
 }
 
-/// Compresses the core, with its bytes apart by kind, for `lzma.js`: as `.lzma`, with its size.
+/// Compresses the core for `lzma.js`, as `.lzma` with its size in the header.
 fn compress(core: &Path, packed: &Path) -> Result<(), Error> {
     let file = |path: &Path| {
         let path = path.to_owned();
         move |source| Error::File { path, source }
     };
     let bytes = std::fs::read(core).map_err(file(core))?;
-    // Many literals, which do not lie at multiples of anything.
+    // Settings for data with many literals and without alignment.
     let options =
         LzmaOptions { lc: 3, pb: 0, nice_len: 273, dict_size: 1 << 22, ..LzmaOptions::with_preset(9) };
     let out = std::fs::File::create(packed).map_err(file(packed))?;

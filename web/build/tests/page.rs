@@ -1,6 +1,6 @@
-//! The live page: its numbers against the native library, its modules' types, and the page in
-//! Chromium. Asked for, since it needs the target wasm32-unknown-unknown, node with npm, and
-//! Chromium; what is missing is said.
+//! The live page: its results against the native library, its modules' types, and the page in
+//! Chromium. Run on request, since the tests need the target wasm32-unknown-unknown, node with
+//! npm, and Chromium; a message names what is missing.
 
 mod common;
 
@@ -10,18 +10,18 @@ use std::sync::OnceLock;
 use vibro_impact::Simulator;
 use vibro_studies::paper::{Name, ParameterSet};
 
-/// Sine and cosine differ in the last digit between C libraries, and products are not fused in
-/// WebAssembly: some ten last digits in twenty periods, where nothing makes them grow.
+/// Largest difference without magnification: about ten last digits in twenty periods. Sine and
+/// cosine differ in the last digit between C libraries, and WebAssembly has no fused multiply-add.
 const TOLERANCE: f64 = 1e-12;
-/// Chaos amplifies rounding, by orders of magnitude at an impact with little speed. The
-/// amplification is measured on the native motion: splitting its advances alters last digits too.
-/// Differences of the two kinds agree to within this factor.
+/// Chaos amplifies rounding, by orders of magnitude at a slow impact. The amplification is
+/// measured on the native motion, whose last digits change when its advances are split. Both kinds
+/// of differences agree within this factor.
 const ALIKE: f64 = 30.0;
-/// Pieces of a drive period, as in the page's histories.
+/// Number of pieces of a drive period, as in the page's histories.
 const PIECES: u32 = 120;
 const PERIODS: u32 = 20;
 
-/// The folder of what is built, with the page in it; built once.
+/// The build folder with the page in it; built once.
 fn built() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| common::built("--quick"))
@@ -30,8 +30,8 @@ fn built() -> &'static Path {
 #[test]
 #[ignore = "needs the target wasm32-unknown-unknown and node"]
 fn second_method_the_native_library_over_twenty_periods() {
-    // One and three impacts a period, chaos, chatter with rest, plastic impacts, strong coupling, a
-    // machine in SI.
+    // One and three impacts a period, chaos, chatter with rest, plastic impacts, strong coupling,
+    // a machine in SI.
     let cases = [
         "f10=1.5",
         "f10=3.6",
@@ -71,7 +71,7 @@ fn second_method_the_native_library_over_twenty_periods() {
                 growth = growth.max((state.v[b] - other.v[b]).abs() / speed);
             }
             let allowed = TOLERANCE.max(ALIKE * growth);
-            // The tolerance still distinguishes motions in chaos.
+            // The tolerance still distinguishes chaotic motions.
             assert!(allowed < 1e-6, "{case}: {allowed}");
             assert!(
                 (row[0] - simulator.time()).abs() <= 4.0 * f64::EPSILON * row[0],
@@ -87,7 +87,7 @@ fn second_method_the_native_library_over_twenty_periods() {
             }
         }
         let impacts = (simulator.impacts().upper + simulator.impacts().lower) as f64;
-        // In chatter the run is closed at round-off, so that the last bounces differ in number.
+        // A chatter run is closed at round-off, so the number of its last bounces differs.
         let counted = numbers[numbers.len() - 1];
         assert!(
             (counted - impacts).abs() <= if case.contains("kappa") { 0.02 * impacts } else { 0.0 },
@@ -119,7 +119,7 @@ fn chromium_opens_plays_and_links_the_page() {
     let (done, printed) = node(&[&script, &folder.join("npm"), &page, &shown], "");
     println!("{printed}");
     assert!(done, "{printed}");
-    // What the page writes for `vibro` is what `vibro` reads.
+    // `vibro` reads the file that the page writes for it.
     let mut set = ParameterSet::basic();
     vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(shown.join("machine.toml")).unwrap())
         .unwrap();

@@ -1,4 +1,4 @@
-//! A missing tool is named, with what to install.
+//! The message for a missing tool names it and what to install.
 
 use std::process::Command;
 
@@ -12,7 +12,7 @@ fn a_missing_target_is_told_with_what_to_install() {
     assert!(told.contains("`rustup target add wasm32-unknown-unknown`"), "{told}");
 }
 
-/// A compiler that answers as if the target were there, and a node that does not run.
+/// A compiler that reports the target as installed, and a node that does not run.
 #[cfg(unix)]
 #[test]
 fn a_missing_node_is_told_with_what_to_install() {

@@ -1,4 +1,4 @@
-//! The workbench: its numbers are those of the native library, and the page works in Chromium.
+//! The workbench: its results equal the native library's, and the page works in Chromium.
 
 mod common;
 
@@ -10,33 +10,32 @@ use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::{Assembly, Motion, file};
 use vibro_studies::{columns, named, values};
 
-/// Largest difference relative to a column's largest value where nothing makes it grow: sine and
-/// cosine differ in the last digit between C libraries, and WebAssembly has no fused products.
+/// Largest difference relative to a column's largest value, without magnification. Sine and cosine
+/// differ in the last digit between C libraries, and WebAssembly has no fused multiply-add.
 const TOLERANCE: f64 = 1e-13;
-/// Relative change of the start of the motion by which magnification is measured.
+/// Relative change of the initial state for measuring the magnification.
 const SHIFT: f64 = 1e-14;
-/// Magnification up to which motions are compared.
+/// Largest magnification for a comparison of motions.
 const MOST: f64 = 1e9;
-/// Instants of the default experiment.
+/// Number of instants of the default experiment.
 const ROWS: usize = 60;
-/// Least part of the instants of the whole gallery at which motions are compared: the rest is
-/// beyond [`MOST`].
+/// Smallest fraction of all instants of the gallery with a comparison; the rest exceed [`MOST`].
 const COMPARED: f64 = 0.5;
 
-/// The folder of what is built, with the page in it; built once.
+/// The build folder with the page in it; built once.
 fn built() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| common::built("workbench"))
 }
 
-/// A native motion as the page makes it: to an event, over it, and on.
+/// Advances a native motion as the page does: to an event, over it, and further.
 fn advance(motion: &mut Motion, end: f64, events: &mut Vec<Event>) {
     while motion.advance_before_event(end, &mut |e| events.push(e.clone())).unwrap() == Reached::Event {
         motion.apply_event(&mut |e| events.push(e.clone())).unwrap();
     }
 }
 
-/// Number of instants at which a machine's motion is compared.
+/// Number of compared instants of a machine's motion.
 fn compared(told: &serde_json::Value) -> usize {
     let name = told["file"].as_str().unwrap();
     let machine = file::read(&workspace().join("examples/assembly").join(name)).unwrap();
@@ -44,8 +43,8 @@ fn compared(told: &serde_json::Value) -> usize {
     let mut events = Vec::new();
     let mut motion = Motion::new_observed(assembly.clone(), &mut |e| events.push(e.clone())).unwrap();
     let own: Vec<_> = (0..machine.bodies.len()).map(|i| (motion.coordinate(i), motion.rate(i))).collect();
-    // Of bodies that touch and move together nothing but the size changes; what rests at zero gets
-    // a rounding of a millimetre a second.
+    // If bodies touch and move together, only the size of their motion changes. Bodies at rest at
+    // zero get a velocity of 1e-14 mm/s.
     let at_zero = own.iter().all(|(s, v)| *s == 0.0 && *v == 0.0);
     let least = if at_zero { SHIFT * 1e-3 } else { 0.0 };
     let starts = own.iter().map(|(s, v)| (s * (1.0 + SHIFT), v * (1.0 - SHIFT) + least));
@@ -54,7 +53,7 @@ fn compared(told: &serde_json::Value) -> usize {
     let stop = told["stop"].as_f64().unwrap();
     let names = columns(&machine);
     let kind = |i: usize| names[i].rsplit('.').next().unwrap_or_default();
-    // By the last word of columns: a force that is zero but for rounding is measured by the others.
+    // Grouped by the last word of a column's name: a force of zero is compared with other forces.
     let mut largest: HashMap<&str, f64> = HashMap::new();
     let mut growth = 1.0f64;
     for (i, row) in told["rows"].as_array().unwrap().iter().enumerate() {
@@ -119,8 +118,8 @@ fn the_modules_keep_to_their_types() {
     assert!(done, "{printed}");
 }
 
-/// Largest page without libraries, bytes: a hundredth above the page's 1,077,650 when this limit was
-/// set. The core takes 1,005 kB of it, the scripts 33 kB, text and style 40 kB.
+/// Largest page without libraries, bytes: a hundredth above the page's 1,077,650 when this limit
+/// was set. The core takes 1,005 kB of it, the scripts 33 kB, text and style 40 kB.
 const LARGEST: u64 = 1_088_000;
 
 #[test]

@@ -51,7 +51,7 @@ const worker = await bundled(join(here, "src/worker.js"), {});
 const script = await bundled(join(here, "src/main.js"), { WORKER: JSON.stringify(worker) });
 const style = (await build({ entryPoints: [join(here, "style.css")], bundle: true, minify: true, write: false })).outputFiles[0].text;
 const wasm = await readFile(join(core, "core_bg.wasm"));
-// What web-build has compressed more, and what browsers unpack themselves.
+// Parts that web-build compressed more, and parts that browsers unpack themselves.
 const packed = await readFile(join(core, "core.lzma")).catch(() => gzipSync(wasm, { level: 9 }));
 const parts = {
   style, core: asText(packed),
@@ -62,7 +62,7 @@ const parts = {
 const template = await readFile(join(here, "index.html"), "utf8");
 const html = template.replace(/\{\{(\w+)\}\}/g, (_, name) => parts[/** @type {keyof typeof parts} */ (name)]);
 await mkdir(dirname(page), { recursive: true });
-// The mark of the byte order comes before what a server says of the encoding.
+// The byte order mark overrides the encoding stated by a server.
 const file = Buffer.from(`\ufeff${html}`, "utf16le");
 await writeFile(page, file);
 const kB = (/** @type {number} */ n) => `${(n / 1000).toFixed(0)} kB`;

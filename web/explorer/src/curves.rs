@@ -13,9 +13,9 @@ use wasm_bindgen::prelude::*;
 /// Value that separates two curves in the rows.
 const GAP: f64 = f64::NAN;
 
-/// The response of a theory (`exact`, `scales` or `strong`) along a parameter. A row holds the
-/// parameter's value, the amplitudes of x1, x2, x3 in units of L, and 1 if the motion is stable and
-/// admissible up to the next row, otherwise 0. A row of NaN separates two curves.
+/// The response of a theory (`exact`, `scales` or `strong`) along a parameter. A row contains the
+/// parameter's value, the amplitudes of x1, x2, x3 in units of L, and 1 if the motion is stable
+/// and admissible up to the next row, otherwise 0. A row of NaN separates two curves.
 ///
 /// # Errors
 /// An error if a name or range is not allowed, or if the theory refuses the parameters.
@@ -45,9 +45,9 @@ pub fn response(
 }
 
 /// The slow invariant manifold of multiple scales, docs/theory.md (35), with the fixed points of
-/// the slow flow on it. A row holds C and B in units of L, then 1 if a fixed point at this place
-/// passes all three tests of admissibility (otherwise 0), then the kind of the row: 0 for a point
-/// of the curve, 1 and 2 for the fixed points P₁ and P₂ under the force of the set.
+/// the slow flow on it. A row contains C and B in units of L, then 1 if a fixed point there passes
+/// all three tests of admissibility (otherwise 0), then the kind of the row: 0 for a point of the
+/// curve, 1 and 2 for the fixed points P₁ and P₂ under the set's force.
 ///
 /// # Errors
 /// An error if multiple scales refuses the groups.
@@ -62,7 +62,7 @@ pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
     let mut rows = Vec::new();
     for i in 0..=nodes {
         let c = from + (to - from) * f64::from(i) / f64::from(nodes);
-        // The force under which C is a fixed point.
+        // The force for which C is a fixed point.
         let at = MultipleScales::new(&Groups { f10: system.force(c), ..groups })?.fixed_points();
         let nearest =
             at.map(|r| if (r.lower.c - c).abs() < (r.upper.c - c).abs() { r.lower } else { r.upper });
@@ -77,14 +77,14 @@ pub fn manifold(set: &Set, nodes: u32) -> Result<Vec<f64>, JsError> {
 
 #[wasm_bindgen]
 extern "C" {
-    /// Receives the number of branches traced so far and the number of branches known so far, which
-    /// may grow. The page's worker defines this function.
+    /// Receives the numbers of branches traced and of branches known so far; the latter may
+    /// increase. The page's worker defines this function.
     #[wasm_bindgen(js_name = orbitsProgress)]
     fn orbits_progress(traced: usize, known: usize);
 }
 
-/// The branches of exact periodic orbits along a parameter. A row holds the parameter's value, a
-/// local maximum of the displacement in units of L, and 1 if the orbit is stable, otherwise 0. A
+/// The branches of exact periodic orbits along a parameter. A row contains the parameter's value,
+/// a local maximum of the displacement in units of L, and 1 if the orbit is stable, otherwise 0. A
 /// row of NaN separates two curves.
 ///
 /// # Errors
@@ -100,7 +100,7 @@ pub fn branches(
 ) -> Result<Vec<f64>, JsError> {
     let of: Displacement = of.parse()?;
     let family = Family::new(&set.0, Span::new(Name::find(along)?, from, to)?)?;
-    // Enough branches for a picture of some hundred points; `vibro orbits` finds more.
+    // Enough branches for a picture of a few hundred points; `vibro orbits` finds more.
     let options = TreeOptions {
         seeds: seeds as usize,
         settle: 300,

@@ -9,7 +9,7 @@ use vibro_studies::paper::maxima::{Displacement, record_periods};
 use vibro_studies::paper::{Name, ParameterSet};
 use wasm_bindgen::prelude::*;
 
-/// Quantity that a column shows.
+/// Quantity shown by a column.
 #[derive(Clone, Copy, Debug)]
 enum Ordinate {
     /// Local maxima of a displacement, units of L.
@@ -20,7 +20,7 @@ enum Ordinate {
     Speeds,
 }
 
-/// A parameter that varies, and the quantity shown over it.
+/// A varied parameter, and the quantity shown over it.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Columns {
@@ -29,14 +29,14 @@ pub struct Columns {
     ordinate: Ordinate,
 }
 
-/// A state in units of L and L/s. In these units it stays between the stops when the gap changes.
+/// A state in units of L and L/s. In these units it stays between the stops if the gap changes.
 fn scaled(state: &State, length: f64) -> [f64; 6] {
     let (x, v) = (state.x.map(|x| x / length), state.v.map(|v| v / length));
     [x[0], x[1], x[2], v[0], v[1], v[2]]
 }
 
-/// State in SI units from one in units of L and L/s, with the block not past a stop. Rounding may
-/// have moved the block past a stop by some units in the last place.
+/// State in SI units from a state in units of L and L/s, with the block within the stops. Rounding
+/// may have moved it past a stop by a few units in the last place.
 fn within(numbers: &[f64], length: f64) -> State {
     let mut state = state_of(&numbers.iter().map(|x| x * length).collect::<Vec<_>>());
     let room = length * (1.0 - 1e-12);
@@ -61,10 +61,9 @@ impl Columns {
         Ok(Self { set: set.0.clone(), name: Name::find(name)?, ordinate })
     }
 
-    /// The settled motion at a value of the parameter. The motion begins at `start`, a state in
-    /// units of L and L/s, and settles for `settle` drive periods. The result holds the state at
-    /// the end, six numbers in these units, and then the shown numbers of `keep` further drive
-    /// periods.
+    /// The settled motion at a parameter value. The motion begins at `start`, a state in units of
+    /// L and L/s, and settles for `settle` drive periods. Returns the state at the end, six
+    /// numbers in these units, followed by the shown numbers of `keep` further drive periods.
     ///
     /// # Errors
     /// An error if the value is out of range or the simulator stops with an error.
@@ -84,8 +83,8 @@ impl Columns {
     }
 
     /// The two largest Lyapunov exponents of the settled motion that continues from the state
-    /// `start`, over `periods` drive periods, per unit of the dimensionless time. If the motion is
-    /// periodic, the largest is 0, that of the drive's phase.
+    /// `start`, over `periods` drive periods, per unit of the dimensionless time. For a periodic
+    /// motion the largest is 0, the exponent of the drive's phase.
     ///
     /// # Errors
     /// As [`column`](Self::column).

@@ -2,15 +2,14 @@
 //!
 //! The library does all computations. This crate turns names, numbers and states into calls of
 //! `vibro-impact` and `vibro-studies`, and results into rows of numbers. Arrays are copied into
-//! JavaScript: at most some hundred kilobytes for a picture, which takes less than a tenth of a
-//! millisecond.
+//! JavaScript: at most a few hundred kilobytes per picture, in less than a tenth of a millisecond.
 //!
 //! | module | what the page does with it |
 //! |---|---|
 //! | `set` | the fields and sliders: parameters by name, their ranges and errors |
 //! | `machine` | the moving machine, histories, phase portrait, Poincaré section |
 //! | `diagram` | columns of the bifurcation diagram, Lyapunov exponents |
-//! | `curves` | response curves of the closed forms, the slow invariant manifold, branches of exact orbits |
+//! | `curves` | closed-form responses, slow invariant manifold, branches of exact orbits |
 //!
 //! If a value is refused, a JavaScript `Error` with the library's message is thrown, and nothing
 //! has changed.

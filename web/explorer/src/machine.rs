@@ -1,4 +1,4 @@
-//! A motion under way, and the numbers from which it is drawn.
+//! The current motion, and the numbers for drawing it.
 
 use crate::set::Set;
 use vibro_impact::simulator::{AdvanceOutcome, Event, Pause, Simulator};
@@ -12,8 +12,8 @@ use wasm_bindgen::prelude::*;
 /// the kind of the instant.
 pub const ROW: usize = 11;
 
-/// Kinds of an instant, the last number of a row: an ordinary instant (`PLAIN`), the last before an
-/// impact (`BEFORE`), the first after it (`AFTER`).
+/// Kinds of an instant, the last number of a row: ordinary (`PLAIN`), just before an impact
+/// (`BEFORE`), just after it (`AFTER`).
 const PLAIN: f64 = 0.0;
 const BEFORE: f64 = 1.0;
 const AFTER: f64 = 2.0;
@@ -23,8 +23,8 @@ const AFTER: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub struct Machine {
     simulator: Simulator,
-    /// Events since they were last taken: kind (0 impact, 1 rest, 2 release), time, side, speed,
-    /// impulse.
+    /// Events since the last call of `take_events`: kind (0 impact, 1 rest, 2 release), time,
+    /// side, speed, impulse.
     events: Vec<f64>,
 }
 
@@ -49,8 +49,8 @@ impl Machine {
     /// Changes the parameters during the motion. The drive's phase stays continuous.
     ///
     /// # Errors
-    /// An error if the simulator refuses the parameters at the present state; nothing has changed
-    /// then.
+    /// An error if the simulator refuses the parameters at the present state; the motion is then
+    /// unchanged.
     pub fn set_parameters(&mut self, set: &Set) -> std::result::Result<(), JsError> {
         Ok(self.simulator.set_parameters(set.0.parameters())?)
     }
@@ -78,11 +78,11 @@ impl Machine {
         row
     }
 
-    /// Advances to `end` (s) and returns rows of [`ROW`] numbers: `count` instants at equal
-    /// distances, the last at the end, and two for each impact, just before and just after it.
+    /// Advances to `end` (s) and returns rows of [`ROW`] numbers: `count` equally spaced instants,
+    /// the last at `end`, and two rows for each impact, just before and just after it.
     ///
     /// # Errors
-    /// An error of the simulator; the motion then stands where the simulator stopped.
+    /// An error of the simulator; the motion then stays where the simulator stopped.
     pub fn record(&mut self, end: f64, count: u32) -> std::result::Result<Vec<f64>, JsError> {
         let begin = self.simulator.time();
         let mut rows = Vec::with_capacity(ROW * (count as usize + 16));
@@ -95,8 +95,8 @@ impl Machine {
         Ok(rows)
     }
 
-    /// Advances to just after the next impact, or to `end` (s) if there is none before; returns the
-    /// rows of the impact.
+    /// Advances to just after the next impact, or to `end` (s) if there is none before. Returns
+    /// the rows of the impact.
     ///
     /// # Errors
     /// An error of the simulator.
@@ -106,14 +106,14 @@ impl Machine {
         Ok(rows)
     }
 
-    /// The events since they were last taken, five numbers each: kind (0 impact, 1 rest, 2
-    /// release), time, side (1 or -1), approach speed, impulse.
+    /// The events since the last call, five numbers each: kind (0 impact, 1 rest, 2 release),
+    /// time, side (1 or -1), approach speed, impulse.
     pub fn take_events(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.events)
     }
 
-    /// `count` points of the stroboscopic Poincaré section, at the drive phase 0. Each has four
-    /// numbers: w, w', x1, v1.
+    /// `count` points of the stroboscopic Poincaré section at drive phase 0, four numbers each: w,
+    /// w', x1, v1.
     ///
     /// # Errors
     /// An error of the simulator.
@@ -133,8 +133,8 @@ impl Machine {
         Ok(points)
     }
 
-    /// Points of the Poincaré section at impacts, over `periods` drive periods. Each has four
-    /// numbers: drive phase, side times approach speed, and x1, v1 after the impact.
+    /// Points of the Poincaré section at impacts, over `periods` drive periods, four numbers each:
+    /// drive phase, side times approach speed, and x1, v1 after the impact.
     ///
     /// # Errors
     /// An error of the simulator.
@@ -158,17 +158,17 @@ impl Machine {
         }
     }
 
-    /// The class of the settled motion, nine numbers: its period in drive periods (0 if it has none
-    /// up to 32); the impacts per period at the upper and at the lower stop; 1 if it is its own
+    /// The class of the settled motion, nine numbers: its period in drive periods (0 if there is
+    /// none up to 32); impacts per period at the upper and at the lower stop; 1 if it is its own
     /// mirror image; 1 if the block rests; 1 if it is still settling; 1 if it is chaotic; the
     /// largest Lyapunov exponent per unit of the dimensionless time (NaN if it has a period); 1 if
-    /// its class is undecided. The motion of this object does not move.
+    /// its class is undecided. The motion of this object is not advanced.
     ///
     /// # Errors
     /// An error of the simulator.
     pub fn class(&self) -> std::result::Result<Vec<f64>, JsError> {
         let p = self.simulator.parameters();
-        // The motion to be classified starts at time 0 with the present phase of the drive.
+        // The motion for the verdict starts at time 0 with the present drive phase.
         let parameters = Parameters { drive_phase: self.simulator.drive_phase(), ..*p };
         let verdict = verdict(&Start { parameters, state: self.simulator.state() }, 0)?;
         let (found, class) = (&verdict.attractor, verdict.class);
@@ -186,15 +186,15 @@ impl Machine {
         Ok(vec![period, up, low, symmetric, rests, settling, chaotic, largest, undecided])
     }
 
-    /// A copy, which the page frees by itself.
+    /// A copy, which the page frees separately.
     pub fn copy(&self) -> Machine {
         self.clone()
     }
 }
 
 impl Machine {
-    /// Advances to `end` or to just after the next impact, and records the events and both sides of
-    /// the impact.
+    /// Advances to `end` or to just after the next impact, and records the events and both sides
+    /// of the impact.
     fn piece(&mut self, end: f64, rows: &mut Vec<f64>) -> Result<AdvanceOutcome> {
         let (events, mut push_back) = (&mut self.events, None);
         let outcome = self.simulator.advance_until(
@@ -217,8 +217,8 @@ impl Machine {
     }
 }
 
-/// Appends a row: the present state or, if `impact` gives the stop's side and the impulse, the left
-/// limit at that impact, docs/theory.md (11).
+/// Appends a row: the present state or, if `impact` has the stop's side and the impulse, the left
+/// limit at this impact, docs/theory.md (11).
 fn push(rows: &mut Vec<f64>, simulator: &Simulator, what: f64, impact: Option<(f64, f64)>) {
     let (parameters, mut state) = (simulator.parameters(), simulator.state());
     let (w, mut rate) = simulator.relative_motion();

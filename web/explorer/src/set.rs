@@ -6,7 +6,7 @@ use vibro_studies::Error;
 use vibro_studies::paper::{Name, ParameterSet, number, typed_unit};
 use wasm_bindgen::prelude::*;
 
-/// A parameter set: physical parameters and dimensionless groups, kept in step by the library.
+/// A parameter set: physical parameters and dimensionless groups, kept consistent by the library.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct Set(pub(crate) ParameterSet);
@@ -26,7 +26,7 @@ impl Set {
     ///
     /// # Errors
     /// An error if the name is unknown, or if the value is out of its range, which the message
-    /// names.
+    /// states.
     pub fn with(&self, name: &str, value: f64) -> Result<Set, JsError> {
         let mut set = self.0.clone();
         set.assign(&[(Name::find(name)?, value)])?;
@@ -41,14 +41,13 @@ impl Set {
         Ok(Name::find(name)?.value(&self.0))
     }
 
-    /// Reads a value of a parameter from a text and returns it in the SI unit. The text is a
-    /// number, with or without a unit as on the command line (`50 mm`, `10.65Hz`). A number without
-    /// a unit is in `unit`, a unit of the parameter as [`typed`](Self::typed) gives it, or in the
-    /// SI unit if `unit` is empty.
+    /// Parses a parameter value and returns it in the SI unit. The text is a number, with or
+    /// without a unit as on the command line (`50 mm`, `10.65Hz`). A number without a unit is in
+    /// `unit`, a unit as returned by [`typed`](Self::typed), or in the SI unit if `unit` is empty.
     ///
     /// # Errors
     /// An error if the name is unknown, the text is not a number, or the unit has another
-    /// dimension; the message names what is allowed.
+    /// dimension; the message states the choices.
     pub fn read(&self, name: &str, text: &str, unit: &str) -> Result<f64, JsError> {
         let name = Name::find(name)?;
         let value = number(name, text)?;
@@ -61,8 +60,8 @@ impl Set {
         Err(Error::NotANumber { name: name.name(), text: text.trim().into(), allowed }.into())
     }
 
-    /// The unit in a text that gives a value of a parameter, as files write it. Empty if the text
-    /// has no unit or is not a value of the parameter.
+    /// The unit in the text of a parameter value, as written in files. Empty if the text has no
+    /// unit or is not a value of the parameter.
     pub fn typed(&self, name: &str, text: &str) -> String {
         let unit = Name::find(name).ok().and_then(|name| typed_unit(name, text));
         unit.map_or_else(String::new, |unit| unit.symbol().replace('·', ".").replace('µ', "u"))
@@ -74,16 +73,16 @@ impl Set {
         names.map(|name| name.value(&self.0)).collect()
     }
 
-    /// A copy, which the page frees by itself.
+    /// A copy, which the page frees separately.
     pub fn copy(&self) -> Set {
         self.clone()
     }
 }
 
-/// All parameters, one line each, with fields separated by tabs: name, symbol, unit, allowed
-/// values, lower and upper end of the slider, meaning. The slider of a phase runs from 0 to 2π,
-/// that of another physical parameter over its range or, without an upper bound, from zero to three
-/// times the default.
+/// All parameters, one per line, with fields separated by tabs: name, symbol, unit, allowed
+/// values, lower and upper end of the slider, meaning. The slider of a phase goes from 0 to 2π.
+/// The slider of another physical parameter covers its range or, without an upper bound, zero to
+/// three times the default.
 #[wasm_bindgen]
 pub fn catalogue() -> String {
     let basic = ParameterSet::basic();

@@ -1,8 +1,8 @@
-// Writes a module with its code's bytes apart by kind: node apart.mjs <module> <file>.
+// Writes a module with the bytes of its code separated by kind: node apart.mjs <module> <file>.
 import { readFileSync, writeFileSync } from "node:fs";
 import { KINDS, pieces, walk } from "./src/kinds.js";
 
-/** Functions of a block: the page compiles one while it unpacks the next. */
+/** Number of functions in a block: the page compiles one block while it unpacks the next. */
 const BLOCK = 1000;
 
 const [from, to] = process.argv.slice(2), module = readFileSync(from);
@@ -10,7 +10,7 @@ let at = 8;
 const number = () => {
   for (let value = 0, shift = 0; ; shift += 7) { const own = module[at++]; value |= (own & 127) << shift; if (own < 128) return value; }
 };
-// The section of code has the number 10.
+// The code section has the number 10.
 while (module[at++] !== 10) { const size = number(); at += size; }
 number();
 const parts = /** @type {Uint8Array[]} */ ([]);

@@ -6,8 +6,8 @@ use vibro_machine_component::Plan;
 use vibro_pack::{around, platforms_of};
 use wasm_bindgen::prelude::*;
 
-/// The FMU of a machine for FMI 2.0 or 3.0 (`version`), around the libraries of a kit, which is the
-/// content of its file.
+/// The FMU of a machine for FMI 2.0 or 3.0 (`version`), with the libraries of a kit, given as the
+/// bytes of its file.
 ///
 /// # Errors
 /// The problems of the text as JSON; a kit without a library; a machine without a start.
@@ -24,10 +24,10 @@ pub fn pack(
     Ok(around(version, &Plan::of(&machine.description)?, kit)?)
 }
 
-/// Platforms of the libraries of a kit, with commas.
+/// Platforms of the libraries of a kit, separated by commas.
 ///
 /// # Errors
-/// What is no kit.
+/// If `kit` is not a kit.
 #[wasm_bindgen]
 pub fn platforms(kit: &[u8]) -> Result<String, JsError> {
     Ok(platforms_of(kit)?.join(", "))

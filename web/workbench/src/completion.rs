@@ -1,12 +1,12 @@
-//! Completion of the text that is being written.
+//! Completion of text while it is written.
 
 use serde_json::json;
 use vibro_machine::file;
 use wasm_bindgen::prelude::*;
 
-/// What may stand between two parts of the text, as JSON: `before` and `after`, numbers of letters
-/// (UTF-16) there that an offer replaces, `offers`, each with its name and its text, and `allowed`,
-/// a number's range and units in words.
+/// Completions between two parts of the text, as JSON: `before` and `after`, the numbers of
+/// letters (UTF-16) there that an offer replaces; `offers`, each with name and text; and
+/// `allowed`, a parameter's range and units in words.
 #[wasm_bindgen]
 pub fn completion(head: &str, tail: &str) -> String {
     let found = file::completion(head, tail);

@@ -7,15 +7,15 @@ use vibro_studies::ParameterAxis;
 use vibro_studies::diagram::{DiagramRequest, Direction};
 use wasm_bindgen::prelude::*;
 
-/// One direction of a diagram under way.
+/// One direction of a diagram that is being computed.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Diagram(Direction);
 
 #[wasm_bindgen]
 impl Diagram {
-    /// A direction of the diagram of a quantity over a parameter, SI: `count` values from `from` to
-    /// `to`, its local maxima, or its values at the section. `discard` and `keep` are returns.
+    /// A direction of a diagram over a parameter, SI: `count` values from `from` to `to`, with a
+    /// quantity's local maxima or its values at the section. `discard` and `keep` are returns.
     ///
     /// # Errors
     /// The problems of the text as JSON; names and ranges that are not allowed.
@@ -49,8 +49,8 @@ impl Diagram {
         Ok(Self(Direction::new(machine, request, upward)?))
     }
 
-    /// The next value as JSON: `index`, `start` (the state it has settled in, as a start's file),
-    /// `values`, `words` (its class); null after the last.
+    /// The next value as JSON: `index`, `start` (the settled state, as a start file), `values`,
+    /// `words` (its class); null after the last one.
     pub fn further(&mut self) -> String {
         let Some((index, start, point)) = self.0.next() else { return "null".into() };
         let values: Vec<f64> = point.iter().flat_map(|point| point.maxima.iter().map(|m| m.0)).collect();

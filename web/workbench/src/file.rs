@@ -1,4 +1,4 @@
-//! The text of a machine: problems by line, numbers by name, and edits that keep all else.
+//! The text of a machine: problems by line, parameters by name, edits that keep all else.
 
 use serde_json::{Value, json};
 use std::io;
@@ -9,10 +9,10 @@ use vibro_numerics::quantities::quantity_in;
 use vibro_studies::{Machine, common_period, places};
 use wasm_bindgen::prelude::*;
 
-/// Name of the file in messages, which the page leaves out.
+/// Name of the file in messages; the page leaves it out.
 const FILE: &str = "machine.toml";
 
-/// Texts of the gallery, by the names of their files.
+/// Texts of the gallery with their file names.
 macro_rules! examples {
     ($($name:literal),*) => {
         &[$(($name, include_str!(concat!("../../../examples/assembly/", $name)))),*]
@@ -58,7 +58,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "shaken_rig.csv"
 ];
 
-/// The gallery as JSON: name of each file → its text, in the order of the page's list.
+/// The gallery as JSON: pairs of file name and text, in the order of the page's list.
 #[wasm_bindgen]
 pub fn examples() -> String {
     let list: Vec<Value> = EXAMPLES.iter().map(|(name, text)| json!([name, text])).collect();
@@ -72,8 +72,8 @@ fn refused(problems: &[(Option<usize>, String)]) -> JsError {
     JsError::new(&Value::from(list).to_string())
 }
 
-/// The error of a machine that its text describes and that cannot move, at the line of the element
-/// that the words name, if they do.
+/// The error of a machine that cannot move, with the line of the element that `words` names, if
+/// any.
 pub(crate) fn cannot(text: &str, words: &str) -> JsError {
     let named = |line: &str| {
         let name = line.trim().strip_prefix('[')?.split(']').next()?.rsplit('.').next()?.trim();
@@ -83,7 +83,7 @@ pub(crate) fn cannot(text: &str, words: &str) -> JsError {
     refused(&[(line, words.to_owned())])
 }
 
-/// Reads a machine; records come as names and texts.
+/// Reads a machine; records are passed as names and texts.
 pub(crate) fn read(text: &str, names: &[String], texts: &[String]) -> Result<Machine, JsError> {
     let records = |wanted: &str| {
         let place = names.iter().position(|name| name == wanted);
@@ -102,13 +102,13 @@ pub(crate) fn read(text: &str, names: &[String], texts: &[String]) -> Result<Mac
     })
 }
 
-/// What a slider moves: a number that the text writes.
+/// A parameter written in the text, with a slider's range.
 fn number(machine: &Machine, name: &str, line: usize) -> Option<Value> {
     let parameter = machine.description.parameter(name).ok()?;
     let ((factor, symbol), range) = (machine.unit(name), parameter.range());
     let bound = |x: f64| if x.is_finite() { Value::from(factor * x) } else { Value::Null };
     let exact = factor * parameter.value;
-    // Shown with a minus sign, which no number is read with.
+    // The display form has a minus sign that cannot be parsed.
     let value: f64 = vibro_studies::significant(exact).replace('\u{2212}', "-").parse().unwrap_or(exact);
     Some(json!({
         "name": name, "meaning": parameter.meaning, "unit": symbol, "si": parameter.unit,
@@ -117,7 +117,7 @@ fn number(machine: &Machine, name: &str, line: usize) -> Option<Value> {
     }))
 }
 
-/// All that the page shows of a machine beside its motion.
+/// Everything that the page shows of a machine except its motion.
 pub(crate) fn described(machine: &Machine, text: &str) -> Value {
     let d = &machine.description;
     let places = places(text, d);
@@ -158,9 +158,9 @@ fn elements(d: &Description) -> Vec<Value> {
     d.elements().map(of).collect()
 }
 
-/// The text of a machine with another value of one of its numbers, written where the number stands:
-/// all else, comments too, stays. A value without a unit is in the unit in which the text writes
-/// the number.
+/// The text of a machine with a new value of a parameter, written in place of the old one.
+/// Everything else, including comments, is kept. A value without a unit is in the unit of the
+/// text.
 ///
 /// # Errors
 /// The problems of the text, or why the value is refused, as JSON.
@@ -177,14 +177,14 @@ pub fn edited(
     let span = span.ok_or_else(|| refused(&[(None, format!("{name}: the text has no such number"))]))?;
     machine.quantity(name, value).map_err(|error| refused(&[(None, error.to_string())]))?;
     let typed = quantity_in(machine.si_unit(name), value.trim()).and_then(|q| q.unit);
-    // The unit stays as the text spells it.
+    // The unit keeps its spelling.
     let spelt = text[span.clone()]
         .trim_matches(['"', '\''])
         .trim_start_matches(|c: char| c.is_ascii_digit() || "+-._eE ".contains(c));
     let written = match (typed, machine.written_unit(name)) {
         (Some(_), _) => format!("{:?}", value.trim()),
         (None, Some(_)) => format!("\"{} {spelt}\"", value.trim()),
-        // TOML has no numbers such as `.5` or `5.`.
+        // TOML does not allow numbers such as `.5` or `5.`.
         (None, None) => {
             value.trim().parse::<f64>().map_or_else(|_| format!("{value:?}"), |x| format!("{x:?}"))
         }

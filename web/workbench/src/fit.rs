@@ -10,13 +10,13 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 extern "C" {
-    /// The worker's function that is asked at each step of a fit whether it goes on.
+    /// The worker's function, called at each step of a fit: whether to continue.
     #[wasm_bindgen(js_namespace = globalThis, js_name = goesOn, catch)]
     fn goes_on() -> Result<bool, JsValue>;
 }
 
-/// The record of a table: values over time, or times of contacts where it has a column `element`.
-/// Without a machine only the times are in SI.
+/// The record of a table: values over time, or times of contacts if it has a column `element`.
+/// Without a machine, only the times are in SI.
 fn record(text: &str, machine: Option<&Description>) -> Result<Measured, JsError> {
     let (table, mut measured) = (Table::read(text), Measured::default());
     match table.names().iter().any(|own| own.name == "element") {
@@ -26,10 +26,10 @@ fn record(text: &str, machine: Option<&Description>) -> Result<Measured, JsError
     Ok(measured)
 }
 
-/// What a record holds, as JSON: `samples`, `columns`, `from` and `to` (s).
+/// Contents of a record, as JSON: `samples`, `columns`, `contacts`, `from` and `to` (s).
 ///
 /// # Errors
-/// What is no record.
+/// If the table is not a record.
 #[wasm_bindgen]
 pub fn recorded(table: &str) -> Result<String, JsError> {
     let measured = record(table, None)?;
@@ -42,12 +42,12 @@ pub fn recorded(table: &str) -> Result<String, JsError> {
         .to_string())
 }
 
-/// The machine fitted to a record by the numbers `free`, as JSON: `verdict` (`fits`, `misses` or
-/// `undecided`) and `words`, `values` (`name`, `value`, `error`, `unit`, SI), `undetermined`,
+/// The machine fitted to a record by the parameters `free`, as JSON: `verdict` (`fits`, `misses`
+/// or `undecided`) and `words`, `values` (`name`, `value`, `error`, `unit`, SI), `undetermined`,
 /// `remarks`, `times`, `columns` (`name`, `unit`, `record`, `motion`), `simulations`.
 ///
 /// # Errors
-/// The problems of the text as JSON; what is no record of this machine; no motion that covers it.
+/// The problems of the text as JSON; a table that is not a record; a motion that is too short.
 #[wasm_bindgen]
 pub fn fitted(
     text: &str,

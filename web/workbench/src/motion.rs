@@ -1,4 +1,4 @@
-//! The motion under way, and the sketch of its instants.
+//! The current motion, and the sketch at an instant.
 
 use crate::file::{cannot, described, read};
 use serde_json::json;
@@ -14,11 +14,11 @@ use vibro_sketch::Sketch;
 use vibro_studies::{NamedEvent, named, values};
 use wasm_bindgen::prelude::*;
 
-/// Memory of the tables of modes, bytes: a page has less of it than a program.
+/// Memory of the tables of modes, bytes: a page has less memory than a program.
 const TABLES: usize = 16 << 20;
-/// Sub-steps in one call, after which the worker looks up.
+/// Sub-steps in one call, after which the worker checks for messages.
 const WORK: u64 = 500_000;
-/// Numbers of a row before the columns: time, kind, energies and losses.
+/// Number of values in a row before the columns: time, kind, energies and losses.
 pub const HEAD: usize = 8;
 
 /// Kinds of an instant: an ordinary one, the last before an event's law, the first after it.
@@ -36,7 +36,7 @@ pub struct Bench {
     motion: Motion,
     events: Vec<Event>,
     sketch: Sketch,
-    /// By name of a drawn thing: its body, or its element.
+    /// Index of the body or element of a drawn item, by name.
     bodies: HashMap<String, usize>,
     elements: HashMap<String, usize>,
 }
@@ -48,7 +48,7 @@ fn begun(assembly: &Arc<Assembly>, events: &mut Vec<Event>) -> Result<Motion, vi
 
 #[wasm_bindgen]
 impl Bench {
-    /// Reads a machine and starts its motion at time 0. Records come as names and texts.
+    /// Reads a machine and starts its motion at time 0. Records are passed as names and texts.
     ///
     /// # Errors
     /// The problems of the text, as JSON.
@@ -63,7 +63,7 @@ impl Bench {
         let sketch = Sketch::new(d);
         let mut bodies: HashMap<String, usize> = HashMap::new();
         for (i, body) in d.bodies.iter().enumerate().filter(|(_, body)| !body.is_inner()) {
-            // A body with many coordinates is drawn as one: it moves as its first node.
+            // A body with several coordinates is drawn as one item that moves with its first node.
             let whole = body.name.split('.').next().unwrap_or_default();
             bodies.entry(whole.to_owned()).or_insert(i);
             bodies.insert(body.name.clone(), i);
@@ -74,7 +74,7 @@ impl Bench {
 
     /// The machine as JSON: `name`, `numbers`, `columns`, `bodies`, `elements`, `period`, `stop`
     /// (length of the default experiment, s), `sketch` (`width`, `height`, `names`), `head`
-    /// (numbers of a row before the columns).
+    /// (number of values in a row before the columns).
     pub fn described(&self) -> String {
         let mut all = described(&self.machine, &self.text);
         let told = experiment(&self.assembly);
@@ -94,8 +94,8 @@ impl Bench {
 
     /// The present row: time, kind of the instant (0 ordinary, 1 before an event, 2 after it),
     /// kinetic energy, stored energy, work put in, lost in dashpots and soft stops, lost in
-    /// frictions and sliders, lost at impacts (J); the columns; then for each element 1 where it is
-    /// a closed or pressed stop or sticks, else 0.
+    /// frictions and sliders, lost at impacts (J); the columns; then for each element 1 if it
+    /// sticks or is a closed or pressed stop, otherwise 0.
     pub fn now(&self) -> Vec<f64> {
         self.row(PLAIN)
     }
@@ -129,12 +129,12 @@ impl Bench {
         row
     }
 
-    /// Advances to `end` (s) and returns rows as [`now`](Self::now): `count` instants at equal
-    /// distances, the last at the end, and two for each event, just before and just after its law.
-    /// Fewer where more than `most` rows would come: the motion then stands at the last one.
+    /// Advances to `end` (s) and returns rows like [`now`](Self::now): `count` equally spaced
+    /// instants, the last at `end`, and two rows for each event, before and after its law. At most
+    /// about `most` rows are returned: the motion then stops at the last one.
     ///
     /// # Errors
-    /// Why the motion cannot go on; it then stands where the engine stopped.
+    /// The reason if the motion cannot continue; it stays where the engine stopped.
     pub fn record(&mut self, end: f64, count: u32, most: u32) -> Result<Vec<f64>, JsError> {
         let (begin, mut rows, mut number) = (self.motion.time(), Vec::new(), 0);
         for i in 1..=count {
@@ -161,9 +161,9 @@ impl Bench {
         Ok(rows)
     }
 
-    /// The events since they were last taken, as lines of time, kind, element, value, number of
-    /// stops and impulse (N s or N m s), with tabs between; knots of signals and samples of blocks
-    /// are left out.
+    /// The events since the last call, as lines of time, kind, element, value, number of stops and
+    /// impulse (N s or N m s), separated by tabs. Knots of signals and samples of blocks are left
+    /// out.
     pub fn take_events(&mut self) -> String {
         let mut text = String::new();
         let is_told = |event: &Event| event.is_listed() && event.kind != EventKind::Knot;
@@ -180,10 +180,10 @@ impl Bench {
         text
     }
 
-    /// Begins anew, from the machine's own start, or from one in the form of a start's file.
+    /// Restarts from the machine's own initial state, or from the text of a start file.
     ///
     /// # Errors
-    /// Why no motion begins there.
+    /// The reason if no motion can begin there.
     pub fn restart(&mut self, start: &str) -> Result<(), JsError> {
         self.events.clear();
         self.motion = if start.is_empty() {
@@ -196,13 +196,12 @@ impl Bench {
         Ok(())
     }
 
-    /// The sketch with each body moved along the row by its number in `shifts`, and the plates of
-    /// each stop apart by its element's number in `openings` (not a number: as drawn), in units of
-    /// the drawing; the numbers of `vibro_figures::canvas::flat`, in which things are
-    /// `sketch.names`.
+    /// The sketch with each body moved along the row by `shifts[body]`, and the plates of each
+    /// stop apart by `openings[element]` (NaN: as drawn), in drawing units. Returns the numbers of
+    /// `vibro_figures::canvas::flat`, in which items are named by `sketch.names`.
     ///
     /// # Errors
-    /// A number that is not finite.
+    /// If a number is not finite.
     pub fn sketch(&self, shifts: &[f64], openings: &[f64]) -> Result<Vec<f32>, JsError> {
         let shift = |name: &str| self.bodies.get(name).and_then(|&i| shifts.get(i).copied()).unwrap_or(0.0);
         let opening = |name: &str| {
@@ -211,10 +210,10 @@ impl Bench {
         Ok(flat(&self.sketch.moved(&shift, &opening))?.numbers)
     }
 
-    /// The words of the sketch, one a line.
+    /// The words of the sketch, one per line.
     ///
     /// # Errors
-    /// None for a machine that was read.
+    /// None for a machine that was read successfully.
     pub fn words(&self) -> Result<String, JsError> {
         Ok(flat(&self.sketch)?.words.join("\n"))
     }

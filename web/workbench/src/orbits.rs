@@ -8,14 +8,14 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 extern "C" {
-    /// The worker's function that receives the new branches as JSON and the number of branches and
-    /// starts known so far. It returns whether there is time for another branch.
+    /// The worker's function that receives the new branches as JSON, and the number of branches
+    /// and starts known so far. Returns whether there is time for another branch.
     #[wasm_bindgen(js_namespace = globalThis, js_name = progressed, catch)]
     fn progressed(branches: String, known: usize) -> Result<bool, JsValue>;
 }
 
-/// A branch as a list of points `[value, largest of the quantity, 1 if stable, label, start on the
-/// orbit]`.
+/// A branch as a list of points
+/// `[value, largest value of the quantity, 1 if stable, label, start on the orbit]`.
 fn listed(branch: &Branch, measure: &Measure) -> Value {
     let points = branch.points.iter().map(|point| {
         let orbit = branch.orbit(point);
@@ -28,8 +28,8 @@ fn listed(branch: &Branch, measure: &Measure) -> Value {
     points.collect()
 }
 
-/// Follows the branches over a range of a parameter (SI) of the orbits on which motions settle.
-/// Each branch is passed to `progressed` as soon as it has been followed, so that it is kept when
+/// Follows the branches of the orbits on which motions settle, over a range of a parameter (SI).
+/// Each branch is passed to `progressed` as soon as it has been followed, so that it is kept if
 /// the worker is ended.
 ///
 /// # Errors

@@ -7,7 +7,7 @@ use vibro_studies::isoperiodic::{IsoperiodicRequest, PlaneMachine, check};
 use vibro_studies::{Machine, ParameterAxis};
 use wasm_bindgen::prelude::*;
 
-/// A plane under way.
+/// A plane that is being computed.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Plane {
@@ -17,13 +17,13 @@ pub struct Plane {
 
 #[wasm_bindgen]
 impl Plane {
-    /// The plane of the parameters `across` and `upwards`, SI: `ranges` has both ends of each,
-    /// `counts` their numbers of values. `discard` returns of each motion, which begins with the
-    /// machine's own start, are discarded.
+    /// The plane of the parameters `across` and `upwards`, SI: `ranges` contains both ends of
+    /// each, `counts` their numbers of values. Motions begin with the machine's own start;
+    /// `discard` returns of each are discarded.
     ///
     /// # Errors
-    /// The problems of the text as JSON; names and ranges that are not allowed; motions that have
-    /// no class.
+    /// The problems of the text as JSON; names and ranges that are not allowed; motions without a
+    /// class.
     #[wasm_bindgen(constructor)]
     #[allow(clippy::too_many_arguments)]
     pub fn new(
@@ -48,8 +48,8 @@ impl Plane {
         Ok(Self { machine, request })
     }
 
-    /// A row of the plane from the lowest, as JSON: by value its class, or null where the values
-    /// make no machine or its motion cannot go on, and impacts and first touches a return.
+    /// A row of the plane, counted from the lowest, as JSON. For each value: its class (null if
+    /// its motion has none), impacts and first contacts per return, and whether it rests.
     pub fn row(&self, row: usize) -> String {
         let points = self.machine.points(&self.request, row..row + 1, &mut ());
         let told = points.iter().map(|point| {

@@ -18,7 +18,7 @@ pub(super) fn file(marks: &[Mark], (width, height): (u32, u32)) -> Result<Vec<u8
     let fit = |pixels: u32, units: u32| pixels as f32 / units as f32;
     let scale = Transform::from_scale(fit(columns, width), fit(rows, height));
     Painter { pixels: &mut pixels }.marks(marks, scale, None);
-    // The background is opaque, so that the alpha channel carries no information.
+    // The background is opaque, so the alpha channel contains no information.
     let colours: Vec<u8> = pixels.data().chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, columns, rows);
@@ -137,7 +137,7 @@ impl Painter<'_> {
     }
 
     fn clipped(&mut self, corners: [CanvasPoint; 2], marks: &[Mark], place: Transform, cut: Option<&Mask>) {
-        // Nothing is drawn if the rectangle is empty, or if there is no memory for the mask.
+        // Draws nothing if the rectangle is empty or there is not enough memory for the mask.
         let Some(edges) = rectangle(corners).map(PathBuilder::from_rect) else { return };
         let mask = match cut {
             None => Mask::new(self.pixels.width(), self.pixels.height()).map(|mut mask| {

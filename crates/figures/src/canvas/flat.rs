@@ -1,19 +1,19 @@
-//! Marks as numbers and words, for a page that draws them again and again.
+//! Marks as numbers and words, for a page that redraws them.
 
 use super::{Along, CanvasPoint, Colour, Drawing, Mark, marks};
 use crate::Result;
 
-/// Marks of a drawing in their order, each as its kind and its numbers:
+/// Marks of a drawing in order, each as its kind and its numbers:
 ///
 /// | kind | numbers after it |
 /// |---|---|
-/// | 0 thing | its number, or -1: the following marks are those of this thing, or of none |
-/// | 1 line | colour, width, count, places |
-/// | 2 polygon | colour, opacity, count, places |
-/// | 3 discs | colour, radius, count, places |
-/// | 4 text | colour, size, 0 start, 1 middle or 2 end, index of its words, place on the baseline |
+/// | 0 item | its number, or -1: the following marks belong to this item, or to none |
+/// | 1 line | colour, width, count, points |
+/// | 2 polygon | colour, opacity, count, points |
+/// | 3 discs | colour, radius, count, points |
+/// | 4 text | colour, size, 0 start, 1 middle or 2 end, index of its words, baseline point |
 ///
-/// A colour is 65536 red + 256 green + blue, a place x and y. Moved marks are moved already;
+/// A colour is 65536 red + 256 green + blue, a point is x and y. Moved marks are already moved;
 /// rectangles, clips, dashes and the white of circles are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flat {
@@ -26,7 +26,7 @@ pub struct Flat {
 /// A drawing as numbers and words.
 ///
 /// # Errors
-/// [`Error`](crate::Error) where a coordinate is not finite.
+/// [`Error`](crate::Error) if a coordinate is not finite.
 pub fn flat(drawing: &impl Drawing) -> Result<Flat> {
     let mut flat = Flat::default();
     flat.add(&marks(drawing)?, (0.0, 0.0));

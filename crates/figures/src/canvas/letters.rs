@@ -1,5 +1,4 @@
-//! The embedded font: the width of a text, the place of its baseline, and the outlines of its
-//! letters.
+//! The embedded font: text widths, positions of baselines, and outlines of letters.
 
 use super::Across;
 use std::sync::OnceLock;
@@ -11,23 +10,21 @@ pub const FONT: &str = "DejaVu Sans";
 /// The file of the font.
 #[cfg(not(target_family = "wasm"))]
 pub static FONT_DATA: &[u8] = include_bytes!("../../../../assets/DejaVuSans.ttf");
-/// The file of the font: in a page only the letters that names and units are made of, 24 kB of 756.
+/// The font's file; in a page only the letters of names and units, 24 kB instead of 756 kB.
 #[cfg(target_family = "wasm")]
 pub static FONT_DATA: &[u8] = include_bytes!("../../../../assets/DejaVuSans-page.ttf");
 
-/// Height of a capital, depth of a descender and height of a line above the baseline, in ems of the
-/// font.
+/// Height of a capital, depth of a descender and height of a line above the baseline, in ems.
 const CAPITAL: f64 = 0.729;
 const DESCENDER: f64 = 0.236;
 const ASCENDER: f64 = 0.928;
 
-/// The combining circumflex, which stands over the letter before it and has no advance width.
+/// The combining circumflex, drawn above the preceding letter without advance width.
 const CIRCUMFLEX: char = '\u{302}';
-/// Largest height of a letter, in ems, above which the font's circumflex stands without touching
-/// it.
+/// Largest height of a letter, in ems, below the font's circumflex without touching it.
 const LOW_LETTER: f64 = 0.56;
 
-/// Distance of the baseline below a text's point, in ems.
+/// Distance from a text's anchor down to its baseline, in ems.
 pub(super) fn drop(across: Across) -> f64 {
     match across {
         Across::Top => ASCENDER,
@@ -41,8 +38,8 @@ fn face() -> Option<&'static Face<'static>> {
     FACE.get_or_init(|| Face::parse(FONT_DATA, 0).ok()).as_ref()
 }
 
-/// Glyph and advance width of a letter, in units of the font. A letter that the font lacks is drawn
-/// as an empty box.
+/// Glyph and advance width of a letter, in font units; an empty box for a letter that the font
+/// lacks.
 fn glyph(face: &Face<'_>, letter: char) -> (GlyphId, f64) {
     let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
     (glyph, f64::from(face.glyph_hor_advance(glyph).unwrap_or(0)))
@@ -59,7 +56,7 @@ pub fn text_width(words: &str, size: f64) -> f64 {
 struct Outlines {
     path: PathBuilder,
     scale: f64,
-    /// Place of the glyph's origin.
+    /// Position of the glyph's origin.
     origin: (f64, f64),
 }
 
@@ -117,8 +114,8 @@ pub(super) fn outlines(words: &str, size: f64, start: f64) -> Option<Path> {
     pen.path.finish()
 }
 
-/// The origin of an accent whose middle stands over the middle of a letter with its origin at `at`,
-/// raised over a high letter.
+/// The origin of an accent centred above a letter with its origin at `at`, raised for a high
+/// letter.
 fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) -> Option<(f64, f64)> {
     let (base, accent) = (face.glyph_bounding_box(base)?, face.glyph_bounding_box(accent)?);
     let middle = |b: ttf_parser::Rect| 0.5 * (f64::from(b.x_min) + f64::from(b.x_max));
@@ -130,7 +127,7 @@ fn over(face: &Face<'_>, base: GlyphId, accent: GlyphId, at: f64, scale: f64) ->
 mod tests {
     use super::*;
 
-    /// Outlines and advance widths are those of the whole font, so that pictures are the
+    /// Outlines and advance widths equal the whole font's, so the page's pictures equal the
     /// packager's.
     #[test]
     fn second_method_letters_of_the_pages_font_are_those_of_the_whole_one() {

@@ -1,5 +1,5 @@
-//! The colours. Neighbouring colours of the bodies and of a family differ in lightness, so that
-//! they can be told apart with any colour vision and in a grey print.
+//! The colours. Adjacent colours of the bodies and of a family differ in lightness, so that they
+//! can be distinguished with any colour vision and in a grey print.
 
 use super::Colour;
 /// The box, x1, in all pictures.
@@ -24,7 +24,7 @@ pub const FAMILY: [Colour; 5] = [
     Colour(135, 105, 20),
     Colour(110, 145, 60),
 ];
-/// The place of the parameter set itself, in a picture over parameters.
+/// The position of the parameter set itself, in a picture over parameters.
 pub const HERE: Colour = Colour(200, 0, 90);
 /// Frames, stops, impacts, exact values.
 pub const BLACK: Colour = Colour(0, 0, 0);

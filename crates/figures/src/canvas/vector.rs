@@ -6,7 +6,7 @@ use crate::html::escape;
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter, Write as _};
 
-/// A number that is written with at most one decimal.
+/// A number written with at most one decimal.
 #[derive(Clone, Copy)]
 struct Rounded(f64);
 
@@ -161,7 +161,7 @@ impl Text {
         }
     }
 
-    /// The rectangle's name in the file is made of its numbers.
+    /// The rectangle's name in the file consists of its numbers.
     fn clipped(&mut self, [(x, y), (w, h)]: [CanvasPoint; 2], marks: &[Mark]) {
         let [x, y, w, h] = [x, y, w, h].map(Rounded);
         let name = format!("clip-{x}-{y}-{w}-{h}");

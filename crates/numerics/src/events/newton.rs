@@ -22,8 +22,8 @@ pub(super) fn value_and_slope<const N: usize>(c: &[f64; N], u: f64) -> (f64, f64
     (sums[0] + u * sums[1], sums[2] + u * sums[3])
 }
 
-/// Root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u, by Newton's method in
-/// a bracket.
+/// Root of a rising p in (lo, hi), p(lo) < 0 < p(hi), to the resolution of u, by Newton's method
+/// in a bracket.
 ///
 /// Ends when a step is at round-off, or when the error of the last iterate is proved to be at
 /// round-off. After a step of length m = `moved` with K m ≤ 1, where K = `newton_factor`, this
@@ -62,7 +62,7 @@ pub(super) fn refine<const N: usize>(
         } else {
             u = 0.5 * (lo + hi);
             if u <= lo || u >= hi {
-                return hi; // the bracket has closed on neighbouring doubles
+                return hi; // the bracket has shrunk to adjacent doubles
             }
         }
     }
@@ -79,8 +79,8 @@ pub(super) fn slope_of<const N: usize>(c: &[f64; N], sign: f64) -> [f64; N] {
     d
 }
 
-/// Root of a rising p in (lo, hi) by at most `STEPS` steps of Newton's method from `start`, and one
-/// further step that uses the slope of the last step again. `None` if the accuracy is not proved.
+/// Root of a rising p in (lo, hi) by at most `STEPS` Newton steps from `start`, and one further
+/// step that reuses the slope of the last step. `None` if the accuracy is not proved.
 /// `newton_factor` is K = |p''|/(2p') < 1/4, so that few steps nearly always suffice.
 #[inline(always)]
 pub(super) fn root_of_nearly_straight<const STEPS: usize>(
@@ -105,9 +105,9 @@ pub(super) fn root_of_nearly_straight<const STEPS: usize>(
         if error <= resolution {
             return (u > lo && u < hi).then_some(u);
         }
-        // One further step with the slope of the last step. This slope was evaluated at most `moved
-        // + error` away from the root. Its error is at most max |p''| times that distance, and
-        // relative to p' at most 2K times that distance.
+        // One further step with the slope of the last step. This slope was evaluated at most
+        // `moved + error` from the root. Its error is at most max |p''| times this distance;
+        // relative to p', at most 2K times this distance.
         if 2.0 * error * newton_factor * (moved.abs() + error) <= resolution {
             *iterations += 1;
             u -= value(u) * inverse;
@@ -117,7 +117,7 @@ pub(super) fn root_of_nearly_straight<const STEPS: usize>(
     None
 }
 
-/// p(u) as four sums side by side, each over every fourth order.
+/// p(u) as four parallel sums, each over every fourth order.
 #[inline(always)]
 pub(super) fn by_fours<const N: usize>(c: &[f64; N], u: f64) -> f64 {
     let square = u * u;
@@ -140,8 +140,8 @@ pub(super) fn reverted<const N: usize>(c: &[f64; N]) -> f64 {
     linear * (1.0 - linear * (bend - linear * (2.0 * bend * bend - twist)))
 }
 
-/// Σ_k c[first + k] u^k by pairs of neighbouring orders (Estrin's scheme), which shortens the chain
-/// of dependent operations.
+/// Σ_k c[first + k] u^k by pairs of adjacent orders (Estrin's scheme), which shortens the chain of
+/// dependent operations.
 #[inline(always)]
 pub(super) fn pairwise<S: Simd>(c: &[f64; PADDED], first: usize, u: f64) -> f64 {
     let square = u * u;

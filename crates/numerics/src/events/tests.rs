@@ -36,11 +36,11 @@ fn closed_form_first_of_several_crossings() {
     assert_eq!(first_crossing(&p, -0.4, 0.24, &mut n), None);
 }
 
-/// A rate whose sign at the start is rounding, as that of w is at a release: it turns there once,
-/// and not again while it is still rounding.
+/// A rate whose sign at the start is rounding, such as w' at a release: it turns there once, and
+/// not again within rounding.
 #[test]
 fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
-    /// Error of a zero at which the slope is rounding, at most 1e-15.
+    /// Error of a zero whose slope is rounding, at most 1e-15.
     const NOISE: f64 = 1e-14;
     for rounding in [-4.722797662324724e-15, -1e-17, 0.0, 1e-17, 3e-15] {
         let c = [0.0, rounding, 1.1702631224810198, -0.6597638777761026, -0.9, 0.1, 0.0, 0.0];
@@ -78,7 +78,7 @@ fn closed_form_grazing_is_found_only_when_it_crosses() {
             let found = first_crossing(&p, -1.0, 1.0, &mut n);
             assert_eq!(found.is_some(), expected, "height {height}: {found:?}");
             if let Some(u) = found {
-                // A root of a hump is as well conditioned as its half width allows.
+                // A root of a hump is as well conditioned as its half width permits.
                 let exact = 0.3 - (height / (1.0 + 0.2 * u)).sqrt();
                 assert!((u - exact).abs() < 1e-15 / height.sqrt() + ROOT, "{u} {exact}");
             }
@@ -87,7 +87,7 @@ fn closed_form_grazing_is_found_only_when_it_crosses() {
 }
 
 /// A case of the grazing set in which the last Newton step, of zero length, falls on an end of the
-/// bracket: the bisection that replaces it must not end the search.
+/// bracket: the bisection in its place must not end the search.
 #[test]
 fn closed_form_shallow_crossing_to_the_last_digit() {
     let p = [
@@ -111,12 +111,12 @@ fn closed_form_triple_root_without_certain_shape() {
     let p = product(&[0.1, 0.1, 0.1], 1.0);
     let mut n = 0;
     let u = first_crossing(&p, -1.0, 1.0, &mut n).unwrap();
-    // The cube of the error is at round-off of the coefficients.
+    // The cube of the error is the round-off of the coefficients.
     assert!((u - 0.1).abs() < 1e-5, "{u}");
 }
 
-/// Polynomial u (1+u)⁴ (1-u), which is nothing but rounding near -1, where no halving makes its
-/// shape certain. The passage at 0 comes later.
+/// Polynomial u (1+u)⁴ (1-u): near -1 it is only rounding, so halving never makes its shape
+/// certain. The passage at 0 comes later.
 #[test]
 fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     let p = [0.0, 1.0, 3.0, 2.0, -2.0, -3.0, -1.0, 0.0, 0.0, 0.0];
@@ -125,11 +125,11 @@ fn closed_form_a_passage_behind_a_start_that_is_rounding() {
     assert!(u.is_some_and(|u| u.abs() < ROOT), "{u:?} after {n} pieces");
 }
 
-/// Products of roots of any multiplicity, on the real axis and close to it, need far fewer pieces
-/// than are allowed, and no passage is missed.
+/// Products of roots of any multiplicity, on and close to the real axis, need far fewer pieces
+/// than the limit, and no passage is missed.
 #[test]
 fn second_method_roots_of_any_multiplicity() {
-    /// Bound on the number of pieces: a third more than the most of three million such products.
+    /// Bound on the number of pieces: a third more than the maximum of three million products.
     const PIECES: u64 = 260;
     const SAMPLES: i32 = 400;
     let mut random = random(9);
@@ -175,7 +175,7 @@ fn second_method_roots_of_any_multiplicity() {
     assert!(subdivided > 1000, "{subdivided}");
 }
 
-/// No polynomial needs as many pieces as are allowed. Where the curvature of degree d is not
+/// Every polynomial needs fewer pieces than the limit. If the curvature of degree d is not
 /// certain, one of its roots is within 1/(2^(1/d) - 1) half lengths of the piece's centre, and the
 /// centres are two half lengths apart.
 #[test]
@@ -192,10 +192,10 @@ fn closed_form_the_allowed_pieces_are_more_than_any_polynomial_needs() {
 fn closed_form_nothing_passes_zero_in_zero_or_noise() {
     let mut n = 0;
     assert_eq!(first_crossing(&[0.0; 9], -1.0, 1.0, &mut n), None);
-    // A constant above zero, which breaks the requirement, counts as zero; the search ends soon.
+    // A constant above zero violates the requirement and counts as zero; the search ends soon.
     assert_eq!(first_crossing(&[1e-17, 0.0, 0.0, 0.0], -1.0, 1.0, &mut n), Some(-1.0));
     assert!(n < 100, "{n}");
-    // Alternating round-off about zero: any answer is right, if it comes soon.
+    // Alternating round-off around zero: any answer is correct, if it comes soon.
     let noise: [f64; 9] = std::array::from_fn(|k| if k % 2 == 0 { -1e-300 } else { 1e-300 });
     first_crossing(&noise, -1.0, 1.0, &mut n);
     assert!(n < 10_000, "{n}");
@@ -233,14 +233,14 @@ fn second_method_agrees_with_dense_sampling_on_random_polynomials() {
 
 #[test]
 fn closed_form_roots_at_the_ends() {
-    // A root at the end is no passage, however p gets there; one at the start is.
+    // A root at the end is not a passage, however p reaches it; a root at the start is.
     for p in [[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.5, 0.5, 0.0], [-1.0, 0.0, 0.0, 1.0]] {
         assert_eq!(first_crossing(&p, 0.0, 1.0, &mut 0), None, "{p:?}");
     }
     for p in [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, -0.1]] {
         assert_eq!(first_crossing(&p, 0.0, 1.0, &mut 0), Some(0.0), "{p:?}");
     }
-    // From zero downwards and up again: the passage is the later one.
+    // From zero downwards and then up: the passage is the later one.
     let u = first_crossing(&[0.0, -0.25, 1.0], 0.0, 1.0, &mut 0).unwrap();
     assert!((u - 0.25).abs() < ROOT, "{u}");
     // A start above zero by rounding counts as zero.

@@ -1,5 +1,5 @@
-//! Equations of a curve over two parameters: those of the orbit, and a condition for the special
-//! point.
+//! Equations of a curve over two parameters: the orbit's equations, and a condition for the
+//! special point.
 
 use super::super::conditions;
 use super::super::crossing;
@@ -16,16 +16,16 @@ use crate::two_parameters::{Border, Located, LocusEnd, LocusPoint, TwoParameters
 use nalgebra::{Complex, DMatrix, DVector};
 use std::sync::Arc;
 
-/// Step of the differences of the condition. It sets the speed of convergence and never the result.
+/// Step of the condition's differences. It affects the speed of convergence, not the result.
 const DIFFERENCE: f64 = 1e-6;
-/// Value of a further condition at the end of a curve below which the end is its touch.
+/// Value of a further condition below which the end of a curve is a touch of this condition.
 const TOUCHES: f64 = 1e-4;
-/// Extent of a curve, in parts of the ranges, that is a point.
+/// Tolerance for the extent of a single-point curve, as a fraction of the ranges.
 const POINT: f64 = 1e-4;
-/// Largest value of a further condition that is zero along a curve, as the second touch of a
-/// symmetric orbit is.
+/// Tolerance for a further condition that is zero along a curve, such as the second touch of a
+/// symmetric orbit.
 const TWIN: f64 = 1e-8;
-/// Largest part of the unfolding of a crossing that is rounding, in units of the equations.
+/// Tolerance for the unfolding of a crossing, in units of the equations: rounding.
 const KEPT: f64 = 1e-7;
 
 /// Condition that holds along a curve.
@@ -33,16 +33,16 @@ const KEPT: f64 = 1e-7;
 pub(super) enum Condition {
     /// The equations are singular.
     Fold(Border<f64>),
-    /// The equations are singular, the parameter's column among them, up to a multiple of the
-    /// border's left vector by which they are unfolded (G. Moore, The numerical treatment of
-    /// non-trivial bifurcation points, 1980). The multiple is an unknown: it is 0 where the two
-    /// parameters keep the crossing, as that of a symmetric orbit.
+    /// The equations, with the parameter's column, are singular up to a multiple of the border's
+    /// left vector, which unfolds them (G. Moore, The numerical treatment of non-trivial
+    /// bifurcation points, 1980). The multiple is an unknown. It is 0 if the two parameters keep
+    /// the crossing, as for a symmetric orbit.
     Crossing(Border<f64>),
-    /// A multiplier -1: the equations whose variations close with the factor -1 are singular.
+    /// A multiplier -1: the equations are singular for variations that change sign.
     Doubling(Border<f64>),
     /// A pair of multipliers with the product 1.
     Pair,
-    /// A condition of the orbit that just ceases to hold.
+    /// A condition of the orbit that is just about to fail.
     Touch(conditions::Condition),
 }
 
@@ -61,7 +61,7 @@ impl Condition {
         })
     }
 
-    /// Values of the condition at an orbit: one, of a crossing two.
+    /// Values of the condition at an orbit: two for a crossing, otherwise one.
     pub fn tests(&self, problem: &Problem, place: Place, u: &DVector<f64>) -> Result<Vec<f64>, Obstacle> {
         let found = match self {
             Self::Pair => {
@@ -92,7 +92,7 @@ impl Condition {
     }
 }
 
-/// The border of the equations whose variations close with the factor -1.
+/// The border of the equations for variations that change sign over the period.
 fn antiperiodic(problem: &Problem, u: &DVector<f64>) -> Result<Border<f64>, Obstacle> {
     let place = problem.place(u)?;
     let Residual { matrix, cycle, .. } = problem.residual(&place, u, true)?;
@@ -100,8 +100,8 @@ fn antiperiodic(problem: &Problem, u: &DVector<f64>) -> Result<Border<f64>, Obst
     turned.and_then(Border::of).ok_or(Obstacle::NoConvergence)
 }
 
-/// Equations of a curve. A point holds the orbit's unknowns without the parameter, the unfolding of
-/// a crossing, and the two parameters.
+/// Equations of a curve. A point contains the orbit's unknowns without the parameter, the
+/// unfolding of a crossing, and the two parameters.
 #[derive(Clone)]
 pub(super) struct Locus {
     families: [Family; 2],
@@ -123,11 +123,11 @@ impl Locus {
         Self { families, problem, condition, twins: Vec::new() }
     }
 
-    /// The curve with the conditions that are zero at its begin beside its own.
+    /// The curve with the further conditions that are zero at its start.
     pub fn with_twins(self, w: &DVector<f64>) -> Result<Self, Obstacle> {
         let orbit = self.orbit(w)?;
         let is_twin = |(condition, value): &&(conditions::Condition, f64)| {
-            // That stops are met together is a condition of its own size.
+            // `Together` has a scale of its own.
             let is_together = matches!(condition, conditions::Condition::Together { .. });
             value.abs() < TWIN && !is_together && !self.is_own(condition)
         };
@@ -149,7 +149,7 @@ impl Locus {
         matches!(self.condition, Condition::Crossing(_))
     }
 
-    /// Whether a curve of crossings is so short that rounding alone keeps its crossing.
+    /// Whether a curve of crossings is so short that only rounding keeps its crossing.
     pub fn is_point(&self, curve: &[Located]) -> bool {
         let part = |k: usize| {
             let (from, to) = TwoParameters::range(self, k);
@@ -160,7 +160,7 @@ impl Locus {
         self.unfolds() && part(0).max(part(1)) < POINT
     }
 
-    /// The point of an orbit with a value of the second parameter.
+    /// The point of an orbit at a value of the second parameter.
     pub fn point(&self, u: &DVector<f64>, second: f64) -> DVector<f64> {
         let n = self.n();
         let unfolding = self.unfolds().then_some(0.0);
@@ -198,11 +198,11 @@ impl Locus {
         Orbit::at(problem, place, u)
     }
 
-    /// The point as others see it.
+    /// The point in SI units, for users of the curve.
     pub fn seen(&self, w: &DVector<f64>, end: Option<LocusEnd>) -> Result<LocusPoint, Obstacle> {
         let orbit = self.orbit(w)?;
         let angle = matches!(self.condition, Condition::Pair).then(|| angle(orbit.multipliers())).flatten();
-        // Values in curve units are at a bound but for rounding.
+        // Converted values may exceed the bounds by rounding.
         let values = [0, 1].map(|k| {
             let (from, to) = self.families[k].range;
             self.values(w)[k].clamp(from, to)
@@ -216,19 +216,19 @@ impl Locus {
         self.condition.tests(&problem, place, &u)
     }
 
-    /// The columns of both parameters.
+    /// The derivatives with respect to both parameters.
     fn columns(&self, at: &At, cycle: &Cycle, matrix: &DMatrix<f64>) -> Result<[DVector<f64>; 2], Obstacle> {
         let column = |k: usize| at.problems[k].by_parameter((&at.place, &at.points[k]), cycle, matrix);
         Ok([column(0)?, column(1)?])
     }
 }
 
-/// Product of a factor for each multiplier that is zero at the multiplier 1 alone.
+/// Product of one factor per multiplier; it is zero only at the multiplier 1.
 fn unit(multipliers: &[Complex<f64>]) -> f64 {
     doubling(&multipliers.iter().map(|m| -m).collect::<Vec<_>>())
 }
 
-/// The multipliers but for the nearest to a number.
+/// The multipliers except the one nearest to a number.
 fn without_nearest(multipliers: &[Complex<f64>], to: f64) -> Vec<Complex<f64>> {
     let off = |k: &usize| (multipliers[*k] - to).norm();
     let nearest = (0..multipliers.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -245,7 +245,7 @@ fn sum_of_pair(multipliers: &[Complex<f64>]) -> Option<f64> {
     pairs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
-/// The angle, rad, of the complex pair that is nearest to the unit circle.
+/// The angle, rad, of the complex pair nearest to the unit circle.
 fn angle(multipliers: &[Complex<f64>]) -> Option<f64> {
     let pairs = multipliers.iter().filter(|m| m.im > 0.0);
     let off = |m: &Complex<f64>| (m.norm() - 1.0).abs();
@@ -334,7 +334,7 @@ impl TwoParameters for Locus {
         if !matches!(self.condition, Condition::Pair) {
             return None;
         }
-        // Beyond a resonance the pair is two real multipliers, each the other's inverse.
+        // Beyond a resonance the pair consists of two real reciprocal multipliers.
         let orbit = self.orbit(w).ok()?;
         if is_on_circle(orbit.multipliers()) {
             return None;

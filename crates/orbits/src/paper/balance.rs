@@ -1,21 +1,21 @@
-//! Reference places of the three bodies, from which the states of an orbit are measured.
+//! Reference positions of the three bodies for the states of an orbit.
 //!
-//! Where springs hold the constant loads within reach of the stops these are the rest positions,
-//! docs/theory.md (99). Otherwise they are places near each other, at which the loads push.
+//! If springs hold the constant loads within reach of the stops, these are the rest positions,
+//! docs/theory.md (99). Otherwise they are positions close together, with unbalanced loads.
 
 use vibro_impact::parameters::{LOADS, Parameters};
 use vibro_impact::simulator::Loads;
 use vibro_impact::steady::exact_orbit::Vector6;
 use vibro_studies::Result;
 
-/// Loads on box, block and secondary oscillator that do not change, N: gravity, the tilt of the
-/// machine, a gap off its centre.
+/// Constant loads on box, block and secondary oscillator, N: gravity, the tilt of the machine, an
+/// off-centre gap.
 ///
-/// They act on impacts through one number, the displacement w_s of the block in the box that they
-/// cause without impacts (docs/theory.md (100)). A gap whose middle lies b above the centre is the
-/// machine under the loads (0, -k23 b, k23 b), docs/theory.md (97). A block without a spring has no
-/// displacement under its load: it falls, and the load's acceleration acts on its flights instead
-/// (docs/theory.md (111)).
+/// They affect impacts only through the displacement w_s of the block in the box that they cause
+/// without impacts (docs/theory.md (100)). A gap whose middle is b above the centre is the machine
+/// under the loads (0, -k23 b, k23 b), docs/theory.md (97). A block without a spring has no static
+/// displacement: it falls, and the load's acceleration acts on its flights instead (docs/theory.md
+/// (111)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConstantLoads {
     /// On the box, the block and the secondary oscillator.
@@ -23,17 +23,17 @@ pub struct ConstantLoads {
 }
 
 impl ConstantLoads {
-    /// The loads as those of the simulator.
+    /// The loads in the simulator's form.
     pub fn loads(&self) -> Loads {
         Loads { derivatives: self.forces.map(|f| [f, 0.0, 0.0, 0.0]) }
     }
 }
 
-/// Largest stiffness, relative to mass times ω1², at which a spring counts as soft. Without an
-/// anchor the equations of an orbit lose three or more digits there.
+/// Upper limit of a soft spring's stiffness, relative to mass times ω1². Without an anchor the
+/// equations of an orbit lose at least three digits there.
 const SOFT: f64 = 1e-2;
 
-/// Body or bodies whose position a missing or soft spring does not determine, docs/theory.md (112).
+/// The bodies whose position a missing or soft spring does not determine, docs/theory.md (112).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// The box, without a spring to the ground.
@@ -45,18 +45,18 @@ pub(super) enum Anchor {
 }
 
 impl Anchor {
-    /// Index in a state of the displacement whose return the first contact replaces.
+    /// State index of the displacement whose return the first contact replaces.
     pub(super) fn place(self) -> usize {
         usize::from(self != Self::Box)
     }
 
-    /// Index of the displacement that moves along with the anchored one. The equations contain the
-    /// return of the difference of both.
+    /// Index of the displacement that moves with the anchored one. The equations contain the
+    /// return of their difference.
     pub(super) fn follower(self) -> Option<usize> {
         (self == Self::Pair).then_some(2)
     }
 
-    /// All anchors, each with the stiffness that holds it, relative to mass times ω1².
+    /// All anchors, each with the stiffness holding it, relative to mass times ω1².
     pub(super) fn held(p: &Parameters) -> [(Self, f64); 3] {
         let part = |stiffness: f64, mass: f64| stiffness / (mass * p.drive_frequency.powi(2));
         [
@@ -66,7 +66,7 @@ impl Anchor {
         ]
     }
 
-    /// The anchor with the least stiffness in any of the given machines; `None` unless that
+    /// The anchor with the smallest stiffness in any of the given machines; `None` unless this
     /// stiffness is soft.
     pub(super) fn of<'a>(machines: impl Iterator<Item = &'a Parameters>) -> Option<Self> {
         let least = machines.flat_map(Self::held).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -74,33 +74,33 @@ impl Anchor {
     }
 }
 
-/// Displacement of the block in the box, units of L, beyond which states are measured from places
-/// near each other. Two digits are lost by then, and no motion without impacts keeps within the
-/// stops.
+/// Displacement of the block in the box, units of L, beyond which states are measured from
+/// positions close together. At this limit two digits are lost, and no motion without impacts
+/// stays within the stops.
 const FAR: f64 = 100.0;
 
-/// Farthest place, units of L. Differences of nearer places, and their products with the rates of a
-/// machine, do not overflow.
+/// Largest displacement, units of L. Differences of smaller displacements, and their products with
+/// the rates of a machine, do not overflow.
 const FARTHEST: f64 = 1e100;
 
-/// Reference places, units of L, and what pushes the bodies there.
+/// Reference positions, units of L, and the unbalanced loads there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balance {
-    /// The reference places.
+    /// The reference positions.
     pub places: [f64; 3],
-    /// The constant part of the rate of a state there, d of docs/theory.md (111).
+    /// The constant part of a state's rate, d of docs/theory.md (111).
     pub push: Vector6,
-    /// Rest positions under the loads; a block without a spring is in the middle of the box.
+    /// Rest positions under the loads; a block without a spring is at the middle of the box.
     held: [f64; 3],
 }
 
 impl Balance {
-    /// Displacement of the block in the box where the springs hold the loads.
+    /// Displacement of the block in the box if the springs hold the loads.
     pub fn offset(&self) -> f64 {
         self.held[1] - self.held[0]
     }
 
-    /// This balance with the rest positions as reference places.
+    /// This balance with the rest positions as reference positions.
     pub fn at_rest(self) -> Self {
         if self.places == self.held {
             self
@@ -113,8 +113,8 @@ impl Balance {
 /// The balance of a machine under loads.
 ///
 /// # Errors
-/// An error if a load is not finite, if it acts on a body that no spring holds, or if a spring
-/// would hold it farther than 1e100 L away.
+/// An error if a load is not finite, if it acts on a body without a spring, or if a spring would
+/// hold it farther than 1e100 L away.
 pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     let held = rest(p, loads)?;
     let anchor = Anchor::of(std::iter::once(p)).filter(|_| (held[1] - held[0]).abs() > FAR);
@@ -134,7 +134,7 @@ pub(super) fn balance(p: &Parameters, loads: ConstantLoads) -> Result<Balance> {
     Ok(Balance { places, push, held })
 }
 
-/// Reference places near each other at which all bodies except the softly held ones are in balance.
+/// Reference positions close together, with all bodies in balance except the softly held ones.
 fn near(p: &Parameters, loads: ConstantLoads, [x1, x2, x3]: [f64; 3], anchor: Anchor) -> [f64; 3] {
     let [_, f2, f3] = loads.forces.map(|force| force / p.stop_gap);
     let (coupling, ground) = (p.coupling_stiffness, p.secondary_stiffness);

@@ -31,8 +31,8 @@ impl Branch {
     /// The orbit of one of its points.
     ///
     /// # Errors
-    /// The error of [`Family::system`] at the point; an error if the phases of the point do not
-    /// give an orbit.
+    /// The error of [`Family::system`] at the point; an error if the point's phases do not give an
+    /// orbit.
     pub fn orbit(&self, family: &Family, point: &OrbitPoint) -> Result<Orbit> {
         let system = family.system(&[point.value])?;
         Orbit::at(&system, &self.of, point.phases()).map_err(|obstacle| obstacle.error(&system, &self.of))

@@ -1,5 +1,5 @@
-//! Which orbits a tree holds: whether a branch contains an orbit, and on which branch a settled
-//! motion lies.
+//! Orbits of a tree: whether a branch contains an orbit, and on which branch a settled motion
+//! lies.
 
 use super::branch::Branch;
 use super::family::Family;
@@ -15,15 +15,14 @@ use vibro_studies::Result;
 use vibro_studies::paper::attractor::Attractor;
 use vibro_studies::paper::stroboscopic::{StroboscopicState, dimensionless};
 
-/// Largest difference of phases, rad, at which two orbits at one value of the parameter count as
-/// equal.
+/// Tolerance for equal phases of two orbits at one parameter value, rad.
 const SAME_ORBIT: f64 = 1e-6;
 
-/// Largest distance, rad, between interpolated phases and those of an orbit at which Newton's
-/// method is tried.
+/// Largest difference, rad, between interpolated phases and an orbit's phases for a Newton
+/// attempt.
 const NEAR_ORBIT: f64 = 0.2;
 
-/// An orbit of a tree at a value of the parameter.
+/// An orbit of a tree at a parameter value.
 #[derive(Clone, Debug)]
 pub struct TreeOrbit {
     /// The number of its branch.
@@ -32,22 +31,22 @@ pub struct TreeOrbit {
     pub orbit: Orbit,
 }
 
-/// Place of a settled motion in a tree.
+/// Position of a settled motion in a tree.
 #[derive(Clone, Debug)]
 pub struct Covering {
     /// The number of the branch.
     pub branch: usize,
-    /// The stable orbit of the branch at the motion's value of the parameter.
+    /// The stable orbit of the branch at the motion's parameter value.
     pub orbit: Orbit,
     /// The largest difference of a coordinate between the states of the motion and of the orbit at
-    /// whole drive periods, units of L and L ω10. It is the rest of the motion's transient.
+    /// whole drive periods, units of L and L ω10: the remaining transient of the motion.
     pub distance: f64,
 }
 
 impl Tree {
     /// The largest [`distance`](Covering::distance) at which a motion counts as settled on an
-    /// orbit. States of one attractor that were reached from different starts differ by less;
-    /// distinct orbits differ by more.
+    /// orbit. Motions on one attractor from different starts differ by less; distinct orbits
+    /// differ by more.
     pub const SETTLED_DISTANCE: f64 = 1e-3;
 
     /// The branch that contains an orbit, if there is one.
@@ -69,7 +68,7 @@ impl Tree {
             .map(|b| b.id)
     }
 
-    /// The orbits of all branches at a value of the parameter, in the order of the branches.
+    /// The orbits of all branches at a parameter value, in the order of the branches.
     ///
     /// # Errors
     /// The error of [`Family::system`] at `value`.
@@ -85,16 +84,15 @@ impl Tree {
         Ok(self.branches.iter().flat_map(of).collect())
     }
 
-    /// The stable orbit of the tree on which a simulated motion has settled at a value of the
-    /// parameter. It is the nearest stable orbit, if the motion is within
-    /// [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE) of it. If the machine is symmetric, the mirror
-    /// image of an orbit counts as the orbit.
+    /// The stable orbit of the tree on which a simulated motion has settled at a parameter value:
+    /// the nearest stable orbit, if it is within [`SETTLED_DISTANCE`](Self::SETTLED_DISTANCE). For
+    /// a symmetric machine, an orbit's mirror image counts as the orbit.
     ///
-    /// The motion is compared by its states at whole drive periods over one period of the motion,
-    /// which must be a multiple of the orbit's period. The result is `None` if no stable orbit of
-    /// the tree is the motion: the motion is not periodic, rests at a stop or is still transient,
-    /// or its branch is missing. The share of a simulated diagram that the tree explains is the
-    /// number of covered rows over that of periodic rows without rest.
+    /// The comparison uses the states at whole drive periods over one period of the motion, which
+    /// must be a multiple of the orbit's period. The result is `None` if the tree has no such
+    /// orbit: the motion is not periodic, rests at a stop or is still transient, or its branch is
+    /// missing. The tree explains a fraction of a simulated diagram: covered rows divided by
+    /// periodic rows without rest.
     ///
     /// ```
     /// use vibro_studies::paper::attractor::observe;
@@ -140,8 +138,8 @@ impl Tree {
 
 /// The largest difference of a coordinate between the states of an orbit and of a motion at whole
 /// drive periods. The motion may begin in any drive period of the orbit or, for a symmetric
-/// machine, of its mirror image; the result is the least value over these beginnings. `None` unless
-/// the motion's period is a multiple of the orbit's.
+/// machine, of its mirror image; the smallest value is returned. `None` unless the motion's period
+/// is a multiple of the orbit's.
 fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
     let p = orbit.system().parameters();
     let period = orbit.word().period() as usize;
@@ -163,7 +161,7 @@ fn distance(orbit: &Orbit, states: &[StroboscopicState]) -> Option<f64> {
 }
 
 impl Branch {
-    /// Whether the branch contains an orbit of the family's machine at a value of the parameter.
+    /// Whether the branch contains an orbit of the family's machine at a parameter value.
     pub fn holds(&self, family: &Family, orbit: &Orbit, value: f64) -> bool {
         let mirror = family.is_symmetric();
         let (word, phases) = orbit.word().reduced(orbit.phases(), mirror, REPETITION);
@@ -171,7 +169,7 @@ impl Branch {
         word == *self.word() && self.passes(family, &phases, value, mirror)
     }
 
-    /// The pairs of neighbouring points between which a value lies.
+    /// The pairs of adjacent points with a value between them.
     fn pieces_around(&self, value: f64) -> impl Iterator<Item = [&OrbitPoint; 2]> {
         let inside = move |pair: &[&OrbitPoint; 2]| {
             let [a, b] = pair.map(|p| p.value);
@@ -181,7 +179,7 @@ impl Branch {
     }
 
     /// Guesses of the phases of an orbit between two points: the interpolated phases, and the
-    /// phases of both points, since the interpolation is poor next to a fold or a birth.
+    /// phases of both points, since interpolation is poor near a fold or a birth.
     fn guesses(value: f64, [a, b]: [&OrbitPoint; 2]) -> [Vec<f64>; 3] {
         let way = b.value - a.value;
         let part = if way == 0.0 { 0.5 } else { ((value - a.value) / way).clamp(0.0, 1.0) };
@@ -207,8 +205,8 @@ impl Branch {
         })
     }
 
-    /// Certified orbits of the branch in the machine at a value of the parameter. Only pieces whose
-    /// first point satisfies `begins` are searched.
+    /// Certified orbits of the branch at a parameter value. Only pieces whose first point
+    /// satisfies `begins` are searched.
     fn orbits_in(&self, system: &System, value: f64, begins: impl Fn(&OrbitPoint) -> bool) -> Vec<Orbit> {
         let mut found: Vec<Orbit> = Vec::new();
         for pair in self.pieces_around(value).filter(|pair| begins(pair[0])) {
@@ -219,7 +217,7 @@ impl Branch {
                 let phases = newton(system, self.word(), guess).ok().filter(|phases| near(phases))?;
                 Orbit::at(system, self.word(), &phases).ok().filter(Orbit::is_certified)
             };
-            // Two pieces that meet at the value share one orbit, which is kept once.
+            // Two pieces that meet at the value share one orbit; it is kept once.
             found.extend(
                 guesses
                     .iter()

@@ -1,7 +1,7 @@
-//! The linear part of an orbit: for given impact phases the state follows from one system of six
-//! equations, and the conditions of contact remain as residual (docs/theory.md (101) to (105)).
+//! The linear part of an orbit: given the impact phases, the state follows from six linear
+//! equations; the contact conditions are the residual (docs/theory.md (101) to (105)).
 //!
-//! Where a spring hardly holds a body, the first contact is one of the six equations, and the
+//! If a body is hardly held by a spring, the first contact is one of the six equations, and the
 //! return of the body belongs to the residual instead (docs/theory.md (112)).
 
 use super::system::{Anchor, System};
@@ -10,14 +10,14 @@ use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 
-/// Least ratio of the diagonal entries of an LU decomposition of σI - M at which the matrix counts
-/// as regular: below this ratio the state keeps fewer than six digits.
+/// Smallest ratio of the diagonal entries of an LU decomposition of σI - M at which the matrix
+/// counts as regular: below this ratio the state has fewer than six digits.
 const REGULAR: f64 = 1e-10;
 
 /// The row whose product with a state is w.
 const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
 
-/// Quantity at the ends of the flights that is differentiated.
+/// Quantity at the ends of the flights whose derivative is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Functional {
     /// w.
@@ -27,7 +27,7 @@ pub(super) enum Functional {
 }
 
 impl Functional {
-    /// Value at a state without the drive.
+    /// Value at a state without the drive's motion.
     fn of(self, z: &Vector6) -> f64 {
         match self {
             Self::Gap => z[1] - z[0],
@@ -36,7 +36,7 @@ impl Functional {
     }
 }
 
-/// A word passed once at given impact phases, closed by docs/theory.md (103). Flight i leads from
+/// One pass of a word at given impact phases, closed by docs/theory.md (103). Flight i leads from
 /// impact i to impact i + 1.
 pub(super) struct Cycle<'a> {
     pub system: &'a System,
@@ -49,7 +49,7 @@ pub(super) struct Cycle<'a> {
     /// start.
     rows: Vec<[Vector6; 2]>,
     /// z, the state minus the motion without impacts. `start` is just after the first impact;
-    /// `before` and `after` are around the impact at the end of each flight.
+    /// `before` and `after` refer to the impact at the end of each flight.
     pub start: Vector6,
     pub before: Vec<Vector6>,
     pub after: Vec<Vector6>,
@@ -66,8 +66,8 @@ fn arrival(word: &OrbitWord, phases: &[f64], flight: usize) -> f64 {
 }
 
 /// In the matrix of the equations for a state, replaces the row for the return of the anchored
-/// displacement by the row of the first contact. The row of a displacement that moves along with
-/// the anchored one is replaced by the return of the difference of both.
+/// displacement by the row of the first contact. If another displacement moves with the anchored
+/// one, its row becomes the return of their difference.
 fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, anchor: Anchor) {
     let place = anchor.place();
     if let Some(follower) = anchor.follower() {
@@ -77,7 +77,7 @@ fn anchor_rows<T: ComplexField<RealField = f64>>(closed: &mut SMatrix<T, 6, 6>, 
     closed.set_row(place, &GAP.transpose().map(T::from_real));
 }
 
-/// In the right side of those equations, replaces the entry for the return of the anchored
+/// On the right side of these equations, replaces the entry for the return of the anchored
 /// displacement by the value of the first contact.
 fn anchor_right<T: ComplexField<RealField = f64>>(right: &mut SMatrix<T, 6, 1>, anchor: Anchor, contact: T) {
     let place = anchor.place();
@@ -100,8 +100,8 @@ impl<'a> Cycle<'a> {
         Self::with_transitions(system, word, phases, transitions)
     }
 
-    /// Closes a word at given phases with known maps of its flights, which depend neither on the
-    /// drive's amplitude nor on loads.
+    /// Closes a word at given phases with known maps of its flights. The maps do not depend on the
+    /// drive's amplitude or on loads.
     pub fn with_transitions(
         system: &'a System,
         word: &'a OrbitWord,
@@ -149,7 +149,7 @@ impl<'a> Cycle<'a> {
         Ok(Self { system, word, phases, transitions, map, rows, start, before, after, residual, rates })
     }
 
-    /// The cycle of these phases in another system.
+    /// The cycle with these phases in another system.
     pub fn in_system<'b>(&self, system: &'b System) -> Result<Cycle<'b>, Obstacle>
     where
         'a: 'b,
@@ -184,9 +184,8 @@ impl<'a> Cycle<'a> {
         closed
     }
 
-    /// Factor by which the determinant of the residual's derivative is multiplied so that it does
-    /// not depend on which equations are solved for the state (docs/theory.md (112)): 1 unless the
-    /// system is anchored.
+    /// Factor that makes the determinant of the residual's derivative independent of which
+    /// equations are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
         if self.system.anchor().is_some() {
             factor * self.sigma() * self.closed(&factor).determinant()
@@ -210,8 +209,8 @@ impl<'a> Cycle<'a> {
         if flight == 0 { &self.start } else { &self.after[flight - 1] }
     }
 
-    /// Misses of contact at the start and at the end of a flight, units of L. At an orbit they are
-    /// rounding.
+    /// Contact errors at the start and at the end of a flight, units of L; at an orbit they are
+    /// only rounding.
     pub fn contact_errors(&self, flight: usize) -> [f64; 2] {
         let off = |z: &Vector6, phase: f64, impact: usize| {
             (Functional::Gap.of(z) + self.system.forced_gap(phase)[0] - self.word.side(impact)).abs()
@@ -232,8 +231,8 @@ impl<'a> Cycle<'a> {
         free + self.system.forced_gap(self.arrival(flight))[2]
     }
 
-    /// Whether the block stays on its stop after the impact from which a flight starts. Without
-    /// restitution it leaves with speed zero, and stays if its acceleration points at the stop.
+    /// Whether the block stays on its stop after the impact at the start of a flight. Without
+    /// restitution it leaves at zero speed, and stays if its acceleration points to the stop.
     pub fn stays(&self, flight: usize) -> bool {
         self.system.flight.kappa == 0.0 && {
             let free = Functional::Rate.of(&self.system.rate(self.departure(flight)));
@@ -251,13 +250,14 @@ impl<'a> Cycle<'a> {
     }
 
     /// The derivative of a functional at the ends of the flights with respect to the phases,
-    /// docs/theory.md (105), for variations that close with `factor` times the word's sign: 1 for
-    /// those of the orbit itself, -1 for those that double the period or break the symmetry.
+    /// docs/theory.md (105). The variations close with `factor` times the word's sign: 1 for
+    /// variations of the orbit itself, -1 for doubling the period or breaking the symmetry.
     pub fn derivative(&self, functional: Functional, factor: f64) -> Option<DMatrix<f64>> {
         self.derivative_for(functional, factor)
     }
 
-    /// [`derivative`](Self::derivative) of the gap for variations that close with a complex factor.
+    /// [`derivative`](Self::derivative) of the gap for variations that close with a complex
+    /// factor.
     pub fn complex_derivative(&self, factor: Complex<f64>) -> Option<DMatrix<Complex<f64>>> {
         self.derivative_for(Functional::Gap, factor)
     }
@@ -312,15 +312,14 @@ impl<'a> Cycle<'a> {
         Functional::Rate.of(&self.start) + self.system.forced_gap(self.phases[0])[1]
     }
 
-    /// For each impact the direct effect of its delay: on a functional at the ends of the later
+    /// The direct effect of delaying each impact: on a functional at the ends of the later
     /// flights, and on the state at the end of the word.
     fn delays(&self, functional: Functional) -> (DMatrix<f64>, Vec<Vector6>) {
         let n = self.len();
         let mut direct = DMatrix::zeros(n, n);
         let mut first = self.delay(n - 1);
         if self.system.anchor().is_some() {
-            // Before convergence the state at the end of the word does not return to that at the
-            // start.
+            // Before convergence, the state at the end of the word differs from the initial state.
             first += self.system.rate(&self.after[n - 1]) - self.system.rate(&self.start) * self.sigma();
         }
         let mut ends = vec![first];
@@ -336,9 +335,9 @@ impl<'a> Cycle<'a> {
         (direct, ends)
     }
 
-    /// The map of variations from just after the first impact to just after the one that closes the
-    /// word, with the closing sign: docs/theory.md (106). Its eigenvalues are the multipliers. Each
-    /// impact must have an approach speed other than zero.
+    /// The map of variations over one pass of the word, from just after the first impact to just
+    /// after the closing impact, with the closing sign: docs/theory.md (106). Its eigenvalues are
+    /// the multipliers. Each impact must have a nonzero approach speed.
     pub fn monodromy(&self) -> Matrix6<f64> {
         let mut map = Matrix6::identity();
         for (i, transition) in self.transitions.iter().enumerate() {
@@ -365,7 +364,7 @@ fn mapped(matrix: &Matrix6<f64>, map: impl Fn(&Vector6) -> Vector6) -> Matrix6<f
     Matrix6::from_columns(&[0, 1, 2, 3, 4, 5].map(|i| map(&matrix.column(i).into())))
 }
 
-/// The solution of a system of six equations; `None` where it is singular up to rounding.
+/// The solution of six linear equations; `None` if the matrix is singular within rounding.
 fn solve(matrix: &Matrix6<f64>, right: &Vector6) -> Option<Vector6> {
     let lu = matrix.lu();
     let diagonal = lu.lu_internal().diagonal();

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use vibro_studies::Error;
 use vibro_studies::paper::{Name, ParameterSet};
 
-/// Step of the differences with respect to the parameter, in its curve unit. It sets the speed of
-/// convergence and never the result.
+/// Step of the differences with respect to the parameter, in its curve unit. It affects the speed
+/// of convergence, not the result.
 const DIFFERENCE: f64 = 1e-5;
 
 /// Number of curve units in the range of a parameter. The curve unit of phases is 1 rad.
@@ -23,9 +23,9 @@ const UNITS: f64 = 5.0;
 pub struct Span {
     /// The parameter.
     pub name: Name,
-    /// Least value.
+    /// Smallest value.
     pub from: f64,
-    /// Greatest value.
+    /// Largest value.
     pub to: f64,
 }
 
@@ -33,8 +33,8 @@ impl Span {
     /// A range of a parameter.
     ///
     /// # Errors
-    /// [`Error::Form`] if the range is empty or not finite; the error of [`Name::check`] if the
-    /// parameter may not have the value of an end.
+    /// [`Error::Form`] if the range is empty or not finite; the error of [`Name::check`] if an end
+    /// of the range is not allowed.
     pub fn new(name: impl Into<Name>, from: f64, to: f64) -> Result<Self, Error> {
         let name = name.into();
         if !(from < to && (to - from).is_finite()) {
@@ -94,12 +94,12 @@ impl Family {
         Ok(family)
     }
 
-    /// The parameters that vary.
+    /// The varied parameters.
     pub fn spans(&self) -> &[Span] {
         &self.spans
     }
 
-    /// The first of the parameters that vary.
+    /// The first varied parameter.
     pub fn span(&self) -> &Span {
         &self.spans[0]
     }
@@ -107,7 +107,7 @@ impl Family {
     /// The parameters of a machine of the family.
     ///
     /// # Errors
-    /// An error if a parameter may not have its value.
+    /// An error if a parameter's value is not allowed.
     pub fn parameter_set(&self, values: &[f64]) -> Result<ParameterSet, Error> {
         let mut set = self.set.clone();
         for (span, value) in self.spans.iter().zip(values) {
@@ -124,7 +124,7 @@ impl Family {
         System::new(self.parameter_set(values)?.parameters())
     }
 
-    /// Whether the mirror image of every orbit is an orbit: no machine has loads.
+    /// Whether the mirror image of every orbit is an orbit: only if no machine has loads.
     pub fn is_symmetric(&self) -> bool {
         self.set.parameters().constant_loads == [0.0; 3] && !self.spans.iter().any(|span| span.name.is_load())
     }
@@ -141,8 +141,8 @@ impl Family {
         }
     }
 
-    /// The parameters' values at a point of a curve, which holds the phases and then the parameters
-    /// in their units.
+    /// The parameters' values at a point of a curve, which contains the phases and then the scaled
+    /// parameters.
     pub(super) fn values(&self, u: &DVector<f64>) -> Vec<f64> {
         let first = u.len() - self.spans.len();
         self.spans.iter().enumerate().map(|(i, span)| u[first + i] * span.unit()).collect()
@@ -160,7 +160,7 @@ impl Family {
     }
 
     /// Derivatives of a quantity of the cycle with respect to the parameters, by differences
-    /// between machines that have the anchor of this cycle's machine.
+    /// between machines with the same anchor as this cycle's machine.
     pub(super) fn by_parameters(
         &self,
         u: &DVector<f64>,
@@ -187,8 +187,8 @@ pub(super) struct ContactEquations<'a> {
 }
 
 impl ContactEquations<'_> {
-    /// Value and derivative of the residual. The columns of the parameters are taken from `known`
-    /// if it is given.
+    /// Value and derivative of the residual. The parameters' columns are taken from `known`, if
+    /// given.
     pub fn linearize(
         &self,
         cycle: &Cycle,

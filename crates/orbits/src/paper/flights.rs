@@ -1,5 +1,4 @@
-//! The flights between impacts as Taylor pieces: the proof that no stop is touched in between, and
-//! the extrema.
+//! The flights between impacts as Taylor pieces: proof that no stop is touched, and extrema.
 
 use super::system::System;
 pub(super) use vibro_impact::steady::PENETRATION_ROUNDING;
@@ -7,12 +6,12 @@ use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 use vibro_numerics::bernstein::{Polynomial, add_sine, evaluate};
 use vibro_numerics::roots::brent;
 
-/// Parts into which a piece is divided to search its extrema. Over a piece the fastest mode turns
-/// by 0.75 rad, so that the slope changes its sign at most once in a part, except next to an
-/// inflection, which is therefore examined too.
+/// Number of parts of a piece in the search for extrema. Over a piece the fastest mode turns by
+/// 0.75 rad, so the slope changes sign at most once in a part, except near an inflection, which is
+/// therefore examined too.
 const PARTS: usize = 8;
 
-/// Accuracy of an extremum's place in a piece; its value is then exact to round-off.
+/// Accuracy of an extremum's position in a piece; its value is then exact to round-off.
 const PLACE: f64 = 1e-12;
 
 /// One Taylor piece of a flight: x1, x2, x3 in units of L over `[phase, phase + length]`.
@@ -55,14 +54,14 @@ pub(super) fn pieces(
     })
 }
 
-/// Whether it is proved that the block keeps within the stops during a flight, except for
-/// `contact`, the miss of contact at its ends, and the rounding that [`Clearance`] allows.
+/// Whether it is proved that the block stays within the stops during a flight, except for
+/// `contact`, the contact error at its ends, and the rounding that [`Clearance`] allows.
 pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, contact: f64) -> bool {
     let mut clearance = Clearance::new(contact, system.flight.least_pieces(span), system.amplitude());
     pieces(system, z, phase, span).all(|piece| clearance.holds(&piece.sum([-1.0, 1.0, 0.0]), piece.x[0][0]))
 }
 
-/// Places t in [0, 1] at which a polynomial has a local maximum, with its values.
+/// Positions t in [0, 1] of the local maxima of a polynomial, with their values.
 fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
     let rate: Polynomial =
         std::array::from_fn(|k| polynomial.get(k + 1).map_or(0.0, |next| (k + 1) as f64 * next));
@@ -73,8 +72,8 @@ fn maxima_of(polynomial: &Polynomial) -> impl Iterator<Item = (f64, f64)> {
         let (mut from, mut to) = (t(i), t(i + 1));
         let rises = slope(from) > 0.0;
         if rises == (slope(to) > 0.0) && curvature(from) * curvature(to) < 0.0 {
-            // Shortly after a slow impact a minimum and a maximum lie in one part, and the slope at
-            // its ends shows neither: it is looked at in between too.
+            // Shortly after a slow impact a minimum and a maximum lie in one part. The slope at
+            // its ends shows neither, so it is examined in between too.
             let turn = brent(curvature, from, to, PLACE)?;
             if rises { to = turn } else { from = turn }
         }
@@ -105,7 +104,7 @@ pub(super) fn maxima(
 mod tests {
     use super::*;
 
-    /// A part with a minimum and a maximum, before and behind it: the slope changes its sign twice.
+    /// A part with a minimum and a maximum, in either order: the slope changes sign twice.
     #[test]
     fn closed_form_a_maximum_is_found_next_to_a_minimum() {
         for (low, high) in [(0.02, 0.05), (0.05, 0.02), (0.9, 0.97), (0.97, 0.9)] {

@@ -13,15 +13,15 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use vibro_numerics::roots::brent;
 use vibro_studies::Result;
 
-/// Number of equal parts of the range. Their ends are the values at which the clearance is
-/// computed, and, with touches and marks, the points of a branch.
+/// Number of equal parts of the range. The clearance is computed at their ends, which are also the
+/// points of a branch, together with touches and marks.
 const NODES: usize = 200;
 
-/// Accuracy of a touch's place in parts of the range.
+/// Accuracy of a touch's position, as a fraction of the range.
 const LOCATION: f64 = 1e-14;
 
-/// Step of the difference that tells on which side of a touch the block is clear, in parts of the
-/// range.
+/// Step, as a fraction of the range, of the difference that determines the side of a touch on
+/// which the block is clear.
 const SIDE: f64 = 1e-6;
 
 /// Clearance of the block from the nearer stop, units of L; NaN if there is no motion without
@@ -40,10 +40,10 @@ pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
     (rise != 0.0 && rise.is_finite()).then_some(rise.signum())
 }
 
-/// A branch with the touches at its points.
+/// A branch, and the touches with the indices of their points.
 pub(super) type FreeBranch = (Branch, Vec<(usize, FlightTouch)>);
 
-/// The branches without impacts over the range, with the touches at which they end; points at the
+/// The branches without impacts over the range, with the touches at which they end. Points at the
 /// values `marks` are labelled UZ.
 pub(super) fn branches(family: &Family, marks: &[f64]) -> Result<Vec<FreeBranch>> {
     let span = *family.span();

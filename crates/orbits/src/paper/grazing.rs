@@ -1,5 +1,5 @@
-//! Grazing: an orbit that touches a stop with speed zero belongs to two words, with and without
-//! that impact (docs/theory.md, section 14).
+//! Grazing: an orbit that touches a stop at zero speed has two words, with and without this impact
+//! (docs/theory.md, section 14).
 
 use super::cycle::{Cycle, Functional};
 use super::family::{ContactEquations, Family};
@@ -20,10 +20,10 @@ pub(super) struct Touch {
     /// Phases and parameters as a point of a curve of the longer word.
     #[serde(with = "crate::stored::vector")]
     pub u: DVector<f64>,
-    /// Other impacts of the word with speed zero there: a repeated orbit touches a stop in each
-    /// passage.
+    /// Other impacts of the word at zero speed: a repeated orbit touches a stop in each
+    /// repetition.
     pub also: Vec<usize>,
-    /// Whether the branch that was followed lists the touch.
+    /// Whether the followed branch lists the touch.
     pub from_longer: bool,
 }
 
@@ -33,7 +33,7 @@ impl Touch {
         self.u.clone().remove_row(self.index)
     }
 
-    /// Phases and parameters as a point of the branch that was followed.
+    /// Phases and parameters as a point of the followed branch.
     pub fn on_branch(&self) -> DVector<f64> {
         if self.from_longer { self.u.clone() } else { self.without() }
     }
@@ -44,7 +44,7 @@ impl Touch {
     }
 }
 
-/// Touches that a cycle announces, at its phases, if it is not an orbit of the machine: impacts
+/// Touches indicated by a cycle that is not an orbit of the machine, at its phases: impacts
 /// without a positive approach speed, and extrema of w past a stop.
 pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
@@ -57,8 +57,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
-            // If the block would stay on its stop, the next flight is past that stop from its
-            // beginning. That is not a touch.
+            // If the block would stay on its stop, the next flight is past this stop from its
+            // start. This is not a touch.
             if cycle.stays(flight) && s * word.side(flight) > 0.0 {
                 continue;
             }
@@ -80,7 +80,7 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
 }
 
 /// Equations (109) of docs/theory.md: the contact equations of a word, and the condition that one
-/// of its impacts has approach speed zero.
+/// of its impacts has zero approach speed.
 pub(super) struct Touching<'a> {
     pub contacts: ContactEquations<'a>,
     pub index: usize,
@@ -114,8 +114,8 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
     Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
-/// The point at which the touch has speed zero, by the equations of the longer word. These are
-/// regular for both branches: the one that lists the touch and the one that does not.
+/// The point with zero speed at the touch, from the equations of the longer word. They are regular
+/// for both branches, with and without the touch.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
     let touching =
         Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };
@@ -123,7 +123,7 @@ pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> 
     Ok(Touch { u, ..touch.clone() })
 }
 
-/// Approach speed, units of ω1 L, below which another impact at a touch counts as a touch too.
+/// Tolerance for zero approach speed of another impact at a touch, units of ω1 L.
 const NO_SPEED: f64 = 1e-6;
 
 /// Properties of the cycle of the longer word at a touch.
@@ -132,7 +132,7 @@ pub(super) struct ExaminedTouch {
     pub(super) touch: Touch,
     /// Whether it is an orbit of the machine except for the touches.
     pub(super) is_orbit: bool,
-    /// Whether the block is pressed into the stop at a touch, so that there would be chatter.
+    /// Whether the block is pressed into the stop at a touch, which would cause chatter.
     pub(super) pressed: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Growth of a tree: the queue of starts, the special points that are known, and the starts at the
-//! special points of each traced branch.
+//! Growth of a tree: the queue of starts, the known special points, and the starts at the special
+//! points of each traced branch.
 
 use super::branch::Branch;
 use super::family::Family;
@@ -17,41 +17,39 @@ use crate::path_options::PathOptions;
 use crate::stop_word::OrbitWord;
 use crate::traced::Traced;
 
-/// Starts that are traced in parallel. A constant, so that the result does not depend on the number
-/// of threads.
+/// Number of starts traced in parallel. A constant, so that the result does not depend on the
+/// number of threads.
 const TOGETHER: usize = 16;
 
-/// Largest difference of the parameter, in its curve unit, at which two special points of one kind
-/// count as one.
+/// Tolerance for equal special points of one kind, as a difference of the parameter in its curve
+/// unit.
 pub(super) const SAME_PLACE: f64 = 1e-7;
 
-/// A start from which a branch may be traced.
+/// A start for tracing a branch.
 #[derive(Clone, Debug)]
 pub(super) struct BranchStart {
     pub depth: u32,
     pub parent: Option<(usize, usize)>,
     pub word: OrbitWord,
     pub departures: Vec<Departure>,
-    /// Whether its branch is kept only if it is stable somewhere: starts at orbits near which a
-    /// motion passed.
+    /// Whether its branch is kept only if it is stable somewhere: for orbits near which a motion
+    /// passed.
     pub island: bool,
 }
 
-/// Depth in the queue of starts at orbits near which motions passed. They come after all other
-/// starts.
+/// Depth in the queue of orbits near which motions passed; they come after all other starts.
 const LAST: u32 = u32::MAX;
 
-/// The tree as far as it has grown.
+/// The tree found so far.
 pub(super) struct Grower<'a> {
     family: &'a Family,
     options: &'a TreeOptions,
     pub path: PathOptions,
     pub tree: Tree,
     pub queue: Vec<BranchStart>,
-    /// Traced branches that are not islands, since they are stable nowhere.
+    /// Traced branches that are not islands, because they are stable nowhere.
     left_out: Tree,
-    /// Special points from which branches were traced or at which they end: label, canonical word,
-    /// parameter.
+    /// Known special points, where branches were traced or end: label, canonical word, parameter.
     known: Vec<(Label, OrbitWord, f64)>,
 }
 
@@ -62,8 +60,8 @@ impl<'a> Grower<'a> {
         Self { family, options, path, tree, left_out, queue: Vec::new(), known: Vec::new() }
     }
 
-    /// Queues the orbits found by simulation: first those on which motions settled, last those near
-    /// which motions passed.
+    /// Queues the orbits found by simulation: first settled orbits, last orbits near which motions
+    /// passed.
     pub fn plant(&mut self, seeds: Seeds) {
         let Seeds { settled, passed, searched } = seeds;
         self.tree.searched = searched;
@@ -80,8 +78,9 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// The next batch of the queue, which is ordered by depth and then by discovery. Of several
-    /// starts with the same word only the first is taken, since the others may lie on its branch.
+    /// The next batch of the queue, which is ordered by depth and then by discovery. Only the
+    /// first of several starts with the same word is taken, since the others may lie on its
+    /// branch.
     pub fn next_batch(&mut self) -> Vec<BranchStart> {
         let (mut batch, mut rest): (Vec<BranchStart>, Vec<BranchStart>) = (Vec::new(), Vec::new());
         for start in self.queue.drain(..) {
@@ -96,7 +95,7 @@ impl<'a> Grower<'a> {
         batch
     }
 
-    /// Whether the orbit at which a start begins already lies on a branch.
+    /// Whether a start's orbit already lies on a branch.
     pub fn tree_has(&self, start: &BranchStart) -> bool {
         let Some(departure) = start.departures.first().filter(|d| d.special.is_none()) else { return false };
         let value = self.family.values(&departure.u)[0];
@@ -105,7 +104,7 @@ impl<'a> Grower<'a> {
         passes(&self.tree) || (start.island && passes(&self.left_out))
     }
 
-    /// Takes a branch into the tree, unless it is there already, and queues the starts on it.
+    /// Adds a new branch to the tree, and queues the starts on it.
     pub fn add(&mut self, start: BranchStart, traced: Traced<End>) {
         let Traced { points, closed, ends, .. } = traced;
         let BranchStart { depth, parent, word, departures, island } = start;
@@ -175,7 +174,7 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Whether the orbits with and without a touch exist on the same side of it.
+    /// Whether the orbits with and without a touch exist on the same side of the touch.
     fn is_fold(&self, contact: &FlightTouch, touch: &Touch) -> Option<bool> {
         let with = switching::with_touch(self.family, touch).ok()?;
         let longer = with.direction[touch.longer.len()];
@@ -196,7 +195,7 @@ impl<'a> Grower<'a> {
         self.known.push(key);
     }
 
-    /// Remembers a special point; false if it is known.
+    /// Records a special point; returns false if it was known.
     fn is_new(&mut self, label: Label, word: &OrbitWord, value: f64) -> bool {
         let key = self.key(label, word, value);
         let same =

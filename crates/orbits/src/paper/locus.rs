@@ -13,8 +13,8 @@ use crate::two_parameters::{LocusEnd, LocusPoint, both_ways};
 use nalgebra::DVector;
 use vibro_studies::{Error, Result as Outcome};
 
-/// The curve in the two parameters of a family on which the orbit has the bifurcation of a start,
-/// in both directions from it.
+/// The curve in the two parameters of a family on which the orbit keeps the bifurcation of a
+/// start, followed in both directions.
 ///
 /// ```
 /// use vibro_orbits::paper::{Family, Label, LocusStart, OrbitWord, Span, locus};
@@ -25,7 +25,7 @@ use vibro_studies::{Error, Result as Outcome};
 /// let spans = (Span::new(force, 1.9, 2.2)?, Span::new(kappa, 0.7, 0.8)?);
 /// let family = Family::over_two(&ParameterSet::basic(), spans.0, spans.1)?;
 /// let word = OrbitWord::new("U", -1, 1)?;
-/// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as special-points.csv has them
+/// let (phases, values) = (vec![4.49692], [2.03959, 0.75]); // as in special-points.csv
 /// let start = LocusStart { label: Label::BranchPoint, word, phases, values };
 /// let curve = locus(&family, &start)?;
 /// let near = |a: f64, b: f64| (a - b).abs() < 1e-2;
@@ -34,7 +34,7 @@ use vibro_studies::{Error, Result as Outcome};
 /// ```
 ///
 /// # Errors
-/// [`Error::Form`] if the label defines no curve or if the start is outside the ranges;
+/// [`Error::Form`] if the label does not define a curve or the start is outside the ranges;
 /// [`Error::NoOrbit`] if there is no such point near the start.
 pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let [first, second] = family.spans() else {

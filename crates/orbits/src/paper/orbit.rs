@@ -14,18 +14,18 @@ use vibro_impact::steady::exact_orbit::Vector6;
 pub(super) use vibro_impact::steady::exact_orbit::eigenvalues;
 use vibro_studies::Error;
 
-/// Largest number of Newton steps. A fair guess needs four or five. More are allowed, since steps
-/// that would change the order of impacts are shortened.
+/// Largest number of Newton steps. A fair guess needs four or five; more are needed if steps are
+/// shortened to keep the order of impacts.
 const STEPS: usize = 40;
 
-/// Largest change of a phase in one Newton step, rad. Next to a fold, unlimited steps are much
-/// longer and lead to arbitrary phases.
+/// Largest change of a phase in one Newton step, rad. Near a fold, unlimited steps are much longer
+/// and lead to arbitrary phases.
 const LONGEST_STEP: f64 = 1.0;
 
-/// Largest residual, units of L, at which phases count as those of an orbit.
+/// Tolerance for the residual of an orbit, units of L.
 const RESIDUAL: f64 = 1e-9;
 
-/// Largest part of a flight by which one step may shorten it.
+/// Limit of a flight's shortening in one Newton step, as a fraction of the flight.
 const SHORTENING: f64 = 0.5;
 
 /// A periodic orbit of a machine.
@@ -56,15 +56,15 @@ pub struct Orbit {
 
 impl Orbit {
     /// The orbit of a word near a guess of its impact phases (rad, in order, one for each letter).
-    /// It solves the equations of contact and restitution; [`is_certified`](Self::is_certified)
-    /// tells whether it is an orbit of the machine.
+    /// It solves the equations of contact and restitution. Use
+    /// [`is_certified`](Self::is_certified) to check that it is an orbit of the machine.
     ///
     /// # Errors
     /// [`Error::NoOrbit`] if Newton's method does not converge, if the number of phases in `guess`
-    /// differs from the number of letters in `word`, if `word` closes with -1 and the machine has
-    /// loads, or if the impulses of `word` cannot balance on a body without a spring. An error that
-    /// names the parameter if phases do not determine the orbit, as for two bodies without springs
-    /// or an undamped mode in resonance.
+    /// differs from the number of letters in `word`, if `word` closes with -1 and there are loads,
+    /// or if the impulses of `word` cannot balance on a body without a spring. An error that names
+    /// the parameter if phases do not determine the orbit, as for two bodies without springs or an
+    /// undamped mode in resonance.
     pub fn find(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Self, Error> {
         let found = || {
             if guess.len() != word.len() {
@@ -83,7 +83,7 @@ impl Orbit {
         found().map_err(|obstacle| obstacle.error(system, word))
     }
 
-    /// The orbit whose phases are known.
+    /// The orbit with known phases.
     pub(super) fn at(system: &System, word: &OrbitWord, phases: &[f64]) -> Result<Self, Obstacle> {
         if word.is_empty() {
             let free = free_map(system, word) * f64::from(word.closing());
@@ -137,8 +137,8 @@ impl Orbit {
     }
 
     /// The six multipliers, docs/theory.md (106), largest modulus first. For a symmetric orbit
-    /// (closing -1) they are those of half a period; their squares are the multipliers of the
-    /// period.
+    /// (closing -1) they are the multipliers of half a period; their squares are the multipliers
+    /// of the period.
     pub fn multipliers(&self) -> [Complex<f64>; 6] {
         self.multipliers
     }
@@ -148,37 +148,37 @@ impl Orbit {
         self.multipliers[0].norm()
     }
 
-    /// Whether the orbit is proved to be an orbit of the machine: each impact approaches its stop,
-    /// the block does not stay on a stop after an impact without restitution, and the block keeps
-    /// within the stops between impacts, so that the word lists all impacts. The proof allows a
-    /// penetration of a stop by 1e-12 L, by the misses of contact at the impacts (at most 1e-9 L),
-    /// and by the rounding of the flights. That rounding is larger if a mode is thousands of times
+    /// Whether the orbit is proved to be an orbit of the machine. Each impact approaches its stop,
+    /// the block does not stay on a stop after an impact without restitution, and the block stays
+    /// within the stops between impacts, so the word lists all impacts. The proof allows a
+    /// penetration of a stop by 1e-12 L, by the contact errors at the impacts (at most 1e-9 L),
+    /// and by the rounding of the flights. This rounding is larger if a mode is thousands of times
     /// faster than the drive or if the undamped box is near resonance.
     pub fn is_certified(&self) -> bool {
         self.clear && self.speeds.iter().all(|speed| *speed > 0.0)
     }
 
-    /// Whether the orbit attracts its neighbourhood. For an orbit without impacts this follows from
-    /// the springs and dampers of the machine: the multipliers of a body without a spring or a
-    /// damper have modulus 1 except for rounding.
+    /// Whether the orbit attracts its neighbourhood. Without impacts this follows from the
+    /// machine's springs and dampers: a body without a spring or a damper has multipliers of
+    /// modulus 1 except for rounding.
     pub fn is_stable(&self) -> bool {
         if self.word.is_empty() { self.system.holds_and_damps() } else { self.spectral_radius() < 1.0 }
     }
 
-    /// This orbit with its word passed twice, closing with +1.
+    /// This orbit with its word repeated twice, closing with +1.
     ///
     /// # Errors
-    /// None for an orbit that was found.
+    /// Never, for an orbit that was found.
     pub fn unfolded(&self) -> Result<Self, Error> {
         let phases = unfolded_phases(&self.word, &self.phases);
         let word = self.word.unfolded();
         Self::at(&self.system, &word, &phases).map_err(|obstacle| obstacle.error(&self.system, &word))
     }
 
-    /// This orbit in its shortest word, and the number of passages of that word in the word of
-    /// `self`. An orbit over two drive periods may be an orbit of one period passed twice. An orbit
-    /// whose second half is the mirror image of its first half is symmetric, and its shortest word
-    /// closes with -1. The multipliers are those of the shortest word.
+    /// This orbit in its shortest word, and how often the word of `self` repeats it. An orbit over
+    /// two drive periods may be an orbit of one period, repeated twice. An orbit whose second half
+    /// mirrors its first is symmetric; its shortest word closes with -1. The multipliers refer to
+    /// the shortest word.
     ///
     /// ```
     /// use vibro_orbits::paper::{Orbit, OrbitWord, System};
@@ -195,14 +195,14 @@ impl Orbit {
     /// ```
     pub fn shortest(&self) -> (Self, u32) {
         let (word, phases) = self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION);
-        // The shorter word passes these phases, whose cycle is regular.
+        // The shorter word has some of these phases, whose cycle is regular.
         let short = if word == self.word { None } else { Self::at(&self.system, &word, &phases).ok() };
         let orbit = short.unwrap_or_else(|| self.clone());
         let passages = self.word.period() / orbit.word.period().max(1);
         (orbit, passages)
     }
 
-    /// Whether no shorter word has this orbit.
+    /// Whether the orbit has no shorter word.
     pub fn is_shortest(&self) -> bool {
         self.word.reduced(&self.phases, self.system.is_symmetric(), REPETITION).0 == self.word
     }
@@ -237,8 +237,8 @@ impl Orbit {
     }
 
     /// The state at time 0, where the phase of the drive is
-    /// [`drive_phase`](vibro_impact::Parameters::drive_phase): start values for the simulator and
-    /// the FMU.
+    /// [`drive_phase`](vibro_impact::Parameters::drive_phase): the initial state for the simulator
+    /// and the FMU.
     pub fn start_state(&self) -> State {
         self.state(self.system.parameters().drive_phase)
     }
@@ -251,8 +251,8 @@ impl Orbit {
         self.departures.iter().zip(&self.phases).zip(ends).map(|((z, phase), end)| (z, *phase, end - phase))
     }
 
-    /// Local maxima, over the orbit's period, of the sum of x1, x2, x3 with the given weights,
-    /// units of L: extrema within flights, and corners at which an impact reverses the rate.
+    /// Local maxima, over the orbit's period, of the weighted sum of x1, x2, x3, units of L:
+    /// extrema within flights, and corners where an impact reverses the rate.
     pub fn maxima(&self, weights: [f64; 3]) -> Vec<f64> {
         let mut found = self.half_maxima(weights);
         if self.word.closing() < 0 {
@@ -262,7 +262,7 @@ impl Orbit {
         found
     }
 
-    /// The local maxima until the word closes.
+    /// The local maxima until the word closes (half a period for closing -1).
     fn half_maxima(&self, weights: [f64; 3]) -> Vec<f64> {
         if self.word.is_empty() {
             let rest: f64 = self.system.rest_positions().iter().zip(weights).map(|(x, w)| x * w).sum();
@@ -302,7 +302,7 @@ pub(super) fn canonical(word: &OrbitWord, phases: &[f64], mirror: bool) -> (Orbi
     (canonical, phases)
 }
 
-/// Whether two lists of phases with the same word are those of one orbit, to `tolerance`.
+/// Whether two lists of phases with the same word describe the same orbit, to `tolerance`.
 pub(super) fn same_phases(word: &OrbitWord, a: &[f64], b: &[f64], mirror: bool, tolerance: f64) -> bool {
     word.symmetries(mirror).into_iter().any(|turn| {
         let turned = word.turned_phases(b, turn);
@@ -313,18 +313,18 @@ pub(super) fn same_phases(word: &OrbitWord, a: &[f64], b: &[f64], mirror: bool, 
     }) || word.is_empty()
 }
 
-/// The phases of the word passed twice.
+/// The phases of the word repeated twice.
 pub(super) fn unfolded_phases(word: &OrbitWord, phases: &[f64]) -> Vec<f64> {
     repeated_phases(word, phases, 2)
 }
 
-/// The phases of the word passed k times.
+/// The phases of the word repeated k times.
 pub(super) fn repeated_phases(word: &OrbitWord, phases: &[f64], k: usize) -> Vec<f64> {
     (0..k).flat_map(|round| phases.iter().map(move |phase| phase + round as f64 * word.span())).collect()
 }
 
-/// The phase `theta`, rad. If it exceeds a thousand radians in modulus it is reduced by multiples
-/// of `periods` drive periods, since its differences from other phases would keep few digits.
+/// The phase `theta`, rad. A modulus above a thousand radians is reduced by multiples of `periods`
+/// drive periods, because differences from other phases would lose digits.
 fn within(theta: f64, periods: u32) -> f64 {
     const MANY: f64 = 1e3;
     if theta.abs() <= MANY {
@@ -334,8 +334,8 @@ fn within(theta: f64, periods: u32) -> f64 {
     turn + TAU * ((theta - turn) / TAU).round().rem_euclid(f64::from(periods))
 }
 
-/// Whether it is proved that the block leaves its stop after all impacts and keeps within the stops
-/// in all flights, except for the misses of contact at their ends.
+/// Whether it is proved that the block leaves its stop after each impact and stays within the
+/// stops in all flights, except for the contact errors at their ends.
 pub(super) fn is_clear(cycle: &Cycle) -> bool {
     (0..cycle.phases.len()).all(|i| {
         let span = cycle.arrival(i) - cycle.phases[i];
@@ -354,7 +354,7 @@ fn free_map(system: &System, word: &OrbitWord) -> Matrix6<f64> {
 }
 
 /// The phases at which the residual is zero, by Newton's method from a guess. A step that would
-/// take more than half of a flight is shortened, so that the impacts keep their order.
+/// shorten a flight by more than half is reduced, so that impacts keep their order.
 pub(super) fn newton(system: &System, word: &OrbitWord, guess: &[f64]) -> Result<Vec<f64>, Obstacle> {
     let mut phases = guess.to_vec();
     let n = phases.len();

@@ -1,4 +1,4 @@
-//! One branch of the paper's machine's orbits as the follower of branches sees it.
+//! One branch of orbits of the paper's machine, as used by the follower of branches.
 
 mod between;
 mod step;
@@ -23,16 +23,16 @@ use nalgebra::{Complex, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Largest difference of two values of the parameter, in its curve unit, that counts as rounding.
+/// Tolerance for equal values of the parameter, in its curve unit: rounding.
 const MARK: f64 = 1e-12;
 
-/// An end of a path at which other branches begin.
+/// An end of a path where other branches begin.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) enum End {
     /// At a touch.
     Touch(Box<Touch>),
-    /// At the branch from which this branch is born by doubling, with the word, phases and
-    /// parameter on that branch.
+    /// At the branch where this branch is born by doubling, with the word, phases and parameter on
+    /// that branch.
     Primary(OrbitWord, #[serde(with = "crate::stored::vector")] DVector<f64>),
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Follower<'a> {
     pub family: &'a Family,
     pub word: &'a OrbitWord,
     pub options: &'a PathOptions,
-    /// Values of the parameter at which points are wanted.
+    /// Parameter values at which points are requested.
     pub marks: &'a [f64],
 }
 
@@ -54,7 +54,7 @@ impl Follow for Follower<'_> {
     type End = End;
     const SHORT: f64 = 0.0;
 
-    /// At a birth or a touch only the test functions that are regular there are computed.
+    /// At a birth or a touch, only the test functions that are regular there are computed.
     fn first(&self, departure: &Departure) -> Result<Position, Obstacle> {
         let Departure { u, direction: tangent, .. } = departure;
         let system = self.family.system_at(u)?;
@@ -92,14 +92,14 @@ impl Follow for Follower<'_> {
         first.stability = if between.is_empty() { next.stability } else { Stability::Unstable };
     }
 
-    /// The last point has the stability of the piece before it.
+    /// The last point takes the stability of the piece before it.
     fn arrive(&self, points: &mut Vec<OrbitPoint>, _: &PathEnd<End>) {
         if let [.., before, last] = &mut points[..] {
             last.stability = before.stability;
         }
     }
 
-    /// As any orbit that has the first one's word after a turn.
+    /// The path also closes at any orbit that equals the first one after a turn.
     fn closes(&self, (u, tangent): &(DVector<f64>, DVector<f64>), [last, next]: [&Position; 2]) -> bool {
         let n = self.word.len();
         let phases = &u.as_slice()[..n];
@@ -137,12 +137,12 @@ impl Follower<'_> {
         self.family.span()
     }
 
-    /// Whether a value of the parameter is a mark except for rounding.
+    /// Whether a parameter value is a mark except for rounding.
     fn is_at(&self, value: f64, mark: f64) -> bool {
         (value - mark).abs() <= MARK * self.span().unit()
     }
 
-    /// The position of a point whose cycle was examined.
+    /// The position of a point whose cycle has been examined.
     fn sampled(&self, system: &System, at: CurvePoint, sample: Sample) -> Position {
         let stability = stability(sample.is_stable());
         let Sample { multipliers, tests, .. } = sample;
@@ -150,7 +150,7 @@ impl Follower<'_> {
         Position { steps: at.steps, stability, ..end }
     }
 
-    /// The position of a point at which a branch begins or ends: it has the stability of a piece.
+    /// The position of a point where a branch begins or ends; it takes the stability of a piece.
     fn at_end(
         &self,
         system: &System,
@@ -163,8 +163,8 @@ impl Follower<'_> {
         Position { u, tangent, steps: 3, period, multipliers, stability, tests }
     }
 
-    /// Properties of a point on the curve, with the touches that it announces if it is not
-    /// certified.
+    /// Properties of a point on the curve; if it is not certified, with the touches that it
+    /// indicates.
     fn look(&self, curve: CurvePoint) -> Result<(Position, Option<Vec<Touch>>), Obstacle> {
         let system = self.family.system_at(&curve.u)?;
         let cycle = Cycle::new(&system, self.word, &curve.u.as_slice()[..self.word.len()])?;
@@ -181,7 +181,7 @@ impl Follower<'_> {
     }
 }
 
-/// The stability of an orbit that is stable or not.
+/// The stability as an enum.
 pub(super) fn stability(is_stable: bool) -> Stability {
     if is_stable { Stability::Stable } else { Stability::Unstable }
 }

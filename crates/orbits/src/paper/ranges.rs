@@ -5,8 +5,8 @@ use super::orbit::Orbit;
 use crate::branch::OrbitPoint;
 use crate::label::Label;
 
-/// Largest difference of the parameter, relative to its size, at which two points count as one. A
-/// branch and the branch born on it locate their common point separately, to rounding.
+/// Tolerance for equal points, as a difference of the parameter relative to its size. A branch and
+/// the branch born on it locate their common point separately.
 const SAME_PLACE: f64 = 1e-9;
 
 /// An end of a stable range.
@@ -16,13 +16,13 @@ pub struct RangeEnd {
     pub value: f64,
     /// Label of the point; `None` only where the branch could not be continued.
     pub label: Option<Label>,
-    /// Whether the branch itself ends here. At a PD or BP this branch is then born from another
-    /// one; if the branch goes on, another one is born from it there.
+    /// Whether the branch itself ends here. At a PD or BP, this branch is then born from another
+    /// one; otherwise another branch is born from it.
     pub is_branch_end: bool,
 }
 
-/// Maximal piece of a branch that is stable throughout. The parameter is monotone along it, since
-/// it turns only at folds, where stability changes.
+/// A maximal stable piece of a branch. The parameter is monotone along it, since it turns only at
+/// folds, where stability changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableRange {
     /// The number of the branch.
@@ -33,23 +33,23 @@ pub struct StableRange {
     pub letters: usize,
     /// The period of its orbits, in drive periods.
     pub period: u32,
-    /// The end with the least value.
+    /// The end with the smallest value.
     pub from: RangeEnd,
-    /// The end with the greatest value.
+    /// The end with the largest value.
     pub to: RangeEnd,
 }
 
-/// A bifurcation at which a stable orbit is replaced by one with a word of twice as many impacts: a
-/// period doubling, or the breaking of a symmetric orbit's symmetry, which keeps the period.
+/// A bifurcation at which a stable orbit is replaced by one with twice as many impacts in its
+/// word: a period doubling, or a symmetry breaking, which keeps the period.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubling {
     /// The parameter.
     pub value: f64,
-    /// PD, or BP where the symmetry breaks.
+    /// PD, or BP for a symmetry breaking.
     pub label: Label,
-    /// Period of the orbit that is replaced, in drive periods.
+    /// Period of the replaced orbit, in drive periods.
     pub period: u32,
-    /// Index of the branch of that orbit.
+    /// Index of the replaced orbit's branch.
     pub branch: usize,
 }
 
@@ -82,10 +82,10 @@ impl Branch {
         StableRange { branch: self.id, points: (first, last), letters, period, from, to }
     }
 
-    /// The stable range on which a stable orbit of the branch lies at a value of the parameter. If
-    /// two ranges contain the value, the result is the range whose flight times are nearest to
-    /// those of the orbit. Flight times are sorted before they are compared, so that neither the
-    /// first letter of the word nor the mirror image matters.
+    /// The stable range that contains a stable orbit of the branch at a parameter value. If two
+    /// ranges contain the value, the result is the range with the nearest flight times. Flight
+    /// times are sorted before the comparison, so the first letter of the word and the mirror
+    /// image do not matter.
     pub fn stable_range_of(&self, orbit: &Orbit, value: f64) -> Option<StableRange> {
         let room = SAME_PLACE * value.abs().max(1.0);
         let inside = |r: &StableRange| (r.from.value - room..=r.to.value + room).contains(&value);
@@ -103,7 +103,7 @@ impl Branch {
     }
 }
 
-/// Times between the impacts of an orbit, in rad of the drive, ascending.
+/// Times between the impacts of an orbit, in radians of the drive, ascending.
 fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     let ends = phases.iter().skip(1).copied().chain(phases.first().map(|first| first + span));
     let mut times: Vec<f64> = phases.iter().zip(ends).map(|(a, b)| b - a).collect();
@@ -111,9 +111,9 @@ fn flight_times(phases: &[f64], span: f64) -> Vec<f64> {
     times
 }
 
-/// Sequences of doublings, ordered by period and then by least value. Each begins with a stable
-/// range that is not born at a doubling, and continues as long as the branch born at a doubling is
-/// stable next to its birth; folds may lie between that branch's birth and its own doubling.
+/// Sequences of doublings, ordered by period and then by smallest value. Each begins with a stable
+/// range that is not born at a doubling. It continues while the branch born at a doubling is
+/// stable near its birth; folds may lie between this branch's birth and its own doubling.
 ///
 /// ```
 /// use vibro_orbits::paper::{Family, Span, TreeOptions, doubling_sequences, tree};
@@ -136,8 +136,8 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
         let born = ranges.iter().position(|range| is_born(from, at, range))?;
         Some(next_doubling(&ranges, born, at))
     };
-    // A sequence begins neither at a range born at a doubling nor at one that another sequence
-    // reaches.
+    // A sequence does not begin at a range that is born at a doubling or reached by another
+    // sequence.
     let mut reached = vec![false; ranges.len()];
     for range in &ranges {
         for end in [range.from, range.to] {
@@ -154,7 +154,7 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     for start in (0..ranges.len()).filter(|i| !reached[*i]) {
         for end in [ranges[start].from, ranges[start].to] {
             let (mut sequence, mut here) = (Vec::new(), Some((start, end)));
-            // Words double from step to step, so that the loop ends.
+            // Words double at each step, so the loop ends.
             while let Some((range, end)) = here
                 && let Some(label) = end.label.filter(|_| is_doubling(end))
             {
@@ -171,17 +171,17 @@ pub fn doubling_sequences(branches: &[Branch]) -> Vec<Vec<Doubling>> {
     found
 }
 
-/// The range in which the next doubling follows on a range born at a doubling, and the end of that
-/// doubling. It is the given range if that ends at a doubling, else the first such range further
-/// along its branch, beyond folds. If there is none, the result is the given range with its other
-/// end.
+/// The range with the next doubling after a range born at a doubling, and the end at this
+/// doubling. It is the given range if it ends at a doubling; otherwise the first such range
+/// further along its branch, beyond folds. If there is none, the result is the given range with
+/// its other end.
 fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, RangeEnd) {
     let own = &ranges[born];
     let doubles = |r: &StableRange| [r.to, r.from].into_iter().find(|end| is_doubling(*end));
     if let Some(end) = doubles(own) {
         return (born, end);
     }
-    // The branch is born at its first or at its last point.
+    // The branch is born at its first or last point.
     let forward = own.points.0 == 0;
     let beyond = |r: &&StableRange| r.branch == own.branch && (r.points.0 > own.points.0) == forward;
     let mut further: Vec<&StableRange> = ranges.iter().filter(beyond).collect();
@@ -194,8 +194,8 @@ fn next_doubling(ranges: &[StableRange], born: usize, at: RangeEnd) -> (usize, R
     next.and_then(|(r, end)| Some((place(r)?, end))).unwrap_or((born, other))
 }
 
-/// The ratios (λ2 - λ1)/(λ3 - λ2), … of the distances of successive period doublings, which tend to
-/// Feigenbaum's 4.669… in a sequence of a smooth map with one extremum.
+/// The ratios (λ2 - λ1)/(λ3 - λ2), … of the distances of successive period doublings, which tend
+/// to Feigenbaum's 4.669… in a sequence of a smooth map with one extremum.
 pub fn doubling_ratios(sequence: &[Doubling]) -> Vec<f64> {
     let values: Vec<f64> =
         sequence.iter().filter(|d| d.label == Label::PeriodDoubling).map(|d| d.value).collect();
@@ -206,7 +206,7 @@ fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME_PLACE * a.abs().max(1.0)
 }
 
-/// Whether a branch of a doubled word is born at the end of a range.
+/// Whether a branch of a doubled word is born at an end of a range.
 fn is_doubling(end: RangeEnd) -> bool {
     !end.is_branch_end && matches!(end.label, Some(Label::PeriodDoubling | Label::BranchPoint))
 }

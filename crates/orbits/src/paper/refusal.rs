@@ -1,4 +1,4 @@
-//! Refusals of words and machines, in words.
+//! Errors for words and machines without orbits.
 
 use super::system::System;
 use crate::obstacle::Obstacle;
@@ -6,7 +6,7 @@ use crate::stop_word::OrbitWord;
 use vibro_studies::Error;
 
 impl Obstacle {
-    /// Refuses a word that no orbit of a machine can have, for any phases.
+    /// Refuses a word for which a machine has no orbit, whatever the phases.
     ///
     /// # Errors
     /// [`Asymmetric`](Self::Asymmetric) if the word is half of a symmetric orbit and the machine
@@ -19,7 +19,7 @@ impl Obstacle {
         if system.balances(word) { Ok(()) } else { Err(Self::Unbalanced) }
     }
 
-    /// The error of a search for an orbit that failed for this reason.
+    /// Converts the reason for a failed search of an orbit to an error.
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
         let no_orbit = |reason: &str| word.no_orbit(reason);
         match self {

@@ -1,4 +1,4 @@
-//! Test functions of a cycle, and the properties that are examined at each point of a branch.
+//! Test functions of a cycle, and properties examined at each point of a branch.
 
 use super::cycle::{Cycle, Functional};
 use super::orbit::{eigenvalues, is_clear};
@@ -15,7 +15,7 @@ pub(super) const DOUBLING: usize = 1;
 /// Index of the test for a pair of multipliers with the product 1: a Neimark-Sacker point.
 pub(super) const PAIR: usize = 2;
 
-/// Value of a test function at a cycle; [`PAIR`] needs the multipliers.
+/// Value of a test function at a cycle; [`PAIR`] requires the multipliers.
 pub(super) fn test(cycle: &Cycle, index: usize) -> Option<SignedLog> {
     match index {
         UNIT => breaking(cycle, 1.0),
@@ -31,7 +31,7 @@ fn breaking(cycle: &Cycle, factor: f64) -> Option<SignedLog> {
     Some(SignedLog { sign: sign * anchor.sign, log: log + anchor.log })
 }
 
-/// Properties of a cycle that are examined at each point of a branch.
+/// Properties examined at each point of a branch.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     pub multipliers: [Complex<f64>; 6],
@@ -43,7 +43,7 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// The properties of a cycle; `None` where its eigenvalues cannot be computed.
+    /// The properties of a cycle; `None` if its eigenvalues cannot be computed.
     pub fn of(cycle: &Cycle) -> Option<Self> {
         let map: Matrix6<f64> = cycle.monodromy();
         let multipliers = eigenvalues(map)?;

@@ -6,17 +6,17 @@ use crate::obstacle::Obstacle;
 use crate::stop_word::OrbitWord;
 use vibro_studies::{Error, Result};
 
-/// Largest difference of phases, rad, at which two orbits count as one.
+/// Tolerance for equal orbits, as a difference of phases, rad.
 const SAME: f64 = 1e-6;
 
-/// The certified orbits of a word that Newton's method finds from `tries` guesses, which fill the
+/// The certified orbits of a word found by Newton's method from `tries` guesses, which fill the
 /// space of phases evenly (additive recurrence of the generalized golden ratio). The word may have
-/// further orbits. Orbits that also have a shorter word come last: orbits passed several times, and
-/// symmetric orbits ([`Orbit::shortest`]).
+/// further orbits. Orbits that also have a shorter word come last: repeated orbits, and symmetric
+/// orbits ([`Orbit::shortest`]).
 ///
 /// # Errors
-/// [`Error::NoOrbit`] if none is found; the error of [`Orbit::find`] if phases do not determine the
-/// orbits of the machine.
+/// [`Error::NoOrbit`] if none is found; the error of [`Orbit::find`] if phases do not determine
+/// the machine's orbits.
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
     let none = || {
         word.no_orbit(format!(
@@ -33,7 +33,7 @@ pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit
     let mut found: Vec<Orbit> = Vec::new();
     for k in 1..=tries {
         let part = |i: usize| (f64::from(k) * ratio.powi(-(i as i32) - 1)).fract();
-        // The first phase is anywhere in a drive period; the others follow it in order.
+        // The first phase is anywhere in a drive period; the other phases follow in order.
         let mut rest: Vec<f64> = (1..n).map(part).collect();
         rest.sort_by(f64::total_cmp);
         let first = std::f64::consts::TAU * part(0);

@@ -1,6 +1,5 @@
-//! Orbits from which a tree grows: those on which motions settle with the parameter rising and
-//! falling, and those near which motions pass whose starts are spread over the visited states
-//! (docs/theory.md, section 14).
+//! Orbits from which a tree grows (docs/theory.md, section 14): orbits of settled motions with the
+//! parameter rising and falling, and orbits near which motions from spread starts pass.
 
 use super::family::Family;
 use super::orbit::{Orbit, canonical};
@@ -20,21 +19,21 @@ use vibro_studies::sobol::coordinate;
 /// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;
 /// Number of neighbouring values in each direction whose visited states make up the box of starts
-/// of a value, and the factor by which that box is widened.
+/// of a value. `WIDER` is the factor by which this box is widened.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
-/// Part of the gap within which the block starts.
+/// Largest distance of the block's start from the centre, as a fraction of the gap.
 const INSIDE: f64 = 0.999;
-/// Drive periods of the motion from each start.
+/// Length of the motion from each start, in drive periods.
 pub(super) const PERIODS: u32 = 300;
 /// Longest period of a near return, in drive periods.
 pub(super) const LONGEST: usize = 4;
 /// Largest change of a coordinate (units of L and L ω1) in a near return.
 const RETURN: f64 = 0.04;
-/// Largest change of a phase, rad, that Newton's method may make from a near return to an orbit.
+/// Largest correction of a phase by Newton's method from a near return to an orbit, rad.
 const MOVE: f64 = 0.4;
-/// Number of parts of the range; in each part only one unstable orbit of a word is kept, since
-/// other orbits of that word mostly lie on its branch.
+/// Number of cells of the range. In each cell only one unstable orbit of a word is kept, because
+/// other orbits of this word mostly lie on its branch.
 const RANGE_PARTS: f64 = 30.0;
 
 /// An orbit found by simulation: word, phases and parameter.
@@ -51,15 +50,14 @@ pub(super) struct SeedOrbit {
 pub struct SearchedValue {
     /// The parameter.
     pub value: f64,
-    /// The period, in drive periods, of the orbit on which the motion settled with the parameter
-    /// rising; `None` if no stable orbit within the tree's limits was found.
+    /// Period, in drive periods, of the orbit on which the motion settled with the parameter
+    /// rising; `None` if there was no stable orbit within the tree's limits.
     pub rising: Option<u32>,
     /// As `rising`, with the parameter falling.
     pub falling: Option<u32>,
     /// Number of starts between this value and the next.
     pub starts: u32,
-    /// Number of orbits near which motions from these starts passed and that were kept as starts of
-    /// branches.
+    /// Number of kept orbits near motions from these starts; branches start from these orbits.
     pub found: u32,
 }
 
@@ -68,11 +66,11 @@ pub struct SearchedValue {
 pub struct Searched {
     /// The values at which motions were settled, in order.
     pub values: Vec<SearchedValue>,
-    /// Drive periods of each motion from a start.
+    /// Length of each motion from a start, in drive periods.
     pub periods: u32,
-    /// Branches traced from orbits near which such motions passed.
+    /// Number of branches traced from orbits near such motions.
     pub followed: usize,
-    /// Number of those branches that were kept, since they are stable somewhere and were not known.
+    /// Number of kept branches: stable somewhere and not known before.
     pub islands: usize,
 }
 
@@ -93,7 +91,7 @@ fn hull(a: Hull, b: &Hull) -> Hull {
     std::array::from_fn(|i| (a[i].0.min(b[i].0), a[i].1.max(b[i].1)))
 }
 
-/// The orbits of a family from which branches are followed.
+/// The orbits of a family at which branches start.
 pub(super) fn seeds(family: &Family, options: &TreeOptions) -> Result<Seeds, Error> {
     let count = options.seeds;
     let span = *family.span();
@@ -129,8 +127,8 @@ struct Link {
     visited: Hull,
 }
 
-/// The orbits on which motions settle from value to value, each motion starting where the last one
-/// ended; in the order of rising values.
+/// The orbits on which motions settle from value to value, in the order of rising values. Each
+/// motion starts where the previous one ended.
 fn chain(
     family: &Family,
     options: &TreeOptions,
@@ -146,7 +144,7 @@ fn chain(
         let system = family.system(&[value])?;
         let p = system.parameters();
         let start = last.map_or_else(|| moving_block(p), |(state, gap)| within_gap(state, gap, p.stop_gap));
-        // If the simulator returns an error, the motion at the next value starts anew.
+        // After a simulation error, the motion at the next value starts from the default state.
         let settled = settled::settle(&system, &start, options.settle).ok();
         last = settled.map(|state| (state, p.stop_gap));
         let Some(state) = settled else { continue };
@@ -164,8 +162,8 @@ fn chain(
     Ok(links)
 }
 
-/// Box of the states of a motion at whole drive periods; without loads their mirror images are
-/// included.
+/// Box of the states of a motion at whole drive periods; without loads it includes the mirror
+/// images.
 fn visited(system: &System, state: &State) -> Result<Hull, Error> {
     let p = system.parameters();
     let mut simulator = settled::simulator(system, state)?;
@@ -182,9 +180,8 @@ fn visited(system: &System, state: &State) -> Result<Hull, Error> {
 }
 
 /// The orbits near which motions from spread starts pass. Half of the starts lie over the whole
-/// range, half over those parts at whose ends a motion did not settle on a stable orbit, where a
-/// diagram has few rows. The states are spread over the widened box of those visited at
-/// neighbouring values.
+/// range; the other half lie between values where a motion did not settle on a stable orbit, since
+/// a diagram has few rows there. States are spread over the widened box of neighbouring values.
 fn wide(
     family: &Family,
     options: &TreeOptions,
@@ -250,9 +247,8 @@ fn wide(
     Ok(kept)
 }
 
-/// The orbits near which a motion passes, each once in its shortest canonical word: those that
-/// Newton's method finds from near returns, and the orbit on which the motion has settled at its
-/// end.
+/// The orbits near which a motion passes, each once in its shortest canonical word: orbits that
+/// Newton's method finds from near returns, and the orbit on which the motion has settled.
 fn passes(
     family: &Family,
     value: f64,
@@ -310,7 +306,7 @@ struct SampledMotion {
 }
 
 impl SampledMotion {
-    /// The next drive period.
+    /// Simulates the next drive period.
     fn advance(&mut self, simulator: &mut Simulator, p: &vibro_impact::Parameters) -> Result<(), Error> {
         let mut rests = false;
         let end = (self.ends.len() + 1) as f64 * p.period();
@@ -326,7 +322,7 @@ impl SampledMotion {
         Ok(())
     }
 
-    /// Impacts of the last q periods, if the motion nearly returned in them.
+    /// Impacts of the last q periods, if the motion nearly returned over these periods.
     fn near_return(&self, q: usize) -> Option<(&[i8], &[f64])> {
         let n = self.ends.len();
         let far = distance(&self.states[n], &self.states[n - q]) > RETURN;

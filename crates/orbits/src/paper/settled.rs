@@ -11,25 +11,25 @@ use vibro_studies::paper::attractor::distance;
 use vibro_studies::paper::stroboscopic::StroboscopicState;
 use vibro_studies::{Error, Result};
 
-/// Longest period that is sought, in drive periods.
+/// Longest period in the search, in drive periods.
 pub(super) const LONGEST: u32 = 32;
 
 /// Largest change of a coordinate (units of L and L ω1) in a near return. Newton's method removes
 /// this difference.
 const RETURN: f64 = 2e-3;
 
-/// Largest change of a phase, rad, that Newton's method may make from a near return to an orbit.
+/// Largest correction of a phase by Newton's method from a near return to an orbit, rad.
 const MOVE: f64 = 0.05;
 
-/// Difference of the phases of two passages, rad, that Newton's method may leave next to a period
-/// doubling.
+/// Tolerance for equal phases of two repetitions, rad: Newton's method may leave such a difference
+/// near a period doubling.
 const ALIKE: f64 = 1e-5;
 
-/// Largest number of impacts of a word that is tried after a shorter word. The work grows with the
-/// cube of the number of impacts; it takes about a second at this number.
+/// Largest number of impacts of a word that is tried after a shorter one. The work grows with the
+/// cube of this number and takes about a second here.
 const MANY: usize = 512;
 
-/// Limits within which a motion is followed to its return.
+/// Limits for following a motion until it returns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Largest number of drive periods.
@@ -42,15 +42,15 @@ impl Limits {
     const WIDEST: Self = Self { periods: LONGEST, impacts: MOST_LETTERS };
 }
 
-/// Phase of the drive at time 0, rad, reduced by whole turns: with many turns the phases of impacts
-/// would keep few digits.
+/// Phase of the drive at time 0, rad, reduced by whole turns: with many turns the phases of
+/// impacts would lose digits.
 pub(super) fn first_phase(p: &Parameters) -> f64 {
     let phase = p.drive_phase;
     if phase.abs() <= TAU { phase } else { phase.sin().atan2(phase.cos()) }
 }
 
-/// A state in units of L and L ω1. In these units speeds are of the size of displacements, even if
-/// hardly any spring holds the box.
+/// A state in units of L and L ω1. In these units, velocities are as large as displacements, even
+/// if the box is hardly held by a spring.
 pub(super) fn in_drive_units(p: &Parameters, state: &State) -> StroboscopicState {
     let speed = p.stop_gap * p.drive_frequency;
     let (x, v) = (state.x.map(|x| x / p.stop_gap), state.v.map(|v| v / speed));
@@ -63,14 +63,14 @@ pub(super) fn from_drive_units(p: &Parameters, s: &StroboscopicState) -> State {
     State { x: [s[0], s[1], s[2]].map(|x| x * p.stop_gap), v: [s[3], s[4], s[5]].map(|v| v * speed) }
 }
 
-/// A simulator of a machine with its loads that starts from a state at time 0.
+/// A simulator of a machine with its loads, starting from a state at time 0.
 pub(super) fn simulator(system: &System, state: &State) -> Result<Simulator> {
     let mut simulator = Simulator::new(system.parameters(), state, 0.0)?.without_energy_accounts();
     simulator.set_loads(&system.loads().loads())?;
     Ok(simulator)
 }
 
-/// The state after a number of drive periods, in which a transient dies out.
+/// The state after a number of drive periods, for a transient to die out.
 ///
 /// # Errors
 /// An error of the simulator.
@@ -80,19 +80,19 @@ pub fn settle(system: &System, start: &State, periods: u32) -> Result<State> {
     Ok(simulator.state())
 }
 
-/// The periodic orbit on which a motion through a state at time 0 has settled.
+/// The periodic orbit on which a motion from a state at time 0 has settled.
 ///
-/// The orbit can be unstable, since a chaotic motion also nearly returns next to unstable orbits;
-/// the multipliers tell whether it is stable. A stable orbit is preferred: next to a period
-/// doubling a settled motion nearly returns after half of its period, near the orbit that has just
-/// become unstable. Words of more than 1024 impacts are not tried; after the first near return the
-/// limit is 512 impacts.
+/// The orbit can be unstable, since a chaotic motion also nearly returns near unstable orbits; its
+/// multipliers show whether it is stable. A stable orbit is preferred: near a period doubling a
+/// settled motion nearly returns after half of its period, near the orbit that has just become
+/// unstable. Words of more than 1024 impacts are not tried; after the first near return the limit
+/// is 512 impacts.
 ///
 /// # Errors
 /// [`Error::NoPeriodicMotion`] if the block comes to rest at a stop during the motion, if the
-/// motion does not return within 32 drive periods and 1024 impacts, or if it returns but no orbit
-/// is found there. An error that names the parameter if phases do not determine the orbit, as
-/// without springs. An error of the simulator.
+/// motion does not return within 32 drive periods and 1024 impacts, or if it returns but there is
+/// no orbit. An error that names the parameter if phases do not determine the orbit, as without
+/// springs. An error of the simulator.
 pub fn orbit_of(system: &System, state: &State) -> Result<Orbit> {
     orbit_within(system, state, Limits::WIDEST)
 }
@@ -104,7 +104,7 @@ pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Re
     let (start, first) = (in_drive_units(p, &simulator.state()), first_phase(p));
     let (mut phases, mut letters) = (Vec::new(), Vec::new());
     let (mut unstable, mut missed) = (None, None);
-    // A block that a load holds at a stop throughout has no event.
+    // A block that a load always holds at a stop has no events.
     let mut rests = simulator.contact() != Contact::Flight;
     let mut many = false;
     for q in 1..=limits.periods {
@@ -142,8 +142,8 @@ fn at_rest() -> Error {
     Error::NoPeriodicMotion { reason: reason.into() }
 }
 
-/// The error for a motion without an orbit. `missed` is the first near return that led to none,
-/// `many` whether there were too many impacts.
+/// The error for a motion without an orbit. `missed` is the first near return without an orbit;
+/// `many` is whether there were too many impacts.
 fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, many: bool) -> Error {
     let Limits { periods, impacts } = limits;
     let within =
@@ -164,13 +164,13 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
     Error::NoPeriodicMotion { reason }
 }
 
-/// The certified orbit near the impacts of q drive periods, in its shortest word; its phases differ
-/// from those of the impacts by at most `most`.
+/// The certified orbit near the impacts of q drive periods, in its shortest word. Its phases
+/// differ from the phases of these impacts by at most `most`.
 ///
-/// Next to a period doubling the equations of a word passed twice are nearly singular: Newton's
-/// method converges so slowly to an orbit passed twice that it stops early, with different phases
-/// in the two passages. The word passed once is therefore tried too. If the two passages differ,
-/// the orbit of the word passed once is taken only if it is stable.
+/// Near a period doubling, the equations of a word repeated twice are nearly singular. Newton's
+/// method then converges so slowly that it stops early, with different phases in the two
+/// repetitions. The single word is therefore tried too. If the two repetitions differ, the orbit
+/// of the single word is accepted only if it is stable.
 pub(super) fn near(
     system: &System,
     letters: &[i8],
@@ -211,7 +211,7 @@ fn newton_near(
     if far { Err(Obstacle::NoConvergence) } else { Ok(found) }
 }
 
-/// An orbit, if it is certified.
+/// An orbit, if certified.
 fn certified(orbit: Orbit) -> std::result::Result<Orbit, Obstacle> {
     if orbit.is_certified() { Ok(orbit) } else { Err(Obstacle::NoConvergence) }
 }

@@ -10,11 +10,11 @@ use crate::stop_word::OrbitWord;
 use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 
-/// Largest difference of the halves of an orbit, rad, that counts as rounding.
+/// Tolerance for equal halves of an orbit, rad: rounding.
 const BIRTH: f64 = 1e-9;
 
-/// Step of the differences of a test function. It sets the speed of convergence of its zero and
-/// never the result.
+/// Step of the difference quotients of a test function. It affects how fast its zero converges,
+/// not the result.
 const DIFFERENCE: f64 = 1e-6;
 
 /// Whether a complex pair of multipliers is on the unit circle.
@@ -43,9 +43,9 @@ fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
     DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
 }
 
-/// A point beyond the birth of a doubled branch, where the halves of its orbit are equal: along the
-/// tangent, as far beyond the birth as the given point is before it. `None` if that is farther than
-/// `within`.
+/// A point beyond the birth of a doubled branch, where the halves of its orbit are equal: along
+/// the tangent, at the same distance from the birth as the given point. `None` if this distance
+/// exceeds `within`.
 pub(super) fn beyond_birth(
     word: &OrbitWord,
     u: &DVector<f64>,
@@ -59,8 +59,8 @@ pub(super) fn beyond_birth(
     (own.norm() > BIRTH && (0.0..within).contains(&arc)).then(|| u + tangent * (2.0 * arc))
 }
 
-/// The point at which a doubled branch is born from another one, if a step passes it: both halves
-/// of the orbit are equal there, and past it the path would run back along its own mirror image.
+/// The point where a doubled branch is born from another one, if a step passes it. Both halves of
+/// the orbit are equal there, and beyond it the path would retrace its own mirror image.
 pub(super) fn primary(
     family: &Family,
     word: &OrbitWord,
@@ -71,8 +71,8 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are equal except for rounding. A point
-    // past the birth has such halves too if the corrector ended on the other branch.
+    // The first point of a branch born here has halves that are equal except for rounding. So has
+    // a point past the birth if the corrector ended on the other branch.
     let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
     if !passes || a.norm() < BIRTH {
         return Ok(None);
@@ -85,7 +85,7 @@ pub(super) fn primary(
     let unit = {
         let system = family.system_at(&guess)?;
         let cycle = Cycle::new(&system, &folded, &guess.as_slice()[..h])?;
-        // The scale is that of another test function, since this one is nearly zero here.
+        // The scale is taken from another test function, since this one is nearly zero here.
         let log = test(&cycle, crate::paper::sample::UNIT).ok_or(Obstacle::NoConvergence)?.log;
         SignedLog { sign: 1.0, log }
     };

@@ -11,25 +11,25 @@ use crate::obstacle::Obstacle;
 use crate::stop_word::{OrbitWord, REPETITION};
 use nalgebra::{Complex, DVector};
 
-/// First step from an orbit, and from a point where branches meet.
+/// First steps from an orbit, and from a point where branches meet.
 const FIRST_STEP: f64 = 1e-2;
 const SWITCH_STEP: f64 = 1e-3;
 
-/// Step of the difference that tells on which side of a touch the block is clear of the stop.
+/// Step of the difference that determines the side of a touch on which the block clears the stop.
 const SIDE_STEP: f64 = 1e-5;
 
-/// Start of a path, with the multipliers at a touch, where the cycle does not give them.
+/// Start of a path, with the multipliers at a touch, if the cycle does not give them.
 pub(super) type Departure = crate::path::Departure<Option<[Complex<f64>; 6]>>;
 
 /// A touch within a flight of the shortest word that does not list it. All words that meet at a
-/// touch have the same `FlightTouch`.
+/// touch share one `FlightTouch`.
 #[derive(Clone, Debug)]
 pub(super) struct FlightTouch {
     /// The shortest word without the touch.
     pub shorter: OrbitWord,
     /// Phases and parameter.
     pub u: DVector<f64>,
-    /// The flight in which the stop is touched.
+    /// The flight with the touch.
     pub flight: usize,
     /// The phase of the touch.
     pub phase: f64,
@@ -53,7 +53,7 @@ impl FlightTouch {
         let shorter = OrbitWord::of(letters, touch.longer.closing(), touch.longer.half_periods());
         let phases: Vec<f64> = kept.iter().map(|i| touch.u[*i]).collect();
         let (reduced, phases) = shorter.reduced(&phases, family.is_symmetric(), REPETITION);
-        // A touch before the first impact equals a touch after the last impact, one passage later.
+        // A touch before the first impact equals a touch after the last one, one repetition later.
         let (flight, phase, side) = match kept.iter().filter(|i| **i < touch.index).count() {
             0 => (n - 1, phase + shorter.span(), side * shorter.closing()),
             before => (before - 1, phase, side),
@@ -69,10 +69,10 @@ impl FlightTouch {
         }
     }
 
-    /// The words that list the touch. The first word lists it once in each passage. A symmetric
-    /// orbit touches both stops; its unfolded word lists the touch at one of them. With
-    /// `repetitions` above 1 there are also words of up to that many passages, with the touch in
-    /// one passage. They belong to orbits of a longer period.
+    /// The words that list the touch. The first word lists it once in each repetition. A symmetric
+    /// orbit touches both stops; its unfolded word lists the touch at one of them. If
+    /// `repetitions` exceeds 1, further words have up to this number of repetitions and list the
+    /// touch in one of them. They belong to orbits of longer periods.
     pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
         let phases = &self.u.as_slice()[..self.shorter.len()];
         let index = if phases.is_empty() { 0 } else { self.flight + 1 };
@@ -85,7 +85,7 @@ impl FlightTouch {
             .then(|| (self.shorter.unfolded(), unfolded_phases(&self.shorter, phases)));
         let own = (self.shorter.clone(), phases.to_vec());
         let passages = |(word, phases): (OrbitWord, Vec<f64>)| {
-            // A symmetric orbit closes with -1 after an odd number of passages.
+            // A symmetric orbit closes with -1 after an odd number of repetitions.
             let step = if word.closing() < 0 { 2 } else { 1 };
             let repeated = |k| touch(&word.repeated(k), repeated_phases(&word, &phases, k));
             (1..=repetitions as usize).step_by(step).map(repeated).collect::<Vec<_>>()
@@ -93,8 +93,7 @@ impl FlightTouch {
         std::iter::once(own).chain(unfolded).flat_map(passages).collect()
     }
 
-    /// Departure of the branch without the touch, to the side on which the block is clear of the
-    /// stop.
+    /// Departure of the branch without the touch, to the side where the block clears the stop.
     pub fn departure(&self, family: &Family) -> Result<Departure, Obstacle> {
         let n = self.shorter.len();
         let contacts = ContactEquations { family, word: &self.shorter };
@@ -107,7 +106,7 @@ impl FlightTouch {
             let z = system.fly(since, cycle.departure(self.flight));
             Ok(f64::from(self.side) * (z[1] - z[0] + system.forced_gap(self.phase)[0]))
         };
-        // The shift of the extremum changes its value only in second order.
+        // A shift of the extremum changes its value only in second order.
         let leaves = excess(SIDE_STEP)? - excess(-SIDE_STEP)? < 0.0;
         let direction = if leaves { along } else { -along };
         at_touch(family, (&self.u, direction), &self.shorter, &self.u.as_slice()[..n])
@@ -119,7 +118,7 @@ pub(super) fn free_word(family: &Family) -> OrbitWord {
     if family.is_symmetric() { OrbitWord::of(Vec::new(), -1, 1) } else { OrbitWord::of(Vec::new(), 1, 2) }
 }
 
-/// Departure of the branch with a touch, to the side on which the impact has a speed.
+/// Departure of the branch with the touch, to the side where the impact has a positive speed.
 pub(super) fn with_touch(family: &Family, touch: &Touch) -> Result<Departure, Obstacle> {
     let n = touch.longer.len();
     let contacts = ContactEquations { family, word: &touch.longer };
@@ -141,9 +140,9 @@ fn at_touch(
     Ok(Departure { u: u.clone(), direction, step: SWITCH_STEP, special, of })
 }
 
-/// Departure of the branch born by doubling, from a point with a multiplier -1 along the variation
-/// that closes with the opposite sign. One direction suffices: the opposite direction leads to the
-/// same orbits, half a span later.
+/// Departure of the branch born by doubling. It starts from a point with a multiplier -1, along
+/// the variation that closes with the opposite sign. One direction suffices: the other leads to
+/// the same orbits, half a span later.
 pub(super) fn doubled(
     family: &Family,
     word: &OrbitWord,
@@ -189,9 +188,8 @@ pub(super) fn both_ways(
     Ok((word.clone(), [departure(along.clone()), departure(-along)]))
 }
 
-/// A departure in the shortest word of its orbit. If an orbit passed several times touches a stop
-/// in each passage, the branch that lists all these touches also repeats the branch of a shorter
-/// word.
+/// A departure in the shortest word of its orbit. If a repeated orbit touches a stop in each
+/// repetition, the branch that lists all these touches also repeats the branch of a shorter word.
 pub(super) fn reduced_departure(
     family: &Family,
     word: &OrbitWord,

@@ -21,23 +21,23 @@ pub struct System {
     pub(super) flight: Flight,
     /// H of docs/theory.md (71): without impacts the box swings as Im(H e^{iφ}).
     response: Complex<f64>,
-    /// The reference places of states, and what pushes the bodies there.
+    /// The reference positions of states, and the unbalanced loads there.
     balance: Balance,
-    /// Acceleration of a block without a spring under its load, docs/theory.md (111); 0 if a spring
-    /// holds the block.
+    /// Acceleration of a block without a spring under its load, docs/theory.md (111); 0 if the
+    /// block has a spring.
     pull: f64,
-    /// The anchor, if a spring hardly holds a body: the equations for the state then contain the
-    /// first contact instead of the return of that body, docs/theory.md (112).
+    /// The anchor, if a body is hardly held by a spring: the equations for the state then contain
+    /// the first contact instead of this body's return, docs/theory.md (112).
     anchor: Option<Anchor>,
 }
 
-/// Stiffness of a second soft spring, relative to mass times ω1², below which states keep so few
+/// Stiffness of a second soft spring, relative to mass times ω1², below which states lose so many
 /// digits that their equations may count as singular.
 const NEUTRAL: f64 = 1e-8;
 
 /// Determinant of σI minus the map of the free flight over a word, below which a mode counts as
-/// next to a resonance. The relative distance of the mode's frequency from the resonance is about
-/// the square root of this determinant.
+/// near resonance. The relative distance of the mode's frequency from resonance is about the
+/// square root of this determinant.
 const RESONANT: f64 = 1e-4;
 
 impl System {
@@ -45,7 +45,7 @@ impl System {
     ///
     /// # Errors
     /// The errors of [`Flight::new`]; an error if the undamped box is at resonance, if a load acts
-    /// on a box or a secondary oscillator that no spring holds, if a load is not finite, or if a
+    /// on a box or a secondary oscillator without a spring, if a load is not finite, or if a
     /// spring would hold a load farther than 1e100 L away.
     pub fn new(parameters: &Parameters) -> Result<Self> {
         let loads = ConstantLoads { forces: parameters.constant_loads };
@@ -66,14 +66,14 @@ impl System {
         Self { anchor, ..self }
     }
 
-    /// The anchor: the body or bodies that the first contact holds in the equations for the state.
+    /// The anchor: the bodies held by the first contact in the equations for the state.
     pub(super) fn anchor(&self) -> Option<Anchor> {
         self.anchor
     }
 
-    /// Anchors that may be needed next to the resonance of a mode with hardly any damping. There
-    /// the free flight over the span of the word returns the box, or the block and the secondary
-    /// oscillator, nearly to the initial state. The matrix σI - M is then singular except for the
+    /// Anchors that may be needed near the resonance of a mode with hardly any damping. The free
+    /// flight over the span of the word then returns the box, or the block and the secondary
+    /// oscillator, nearly to the initial state. The matrix σI - M is singular except for the
     /// square of the distance of the mode's frequency from resonance (docs/theory.md, section 14).
     pub(super) fn resonant_anchors(&self, word: &OrbitWord) -> [Option<Anchor>; 2] {
         let Transition { one, pair } = self.flight.transition(word.span());
@@ -85,7 +85,7 @@ impl System {
         left.map(|(anchor, left)| (left.abs() < RESONANT).then_some(anchor))
     }
 
-    /// Whether no spring holds the block.
+    /// Whether the block has no spring.
     pub fn has_free_block(&self) -> bool {
         self.parameters.coupling_stiffness == 0.0
     }
@@ -95,9 +95,9 @@ impl System {
         self.pull
     }
 
-    /// Whether the impulses of a word can balance, over one passage of the word, the load on a body
-    /// that no spring holds (docs/theory.md (113)). Without a load the word needs both stops; with
-    /// a load it needs the stop towards which the load pulls.
+    /// Whether the impulses of a word can balance, over one pass of the word, the load on a body
+    /// without a spring (docs/theory.md (113)). Without a load the word needs both stops; with a
+    /// load it needs the stop towards which the load pulls.
     pub(super) fn balances(&self, word: &OrbitWord) -> bool {
         let p = &self.parameters;
         let has = |side: i8| word.letters().contains(&side);
@@ -111,8 +111,8 @@ impl System {
         }
     }
 
-    /// Whether the motion without impacts attracts its neighbourhood: springs hold all bodies, and
-    /// dampers reach them.
+    /// Whether the motion without impacts attracts its neighbourhood: all bodies have springs and
+    /// are reached by dampers.
     pub(super) fn holds_and_damps(&self) -> bool {
         let p = &self.parameters;
         let needed = [
@@ -140,19 +140,19 @@ impl System {
         self.loads
     }
 
-    /// w_s, the displacement of the block in the box that the loads cause without impacts, units of
-    /// L.
+    /// w_s, the displacement of the block in the box that the loads cause without impacts, units
+    /// of L.
     pub fn offset(&self) -> f64 {
         self.balance.offset()
     }
 
-    /// This machine with the rest positions as reference places, however far away they are: a
+    /// This machine with the rest positions as reference positions, however far away they are: a
     /// motion without impacts oscillates about them.
     pub(super) fn at_rest(self) -> Self {
         Self { balance: self.balance.at_rest(), ..self }
     }
 
-    /// Whether the mirror image of each motion is a motion too, as without loads.
+    /// Whether the mirror image of each motion is also a motion: only without loads.
     pub fn is_symmetric(&self) -> bool {
         self.loads == ConstantLoads::default()
     }
@@ -182,19 +182,19 @@ impl System {
         Vector6::new(x1 + turned.im, x2, x3, turned.re, 0.0, 0.0)
     }
 
-    /// Reference places of the states, units of L: the rest positions under the loads where these
-    /// are not far beyond the stops.
+    /// Reference positions of the states, units of L: the rest positions under the loads, unless
+    /// these are far beyond the stops.
     pub(super) fn rest_positions(&self) -> [f64; 3] {
         self.balance.places
     }
 
-    /// Clearance of the block from the nearer stop without impacts, units of L; `None` if a block
-    /// without a spring falls under a load, so that there is no such motion.
+    /// Clearance of the block from the nearer stop without impacts, units of L; `None` if there is
+    /// no such motion, because a block without a spring falls under a load.
     pub(super) fn clearance(&self) -> Option<f64> {
         (self.pull == 0.0).then(|| 1.0 - self.amplitude() - self.offset().abs())
     }
 
-    /// Rate of the free part of a state in flight: A z and the constant part of docs/theory.md
+    /// Rate of the free part of a state in flight: A z plus the constant part of docs/theory.md
     /// (111).
     pub(super) fn rate(&self, z: &Vector6) -> Vector6 {
         self.flight.rate_of(z, 0.0) + self.balance.push
@@ -207,7 +207,7 @@ impl System {
     }
 
     /// Displacement of a state by the loads over a flight that starts at rest at the reference
-    /// places.
+    /// positions.
     fn fall(&self, span: f64) -> Vector6 {
         let pieces = self.flight.least_pieces(span);
         let length = span / f64::from(pieces);
@@ -228,7 +228,7 @@ impl System {
         })
     }
 
-    /// The free part of a state after a flight of a span.
+    /// The free part of a state after a flight over a span.
     pub(super) fn fly(&self, span: f64, z: &Vector6) -> Vector6 {
         self.state_after(&self.flight.transition(span), span, z)
     }
@@ -240,8 +240,8 @@ impl System {
         State { x: [0, 1, 2].map(|i| length * y[i]), v: [3, 4, 5].map(|i| speed * y[i]) }
     }
 
-    /// The error that names the parameter because of which the periodic response to impulses is
-    /// singular: the motion without impacts then has a neutral direction.
+    /// The error that names the parameter for which the periodic response to impulses is singular:
+    /// the motion without impacts then has a neutral direction.
     pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
         let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";

@@ -1,6 +1,6 @@
-//! Tracing of the tree of all branches that can be reached from settled motions over the whole
-//! range, from orbits near which other motions pass, from the motion without impacts, and from
-//! every special point of every branch; or of one branch alone.
+//! Tracing of a tree: all branches reached from settled motions over the whole range, from orbits
+//! near which other motions pass, from the motion without impacts, and from every special point of
+//! every branch. Also traces a single branch.
 
 use super::branch::Branch;
 use super::family::Family;
@@ -22,7 +22,7 @@ use vibro_studies::Error;
 use vibro_studies::parts::{NoStore, PartStore, Task};
 
 /// Traces the tree of a family with one parameter. `done` receives the number of traced starts and
-/// the number of waiting starts, which may grow.
+/// the number of waiting starts, which may increase.
 ///
 /// # Errors
 /// [`Error::Form`] if the longest step is outside [`PathOptions::STEPS`], if the repetitions are
@@ -36,10 +36,10 @@ pub fn tree(
     tree_in_parts(family, options, &NoStore, done)
 }
 
-/// [`tree`] with finished parts kept in a store: part 0 holds the orbits found by simulation, each
-/// further part the branches of one batch of starts. The number of parts is not known in advance.
-/// An interrupted tree continues from the parts of its store, which must be of this family and
-/// these options, and becomes bit-identical to an uninterrupted one.
+/// [`tree`] with finished parts kept in a store. Part 0 contains the orbits found by simulation;
+/// each further part contains the branches of one batch of starts. The number of parts is not
+/// known in advance. An interrupted tree continues from its store, which must belong to this
+/// family and these options. It becomes bit-identical to an uninterrupted tree.
 ///
 /// # Errors
 /// The errors of [`tree`]; the error of the store.
@@ -87,11 +87,11 @@ pub fn tree_in_parts(
     Ok(grower.tree)
 }
 
-/// The branch of one orbit, followed in both directions without switching to others; points at the
-/// values `marks` of the parameter are labelled UZ. Its word is the shortest word of the orbit. A
-/// symmetric orbit given as UL closing with + is followed as U closing with -: the symmetry may
-/// break at a point of the branch, and the symmetric orbits are followed beyond that point. If the
-/// parameter is a load the word stays UL, since no orbit is symmetric under a load.
+/// The branch of one orbit, followed in both directions without switching. Points at the parameter
+/// values `marks` are labelled UZ. Its word is the shortest word of the orbit. A symmetric orbit
+/// given as UL closing with + is followed as U closing with -: the symmetry may break on the
+/// branch, and the symmetric orbits are followed beyond this point. If the parameter is a load the
+/// word stays UL, since no orbit is symmetric under a load.
 ///
 /// ```
 /// use vibro_orbits::paper::{Family, Label, OrbitWord, PathOptions, Span, branch};
@@ -146,7 +146,7 @@ pub fn branch(
     Ok(Branch::new(word, points, closed))
 }
 
-/// Follows a start in all its directions.
+/// Follows a start in all of its directions.
 fn trace(
     family: &Family,
     options: &PathOptions,

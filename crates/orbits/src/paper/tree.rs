@@ -1,15 +1,14 @@
-//! All branches found of a family.
+//! All branches found in a family.
 
 use super::branch::Branch;
 use super::seeds::Searched;
 
-/// All branches found of a family.
+/// All branches found in a family.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
-    /// Branches in the order in which they were found, which depends only on the family and the
-    /// options.
+    /// Branches in order of discovery, which depends only on the family and the options.
     pub branches: Vec<Branch>,
-    /// Number of starts from which no branch could be followed.
+    /// Number of starts without a branch.
     pub failures: usize,
     /// The search for orbits by simulation.
     pub searched: Searched,

@@ -1,4 +1,4 @@
-//! Options of tracing a tree.
+//! Options for tracing a tree.
 
 use super::settled::{LONGEST, Limits};
 use crate::path_options::PathOptions;
@@ -9,33 +9,33 @@ use vibro_studies::Error;
 /// Extent and limits of a tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
-    /// Number of values of the parameter at which motions are settled, in each direction.
+    /// Number of parameter values with settled motions, in each direction.
     pub seeds: usize,
-    /// Drive periods in which transients die out.
+    /// Number of drive periods for transients to die out.
     pub settle: u32,
-    /// Number of motions from starts spread over the range and over the states that settled motions
-    /// visit. Branches of orbits near which they pass are kept if they are stable somewhere. Such
-    /// branches are islands, which motions followed along the range do not reach.
+    /// Number of motions from starts spread over the range and over the states visited by settled
+    /// motions. Branches of orbits near which they pass are kept if they are stable somewhere.
+    /// Such islands are not reached by motions followed along the range.
     #[serde(default)]
     pub starts: usize,
     /// Largest number of successive switches of branches since a settled motion.
     pub depth: u32,
-    /// The longest period of a branch, in drive periods.
+    /// Longest period of a branch, in drive periods.
     pub longest_period: u32,
     /// Largest number of letters of a word.
     pub most_letters: usize,
-    /// The longest step, as [`PathOptions::longest_step`].
+    /// Longest step, as [`PathOptions::longest_step`].
     pub longest_step: f64,
     /// Largest number of points of a branch in one direction.
     pub most_points: usize,
-    /// Largest number of passages in words that list a touch in only one of them. A value of 1
-    /// leaves only words that list the touch in every passage.
+    /// Largest number of repetitions in words that list a touch in only one of them. With 1, words
+    /// list the touch in every repetition.
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.
     pub marks: Vec<f64>,
 }
 
-/// Largest number of repetitions and longest period that may be asked for.
+/// Largest permitted number of repetitions and longest permitted period.
 const MOST_REPETITIONS: u32 = 64;
 const LONGEST_PERIOD: u32 = 1 << 12;
 
@@ -43,7 +43,7 @@ const LONGEST_PERIOD: u32 = 1 << 12;
 const MOST_STARTS: usize = 1_000_000;
 
 impl TreeOptions {
-    /// Refuses options with which a tree would not end or not fit into memory.
+    /// Refuses options for which a tree would not end or would exceed the memory.
     pub(super) fn check(&self) -> Result<(), Error> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         if !(1..=MOST_REPETITIONS).contains(&self.repetitions) {
@@ -66,7 +66,7 @@ impl TreeOptions {
         word.period() <= self.longest_period && word.len() <= self.most_letters
     }
 
-    /// Limits within which a motion shows any word of a tree, which may be half of its orbit.
+    /// Limits for finding any word of a tree from a motion; the word may be half of the orbit.
     pub(super) fn limits(&self) -> Limits {
         let impacts = self.most_letters.saturating_mul(2).min(MOST_LETTERS);
         Limits { periods: self.longest_period.min(LONGEST), impacts }

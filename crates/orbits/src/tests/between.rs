@@ -1,4 +1,4 @@
-//! Special points that lie in one step with a begin, an end or each other.
+//! Special points in the same step as a start, an end or each other.
 
 use super::closing::ball;
 use super::steps::{meissner, meissners_test};
@@ -11,14 +11,14 @@ use vibro_machine::Start;
 /// Accuracy of a special point's parameter.
 const LOCATED: f64 = 1e-10;
 
-/// The values of the special points of a kind on a path.
+/// The parameter values of the special points of a kind on a path.
 fn values(points: &[OrbitPoint], kind: &str) -> Vec<f64> {
     let own = points.iter().filter(|p| p.special.as_ref().is_some_and(|s| s.label.name() == kind));
     own.map(|p| p.value).collect()
 }
 
-/// The point of a branch at a value and the direction in which the branch leaves it, with rising
-/// values of the parameter for `sign` 1.
+/// The point of a branch at a value, and the direction in which the branch leaves it; for `sign` 1
+/// with increasing parameter.
 fn departure(branch: &Branch, value: f64, sign: f64) -> Departure {
     let orbit = branch.orbits_at(value).pop().unwrap();
     let axis = crate::curve::axis(orbit.u.len(), orbit.u.len() - 1);
@@ -33,7 +33,7 @@ fn departure(branch: &Branch, value: f64, sign: f64) -> Departure {
     }
 }
 
-/// The flip of a ball on a table in the first step of a path that leaves a special point.
+/// The flip of a ball on a table in the first step of a path from a special point.
 #[test]
 fn closed_form_a_flip_in_the_first_step_from_a_special_point() {
     let (branch, flip) = ball();
@@ -42,7 +42,7 @@ fn closed_form_a_flip_in_the_first_step_from_a_special_point() {
     let points = follow(&start, &Default::default()).unwrap().points;
     let found = values(&points, "PD");
     assert!(nearest(&found, flip) < LOCATED, "{found:?} {flip}");
-    // The begin has the stability of the piece up to the flip, and the flip that of the rest.
+    // The start has the stability of the piece before the flip; the flip, of the piece after it.
     assert_eq!([points[0].stability, points[1].stability], [Stability::Stable, Stability::Unstable]);
 }
 
@@ -63,8 +63,8 @@ fn published_flip_in_the_last_step_before_a_touch() {
     assert!(nearest(&found, force) < digits && plain <= 1, "{found:?}, {plain} plain points");
 }
 
-/// A circle closes in the step that passes its first point, and in no other one; a helix, which
-/// passes it at a distance, does not close.
+/// A circle closes only in the step that passes its first point. A helix, which passes it at a
+/// distance, does not close.
 #[test]
 fn closed_form_a_circle_closes_and_a_helix_does_not() {
     let steps = 40.5;

@@ -1,12 +1,12 @@
-//! Orbits and bifurcations with closed forms or published numbers.
+//! Orbits and bifurcations with closed forms or published values.
 
 use super::*;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Rounding of a special point's parameter, located by interpolation at crossings.
+/// Rounding error of a special point's parameter; crossings are located by interpolation.
 const LOCATED: f64 = 1e-10;
-/// Rounding of an orbit's numbers.
+/// Rounding error of an orbit's values.
 const ROUNDING: f64 = 1e-12;
 
 /// x'' + 0.04 x' + x = F cos ωt with a wall at x = 1 and ε = 0.9.
@@ -23,7 +23,7 @@ pub(super) fn wall(omega: &str) -> Machine {
 #[test]
 fn published_flip_fold_and_graze_of_an_oscillator_with_a_wall() {
     // The orbit of two drive periods with one impact: its flip at ω = 0.81 and its fold at 0.799,
-    // to the digits published. Without impacts the amplitude is F / |1 - ω² + 0.04 i ω|.
+    // to the published digits. Without impacts the amplitude is F / |1 - ω² + 0.04 i ω|.
     for (omega, kind, force, graze) in
         [("0.81", "PD", 0.3475334, 0.345422885750206), ("0.799", "LP", 0.3628362, 0.363008647832252)]
     {
@@ -38,8 +38,8 @@ fn published_flip_fold_and_graze_of_an_oscillator_with_a_wall() {
 
 #[test]
 fn closed_form_both_symmetric_orbits_of_the_impact_pair_and_their_fold() {
-    // Flight at V between impacts half a period apart: cos t = -(1 - ε)/(1 + ε) V/A and
-    // 2 A sin t + 3 = π V, so that V²/9 + (π V - 3)²/4 = A².
+    // Flight at V between impacts half a period apart: cos t = -(1 - ε)/(1 + ε) V/A and 2 A sin t
+    // + 3 = π V, hence V²/9 + (π V - 3)²/4 = A².
     let m = example("impact_pair.toml");
     let family = Family::new(&m, "body.base.motion.amplitude", (0.2, 2.0)).unwrap();
     let branches = grown(&family, 10, 0);
@@ -58,7 +58,7 @@ fn closed_form_both_symmetric_orbits_of_the_impact_pair_and_their_fold() {
 
 #[test]
 fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
-    // One bounce a period: from A ω² = π g (1 - ε)/(1 + ε) on.
+    // One bounce per period, from A ω² = π g (1 - ε)/(1 + ε).
     let (found, flip) = super::closing::ball();
     let found = [found];
     for (kind, value) in [("LP", 10.0 * PI * 0.25 / 400.0), ("PD", flip)] {
@@ -67,7 +67,7 @@ fn closed_form_fold_and_flip_of_a_ball_on_a_table() {
     }
 }
 
-/// The branch of two bounces begins at the flip of the one of one bounce.
+/// The branch of two bounces begins at the flip of the branch of one bounce.
 #[test]
 fn closed_form_the_doubled_branch_of_a_ball_begins_at_its_flip() {
     let (found, flip) = super::closing::ball();
@@ -85,14 +85,14 @@ fn closed_form_the_doubled_branch_of_a_ball_begins_at_its_flip() {
 
 #[test]
 fn closed_form_period_of_a_stick_slip_cycle() {
-    // Held at the belt's speed V over 2 (Fs - Fk)/k, then slipping from that speed back to it.
+    // It sticks at the belt's speed V over 2 (Fs - Fk)/k, then slips from this speed back to it.
     let orbit = Orbit::settled(&example("belt_friction.toml"), &Start::default(), 50).unwrap();
     let (k, speed, lead): (f64, f64, f64) = (100.0, 0.1, (2.0 - 1.5) / 100.0);
     let omega = k.sqrt();
     let period = (PI + 2.0 * (speed / (omega * lead)).atan()) / omega + 2.0 * lead / speed;
     assert!((orbit.period() - period).abs() < ROUNDING, "{} {period}", orbit.period());
     assert_eq!(orbit.stability(), Stability::Stable);
-    // Sticking forgets everything.
+    // After sticking, no earlier deviation remains.
     assert!(orbit.spectral_radius() < ROUNDING && orbit.trivial_multipliers() == 1);
 }
 

@@ -1,16 +1,16 @@
-//! Multipliers and doublings by the equations of an orbit, with closed forms and the monodromy
-//! matrix.
+//! Multipliers and doublings from the equations of an orbit, against closed forms and the
+//! monodromy matrix.
 
 use super::*;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Difference of multipliers by two ways: rounding of stiff contacts over a period.
+/// Difference of multipliers found in two ways: rounding of stiff contacts over a period.
 const AGREEMENT: f64 = 1e-8;
 
 #[test]
 fn second_method_multipliers_by_the_equations_are_those_of_the_monodromy_matrix() {
-    // Driven, with steps of stiffness, autonomous, with compliant stops, with a neutral direction.
+    // Driven, with stiffness steps, autonomous, with compliant stops, with a neutral direction.
     for name in ["impact_pair", "gear_mesh", "belt_friction", "damper_with_buffer", "vibratory_conveyor"] {
         let orbit = Orbit::settled(&example(&format!("{name}.toml")), &Start::default(), 800).unwrap();
         let residual = orbit.problem.residual(&orbit.place, &orbit.u, true).unwrap();
@@ -24,9 +24,9 @@ fn second_method_multipliers_by_the_equations_are_those_of_the_monodromy_matrix(
     }
 }
 
-/// The branch of one bounce a period of a ball on a table over the table's amplitude, with the
-/// amplitude of its flip: the return map has the determinant ε² and the trace
-/// 1 + ε² + (1 + ε)² h''/g, h'' the table's acceleration at the bounce.
+/// The branch of one bounce per period of a ball on a table over the table's amplitude, with the
+/// amplitude of its flip. The return map has the determinant ε² and the trace 1 + ε² + (1 + ε)²
+/// h''/g, with h'' the table's acceleration at the bounce.
 pub(super) fn ball() -> (Branch, f64) {
     let (g, e, w): (f64, f64, f64) = (10.0, 0.6, 20.0);
     let text = format!(
@@ -45,11 +45,11 @@ pub(super) fn ball() -> (Branch, f64) {
     (branch(&family, &orbit, &Default::default()).unwrap(), flip / w / w)
 }
 
-/// Passed n times, an orbit has the n-th powers of its multipliers. The product of both of the
-/// ball's is ε^(2 n), since an impact turns both its velocity and its distance over by ε.
+/// Repeated n times, an orbit has the n-th powers of its multipliers. The product of the ball's
+/// two is ε^(2 n), since an impact multiplies both its velocity and its distance by ε.
 #[test]
 fn closed_form_multipliers_and_doublings_of_an_orbit_passed_many_times() {
-    /// Rounding of the largest multiplier over one pass, of the n-th power by its factor n.
+    /// Rounding of the largest multiplier over one pass; n times larger for the n-th power.
     const LARGEST: f64 = 1e-9;
     let (branch, _) = ball();
     let most = branch.points.iter().max_by(|a, b| a.value.total_cmp(&b.value)).unwrap();
@@ -63,8 +63,8 @@ fn closed_form_multipliers_and_doublings_of_an_orbit_passed_many_times() {
         let own = orbit.multipliers();
         assert!((own[0].re / power - 1.0).abs() < LARGEST * f64::from(times), "{own:?} {power:e}");
         assert!((own[1] - small.powi(times as i32)).norm() < AGREEMENT, "{own:?}");
-        // det A(μ) is a multiple of μ (μ - μ₁) (μ - μ₂): the time of the bounce brings the factor
-        // μ.
+        // det A(μ) is a multiple of μ (μ - μ₁) (μ - μ₂); the factor μ comes from the time of the
+        // bounce.
         let place = problem.place(&u).unwrap();
         let residual = problem.residual(&place, &u, true).unwrap();
         let matrix = residual.matrix.unwrap();

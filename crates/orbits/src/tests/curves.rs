@@ -8,16 +8,16 @@ use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::OrbitFamily;
 
-/// Rounding of a touch.
+/// Rounding error of a touch.
 const ROUNDING: f64 = 1e-11;
-/// Rounding of the discriminant of the symmetric orbit, of order one over the curve, and of a
+/// Rounding errors of the symmetric orbit's discriminant, of order one over the curve, and of a
 /// multiplier at a simple crossing, both magnified by the special point's own condition.
 const DISCRIMINANT: f64 = 1e-9;
 const MULTIPLIER: f64 = 1e-8;
 /// The load of f10 = 1, N.
 const LOAD: f64 = 0.1;
 
-/// The curve of a kind over a second parameter from the first such point of branches.
+/// The curve of the first special point of a kind on some branches, over a second parameter.
 fn curve(
     branches: &[Branch],
     (kind, events): (&str, usize),
@@ -36,7 +36,7 @@ fn curve(
     locus(&branch.locus_start(point).unwrap(), &second).unwrap()
 }
 
-/// Checks that a curve ends at the bounds of its second parameter alone.
+/// Checks that a curve ends only at the bounds of its second parameter.
 fn check_ends(points: &[LocusPoint], bounds: [f64; 2]) {
     let ends: Vec<_> = points.iter().filter_map(|p| p.end).collect();
     assert!(ends.iter().all(|end| matches!(end, LocusEnd::Range)), "{ends:?}");

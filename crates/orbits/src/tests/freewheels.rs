@@ -1,12 +1,12 @@
-//! Orbits of machines with freewheels, whose elongation goes on from period to period.
+//! Orbits of machines with freewheels, whose elongation grows from period to period.
 
 use super::*;
 use nalgebra::DMatrix;
 use vibro_machine::derivative::By;
 use vibro_machine::{Differentiated, Start};
 
-/// A rotor on a spring drives a tail; in the second machine it strikes a wall, and catches the tail
-/// in the same instant.
+/// A rotor on a spring drives a tail; in the second machine it strikes a wall, and catches the
+/// tail at the same instant.
 const TAIL: &str = r#"
 name = "Tail"
 body.rotor = { mass = 1.3 }
@@ -17,7 +17,7 @@ freewheel.w = { between = ["tail", "rotor"] }
 load.push = { on = "rotor", amplitude = 6.0, frequency = 1.3 }
 "#;
 
-/// Rounding of an orbit's numbers over a period.
+/// Rounding error of an orbit's values over a period.
 const ROUNDING: f64 = 1e-9;
 
 #[test]
@@ -40,7 +40,7 @@ fn second_method_orbits_with_freewheels_have_the_multipliers_of_their_motion() {
         let map = DMatrix::from_vec(4, 4, (0..4).flat_map(column).collect());
         let mut own: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
         own.sort_by(|a, b| b.total_cmp(a));
-        // The tail's place is neutral.
+        // The tail's position is neutral.
         assert!((own.remove(0) - 1.0).abs() < ROUNDING);
         assert_eq!(orbit.multipliers().len(), own.len());
         for (a, b) in orbit.multipliers().iter().zip(&own) {

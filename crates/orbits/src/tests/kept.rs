@@ -1,10 +1,10 @@
-//! Growths that are interrupted and go on.
+//! Interrupted and continued growths.
 
 use super::*;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-/// Paths in memory, with the number of those that were found and kept.
+/// Paths in memory, with the numbers of paths found and stored.
 #[derive(Default)]
 struct Memory(Mutex<(Paths, [usize; 2])>);
 
@@ -62,7 +62,7 @@ fn refused_damaged_paths_are_followed_anew() {
     struct Damaged;
     impl KeptPaths for Damaged {
         fn find(&self, key: u64) -> Option<Vec<u8>> {
-            // Nothing, no points, one point without its numbers, more points than bytes.
+            // No bytes, no points, one point without its values, more points than bytes.
             [&b""[..], &[0, 0], &[1, 0, 0], &[200, 1, 7]].get(key as usize % 4).map(|x| x.to_vec())
         }
 

@@ -1,13 +1,13 @@
-//! Orbits under signals that step and have knots.
+//! Orbits under signals with steps and knots.
 
 use super::*;
 use nalgebra::{Matrix2, Vector2};
 use vibro_machine::{Motion, Start};
 
-/// Rounding of a state of size one.
+/// Rounding error of a state of size one.
 const ROUNDING: f64 = 1e-12;
 
-/// A mass 1 on stiffness 1 under ±0.3, which changes its sign twice a period.
+/// A mass of 1 on a stiffness of 1 under ±0.3, which changes sign twice per period.
 fn square(period: f64, rest: &str) -> Machine {
     machine(&format!(
         "name = \"Square\"\nbody.a = {{ mass = 1.0 }}\nspring.k = {{ between = [\"ground\", \"a\"], stiffness = 1.0, damping = 0.1 }}\n\
@@ -16,8 +16,8 @@ fn square(period: f64, rest: &str) -> Machine {
     ))
 }
 
-/// The state returns with the other sign after half a period: (1 + E) z₀ = (E - 1) p with
-/// E = exp(A T/2) and the resting place p under the force.
+/// The state returns with the opposite sign after half a period: (1 + E) z₀ = (E - 1) p with E =
+/// exp(A T/2) and the rest state p under the force.
 #[test]
 fn closed_form_an_oscillator_under_a_square_wave() {
     let period = 7.0_f64;
@@ -43,7 +43,7 @@ fn closed_form_an_oscillator_under_a_square_wave() {
 
 const STOP: &str = "stop.wall = { between = [\"ground\", \"a\"], gap = 0.3, restitution = 0.6 }\n";
 
-/// Orbits found along a branch are those on which motions settle, whether forces or times of knots
+/// Orbits along a branch are the orbits on which motions settle, whether forces or knot times
 /// change; each is the machine's own motion.
 #[test]
 fn second_method_impacts_under_a_square_wave() {
@@ -64,8 +64,8 @@ fn second_method_impacts_under_a_square_wave() {
     }
 }
 
-/// A sine by a record of 256 knots differs from it by 1e-4 of its size at most, and special points
-/// of its orbits do by as much.
+/// A sine as a record of 256 knots has an error of at most 1e-4 of its size, and so do the special
+/// points of its orbits.
 #[test]
 fn second_method_a_recorded_sine_has_the_branches_of_the_sine() {
     let text = |signal: &str| {
@@ -105,10 +105,10 @@ fn second_method_a_recorded_sine_has_the_branches_of_the_sine() {
     }
 }
 
-/// Distance of a branch's end from the closed form, relative: rounding.
+/// Relative error of a branch's end against the closed form: rounding.
 const CORNER: f64 = 1e-12;
 
-/// A ball on a table whose acceleration is ±a, each for half a period of 0.2 s, under g = 10.
+/// A ball on a table with the acceleration ±a, each for half of the period 0.2 s, under g = 10.
 fn bouncing(restitution: f64, a: f64) -> Machine {
     machine(&format!(
         "name = \"Table\"\ngravity = 10.0\nparameters = {{ a = {a} }}\n\
@@ -119,9 +119,9 @@ fn bouncing(restitution: f64, a: f64) -> Machine {
     ))
 }
 
-/// One impact a period with the table's speed w satisfies w = g T (1 - e) / (2 (1 + e)). The speed
-/// is aT/4 at most, at the knot: the orbits with the impact before and after it end at
-/// a = 2 g (1 - e) / (1 + e), where neither crosses the other.
+/// One impact per period at the table's speed w requires w = g T (1 - e) / (2 (1 + e)). The speed
+/// is at most aT/4, at the knot. The orbits with the impact before and after it therefore end at a
+/// = 2 g (1 - e) / (1 + e), without crossing.
 #[test]
 fn closed_form_branches_end_where_their_impact_meets_a_knot() {
     for restitution in [0.4, 0.5, 0.6] {
@@ -152,7 +152,7 @@ fn closed_form_branches_end_where_their_impact_meets_a_knot() {
                 own.orbit(point).unwrap().check_by_motion().unwrap();
             }
         }
-        // The impact lies before the knot on one branch and after it, unstable, on the other one.
+        // The impact is before the knot on one branch; on the other, unstable one it is after it.
         let halves = |own: &Branch| {
             let middle = own.orbit(&own.points[own.points.len() / 2]).unwrap();
             (middle.times()[0] / 0.1).floor() as i64 % 2

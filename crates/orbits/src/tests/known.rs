@@ -1,16 +1,16 @@
-//! Trees list every orbit once, and have the orbits on which motions from the start settle.
+//! Trees list every orbit once, and contain the orbits on which motions from the start settle.
 
 use super::*;
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Relative difference of a measure of one motion in two words.
+/// Relative difference of a measure of one motion described by two words.
 const ROUNDING: f64 = 1e-9;
 
-/// Least length of a branch, Hz: a thousand times the accuracy of its ends.
+/// Smallest length of a branch, Hz: a thousand times the accuracy of its ends.
 const LEAST: f64 = 1e-7;
 
-/// Checks that no orbit in the middle of a branch is one of another branch: some measures differ.
+/// Checks that no orbit in the middle of a branch belongs to another branch: some measures differ.
 /// Returns the number of pairs.
 fn check_each_once(branches: &[Branch], measures: &[&str]) -> usize {
     let measures: Vec<Measure> = measures.iter().map(|name| name.parse().unwrap()).collect();
@@ -35,8 +35,7 @@ fn check_each_once(branches: &[Branch], measures: &[&str]) -> usize {
 
 #[test]
 fn invariant_a_broken_symmetry_is_one_branch() {
-    // A motion settles on an orbit without symmetry, and its branch crosses the symmetric one
-    // twice.
+    // A motion settles on an asymmetric orbit, whose branch crosses the symmetric one twice.
     let family = Family::new(&touches::energy_sink(8.5), "body.base.motion.frequency", (8.35, 8.66)).unwrap();
     let branches = grown(&family, 6, 1);
     let crossings =
@@ -47,8 +46,8 @@ fn invariant_a_broken_symmetry_is_one_branch() {
 
 #[test]
 fn invariant_a_valve_has_each_orbit_in_one_word() {
-    // The impact at the seat begins a run, whether it frees the lash at once or a moment later: the
-    // words of both settled motions have the same orbits.
+    // The impact at the seat begins a run, whether it releases the lash at once or slightly later:
+    // the words of both settled motions describe the same orbits.
     let family =
         Family::new(&example("valve_train.toml"), "spring.valve_spring.preload", (57.1, 105.0)).unwrap();
     let branches = grown(&family, 2, 0);
@@ -58,8 +57,8 @@ fn invariant_a_valve_has_each_orbit_in_one_word() {
 
 #[test]
 fn invariant_a_branch_without_length_is_not_listed() {
-    // A slider between the impacts of a damper: next to a touch the events of one word change
-    // places at once.
+    // A slider between the impacts of a damper: near a touch the events of one word change order
+    // at once.
     let m = machine(
         "name = \"Damper\"\nbody.main = { mass = 1.0 }\nbody.ball = { mass = 0.1, start = { v = 0.3 } }\n\
          spring.k = { between = [\"ground\", \"main\"], stiffness = 100.0, damping = 0.4 }\n\
@@ -88,7 +87,7 @@ fn invariant_a_tree_has_the_orbits_on_which_motions_from_its_start_settle() {
     );
     let family = Family::new(&m, "stop.wall.gap", (8.125e-3, 10.375e-3)).unwrap();
     let branches = grown(&family, 3, 1);
-    // An orbit with impacts and one without: a motion stays on one while the gap changes.
+    // An orbit with impacts and one without: a motion stays on one of them while the gap changes.
     for (gap, events) in [(8.5e-3, 0), (9.25e-3, 1), (10e-3, 0)] {
         let orbit = Orbit::settled_at(&family, gap, &Start::default(), 400).unwrap();
         assert_eq!(orbit.word().len(), events, "{gap}");

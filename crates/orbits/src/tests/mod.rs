@@ -1,4 +1,4 @@
-//! Orbits of described machines against closed forms, others' numbers, the 3-DOF machine's own
+//! Orbits of described machines against closed forms, published numbers, the 3-DOF machine's own
 //! orbits, and the machines' own motions.
 
 mod between;
@@ -45,7 +45,7 @@ fn grown(family: &Family, seeds: usize, depth: u32) -> Vec<Branch> {
     tree(family, &options, &mut |_, _| true).unwrap()
 }
 
-/// The values of the special points of a kind on branches with a number of events.
+/// The values of the special points of a kind on branches with a given number of events.
 fn specials(branches: &[Branch], events: usize, kind: &str) -> Vec<f64> {
     let own = branches.iter().filter(|b| b.word().len() == events);
     let all = own.flat_map(|b| b.points.iter());
@@ -67,7 +67,7 @@ fn moduli_by_motion(orbit: &Orbit) -> Vec<f64> {
     own
 }
 
-/// Relative difference of the parameter's column at an orbit from a difference of the equations.
+/// Relative error of the parameter's column at an orbit, against a difference of the equations.
 fn column_apart(machine: &Machine, orbit: &Orbit, (parameter, span): (&str, f64)) -> f64 {
     let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{parameter}: {e:?}"));
     let family = Family::new(machine, parameter, (present - span, present + span)).unwrap();
@@ -82,10 +82,10 @@ fn column_apart(machine: &Machine, orbit: &Orbit, (parameter, span): (&str, f64)
     ((at(DIFFERENCE) - at(-DIFFERENCE)) / (2.0 * DIFFERENCE) - &own).norm() / own.norm()
 }
 
-/// Step of the differences of [`column_apart`], in the parameter's unit.
+/// Step of the differences in [`column_apart`], in the parameter's unit.
 const DIFFERENCE: f64 = 1e-5;
 
-/// Distance of a value from the nearest of some.
+/// Distance of a value from the nearest of some values.
 fn nearest(values: &[f64], value: f64) -> f64 {
     values.iter().map(|x| (x - value).abs()).fold(f64::INFINITY, f64::min)
 }

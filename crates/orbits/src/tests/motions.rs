@@ -11,7 +11,7 @@ use vibro_machine::derivative::By;
 
 /// Largest difference of an event's time, in periods: rounding of a flight.
 const TIME: f64 = 1e-11;
-/// Push of a state, relative to its units.
+/// Perturbation of a state, relative to its units.
 const PUSH: f64 = 1e-6;
 
 #[test]
@@ -35,7 +35,7 @@ fn second_method_orbits_of_the_gallery_are_motions() {
     }
 }
 
-/// Distance of a pushed motion from the orbit after some periods, in pushes.
+/// Distance of a perturbed motion from the orbit after some periods, in perturbations.
 fn after_push(orbit: &Orbit, periods: u32) -> f64 {
     let own = 2 * orbit.place().assembly.system().coordinates;
     let (time, state) = orbit.middle_state();
@@ -60,7 +60,7 @@ fn second_method_pushed_motions_come_back_to_stable_orbits_and_leave_unstable_on
             [0.192, 0.195, 0.2, 0.215, 0.22, 0.23, 0.235, 0.242, 0.26, 0.275, 0.285, 0.3, 0.32, 0.33, 0.34]
         {
             for orbit in branch.orbits_at(value) {
-                // A push grows or shrinks by some thousand at most.
+                // A perturbation grows or shrinks by a factor of about a thousand at most.
                 let logarithm = orbit.spectral_radius().ln().abs();
                 let periods = (7.0 / logarithm).ceil();
                 if !(1.0..=200.0).contains(&periods) {
@@ -84,7 +84,7 @@ fn second_method_pushed_motions_come_back_to_stable_orbits_and_leave_unstable_on
     assert!(stable >= 20 && unstable >= 20, "{stable} {unstable}");
 }
 
-/// A run of impacts that accumulates: a ball on a table that throws it once a period.
+/// An accumulating run of impacts: a ball on a table that throws it once per period.
 #[test]
 fn second_method_orbits_with_runs_of_impacts_are_motions_and_are_followed() {
     let text = "name = \"Ball\"\ngravity = 10.0\nbody.ball = { mass = 1.0, gravity = -1.0 }\n\
@@ -103,7 +103,7 @@ fn second_method_orbits_with_runs_of_impacts_are_motions_and_are_followed() {
     assert!(found.points.len() < 400, "{}", found.points.len());
 }
 
-/// Two equal oscillators with a stop each, both driven alike.
+/// Two equal oscillators with a stop each and the same drive.
 const TWINS: &str = "name = \"Twins\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 1.0 }\n\
     spring.ga = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.4 }\n\
     spring.gb = { between = [\"ground\", \"b\"], stiffness = 100.0, damping = 0.4 }\n\
@@ -127,7 +127,7 @@ fn invariant_stops_hit_at_one_instant_are_undecided_and_end_their_branch() {
     }
 }
 
-/// The ball rests on a floor for part of 13 periods, where rounding would put it into the floor.
+/// The ball rests on a floor for part of 13 periods; rounding would put it into the floor.
 #[test]
 fn second_method_an_orbit_that_rests_on_a_stop_with_gap_zero_is_found() {
     let text = "name = \"Rests\"\nbody.b = { mass = 1.0, start = { s = 0.02 } }\n\
@@ -153,7 +153,7 @@ fn invariant_a_branch_ends_where_the_parameters_values_end() {
     }
 }
 
-/// Step of the differences, in the parameter's unit, and what they leave: a stiff contact magnifies
+/// Step of the differences, in the parameter's unit, and their error: a stiff contact magnifies
 /// rounding over a period.
 const DIFFERENCE: (f64, f64) = (1e-5, 1e-5);
 
@@ -187,8 +187,8 @@ fn second_method_the_parameters_column_is_that_of_differences_of_the_equations()
     }
 }
 
-/// A shaken mass on a spring by points, beside a pad that may pull and one without a dashpot in the
-/// rebound, of which one rubs by its force.
+/// A shaken mass on a piecewise linear spring, with a pad that may pull and one without a dashpot
+/// in the rebound. The first one has friction proportional to its force.
 const LINES: &str = r#"
 name = "Lines"
 body.m = { mass = 1.0 }
@@ -207,7 +207,7 @@ fn second_method_orbits_over_corners_and_pads_are_motions() {
     for event in ["corner p", "press glue", "free glue", "press pad", "free pad"] {
         assert!(words.contains(event), "{words}");
     }
-    // The turn of the pad has no report.
+    // The pad's change of direction has no report.
     assert!(orbit.word().letters.iter().any(|letter| letter.events.is_empty()) && !words.contains("change"));
     assert!(orbit.is_certified() && orbit.stability() == Stability::Stable, "{:?}", orbit.violation());
     assert!(orbit.check_by_motion().unwrap() < TIME * orbit.period());
@@ -220,7 +220,7 @@ fn second_method_orbits_over_corners_and_pads_are_motions() {
     assert!(found.points.len() > 3, "{}", found.points.len());
 }
 
-/// A piston that strikes a bit, which friction holds until then.
+/// A piston that strikes a bit, which is held by friction until then.
 const HAMMER: &str = r#"
 name = "Hammer"
 body.p = { mass = 1.0, start = { v = 0.5 } }
@@ -256,7 +256,7 @@ fn second_method_multipliers_are_those_of_the_motions_own_transition() {
     }
 }
 
-/// Largest difference of multipliers: rounding that stiff contacts magnify.
+/// Largest difference of multipliers: rounding magnified by stiff contacts.
 const TRANSITION: f64 = 1e-6;
 
 #[test]
@@ -267,7 +267,7 @@ fn invariant_no_branch_runs_over_a_number_of_the_start() {
 
 #[test]
 fn second_method_a_stick_slip_cycle_doubles_where_its_return_map_says() {
-    // Differences of the return map from slip to slip, by another program: a multiplier of
+    // Differences of the return map from slip to slip, from another program: a multiplier of
     // -1.07381407 at 30 mm/s, and a pair of modulus 0.822 at 31 mm/s.
     let family = Family::new(&example("brake_squeal.toml"), "body.disc.motion.rate", (0.025, 0.04)).unwrap();
     let orbits: Vec<Orbit> = grown(&family, 4, 0).iter().flat_map(|branch| branch.orbits_at(0.03)).collect();
@@ -276,5 +276,5 @@ fn second_method_a_stick_slip_cycle_doubles_where_its_return_map_says() {
     assert!((multiplier.re + 1.07381407).abs() < RETURN, "{multiplier}");
 }
 
-/// Error of the differences.
+/// Error of these differences.
 const RETURN: f64 = 1e-7;

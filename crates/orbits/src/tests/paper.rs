@@ -1,5 +1,5 @@
-//! The paper's machine as a file against the orbits of the 3-DOF machine: closed equations in
-//! phases of impacts, which share no code with those of described machines.
+//! The paper's machine as a file against the orbits of the 3-DOF machine. Their equations in
+//! impact phases share no code with the equations of described machines.
 
 use super::*;
 use crate::paper::{Label, Span, TreeOptions as Options};
@@ -9,9 +9,9 @@ use vibro_studies::paper::{ParameterSet, find_group};
 const SAME: f64 = 1e-9;
 /// The load of f10 = 1, N.
 const LOAD: f64 = 0.1;
-/// Relative difference of two periods that is rounding.
+/// Relative tolerance for equal periods: rounding.
 const ROUNDING: f64 = 1e-12;
-/// A touch within this of a bifurcation is one with it.
+/// Distance within which a touch and a bifurcation count as one point.
 const MERGED: f64 = 1e-8;
 
 #[test]
@@ -49,7 +49,7 @@ fn second_method_special_points_of_the_papers_machine() {
         let has_period = |p: &&OrbitPoint| (p.period / fold.period - 1.0).abs() < ROUNDING;
         assert!(theirs.iter().filter(is_one).any(has_period), "{fold:?}");
     }
-    // Each point's own condition, in the shortest word of its orbit, is zero there too.
+    // The condition of each point, in the shortest word of its orbit, is zero there too.
     let starts = own.iter().flat_map(|branch| {
         let of = |k| Some((branch.locus_start(k)?, branch.points[k].value));
         (0..branch.points.len()).filter_map(of).collect::<Vec<_>>()

@@ -1,13 +1,13 @@
-//! Points of two conditions on curves over two parameters, against closed forms.
+//! Points of codimension two on curves over two parameters, against closed forms.
 
 use super::*;
 use crate::LocusEnd;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Rounding of the point of a curve with two conditions: that of a bracket's end.
+/// Error of a point with two conditions: rounding of a bracket's end.
 const LOCATED: f64 = 1e-9;
-/// Rounding of a curve.
+/// Rounding error of a curve.
 const ROUNDING: f64 = 1e-10;
 
 /// The curve from the first special point of a kind on a branch.
@@ -20,8 +20,8 @@ fn curve(branch: &Branch, kind: &str, second: &Family) -> Vec<LocusPoint> {
     locus(&start.unwrap(), second).unwrap()
 }
 
-/// Names and parameters of the points of a curve that are ends or have two conditions, but for the
-/// ends of ranges.
+/// Kinds and parameters of the marked points of a curve: its ends and its points with two
+/// conditions, except the ends of ranges.
 fn marked(points: &[LocusPoint]) -> Vec<(LocusEnd, [f64; 2])> {
     let own = points.iter().filter_map(|p| Some((p.end?, p.values)));
     own.filter(|(end, _)| *end != LocusEnd::Range).collect()
@@ -36,8 +36,8 @@ fn check(points: &[LocusPoint], exact: &[(LocusEnd, [f64; 2])]) {
     assert!(own.len() == exact.len() && exact.iter().all(is_there), "{own:?} {exact:?}");
 }
 
-/// A mass 1 whose place and rate are sampled once a period 1 of its load; until the next sample the
-/// force -kp s - kd v acts. The load leaves place and rate zero at the samples.
+/// A mass of 1 whose displacement and velocity are sampled once per load period of 1; the force
+/// -kp s - kd v acts until the next sample. The load leaves both at zero at the samples.
 ///
 /// A period's map [[1 - kp/2, 1 - kd/2], [-kp, 1 - kd]] has the trace 2 - kp/2 - kd and the
 /// determinant 1 + kp/2 - kd: a multiplier -1 for kd = 2, a pair on the unit circle for kp = 2 kd
@@ -82,8 +82,8 @@ fn closed_form_both_ends_of_the_curve_of_a_pair_of_a_sampled_controller() {
     check(&pairs, &[(LocusEnd::Resonance(1), [0.0, 0.0]), (LocusEnd::Resonance(-1), [2.0, 4.0])]);
 }
 
-/// Two balls on a table A sin ωt, each with one bounce a period: a fold at A ω² = π g r, r =
-/// (1 - ε)/(1 + ε), and a flip at the hypotenuse of this and 2 g (1 + ε²)/(1 + ε)².
+/// Two balls on a table A sin ωt, each with one bounce per period: a fold at A ω² = π g r, r = (1
+/// - ε)/(1 + ε), and a flip at the hypotenuse of this and 2 g (1 + ε²)/(1 + ε)².
 #[test]
 fn closed_form_a_fold_of_one_ball_meets_the_flip_of_another() {
     let (g, w, e): (f64, f64, f64) = (10.0, 20.0, 0.6);
@@ -100,7 +100,7 @@ fn closed_form_a_fold_of_one_ball_meets_the_flip_of_another() {
     ));
     let fold = |e: f64| PI * g * (1.0 - e) / (1.0 + e) / (w * w);
     let flip = fold(e).hypot(2.0 * g * (1.0 + e * e) / (1.0 + e).powi(2) / (w * w));
-    // Each ball leaves the table where A cos ωt is the amplitude of its fold, with the speed π g/ω.
+    // Each ball leaves the table when A cos ωt is the amplitude of its fold, with the speed π g/ω.
     let mut start = Start { time: 0.05, ..Start::default() };
     for (name, e) in [("a", e), ("b", 0.5)] {
         let phase = (fold(e) / 0.03).acos();

@@ -5,9 +5,9 @@ use nalgebra::{DVector, SMatrix, SVector};
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Rounding of numbers of size one over a period.
+/// Rounding error of numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;
-/// Rounding of multipliers, that of a power of a matrix.
+/// Rounding error of multipliers, from the power of a matrix.
 const MULTIPLIER: f64 = 1e-10;
 
 const SAMPLE: f64 = 0.05;
@@ -17,8 +17,8 @@ const COUNT: usize = 40;
 const GAINS: [f64; 2] = [9.0, 0.8];
 const PUSH: f64 = 2.0;
 
-/// A mass 1 under a harmonic load, which a sampled P-D controller holds at its place: it knows the
-/// rate by two readings, and its force comes later.
+/// A mass of 1 under a harmonic load, held in place by a sampled P-D controller. The controller
+/// computes the velocity from two readings, and its force is delayed.
 fn controlled(rest: &str, limits: &str) -> Machine {
     let [p, d] = GAINS;
     machine(&format!(
@@ -30,10 +30,10 @@ fn controlled(rest: &str, limits: &str) -> Machine {
     ))
 }
 
-/// (s, v, last reading, force that acts, force that will act, cosine, sine of the load).
+/// (s, v, last reading, present force, next force, cosine, sine of the load).
 type Map = SMatrix<f64, 7, 7>;
 
-/// From just after a force begins to act to just after the next one does.
+/// The map from just after a force takes effect to just after the next one does.
 fn over_one_sample() -> Map {
     let omega = std::f64::consts::TAU / (COUNT as f64 * SAMPLE);
     let mut a = Map::zeros();
@@ -52,7 +52,7 @@ fn over_one_sample() -> Map {
     acts * (a * DELAY).exp() * reads * (a * (SAMPLE - DELAY)).exp()
 }
 
-/// The orbit of the map from just after the force of the sample at time 0 acts.
+/// The fixed point of the map just after the force of the sample at time 0 takes effect.
 fn exact() -> (SVector<f64, 5>, SMatrix<f64, 5, 5>) {
     let one = over_one_sample();
     let whole = (0..COUNT).fold(Map::identity(), |whole, _| one * whole);
@@ -101,9 +101,9 @@ fn second_method_a_sampled_controller_beside_a_stop() {
     }
 }
 
-/// What differences of the equations leave.
+/// Error of difference quotients of the equations.
 const COLUMN: f64 = 1e-7;
-/// What differences of orbits found anew leave of a derivative, relative to it.
+/// Relative error of a derivative from differences of recomputed orbits.
 const GRADIENT: f64 = 1e-6;
 
 #[test]
@@ -126,8 +126,8 @@ fn second_method_gradients_by_gains_and_times_of_samples_are_those_of_difference
     }
 }
 
-/// Without its limits the controller puts out at most a number times the push: at that push for a
-/// limit of 1.5 a branch has SA.
+/// The largest unlimited output is proportional to the push. The branch has SA at the push for
+/// which it is 1.5, the limit.
 #[test]
 fn closed_form_a_branch_ends_where_a_sample_comes_to_a_limit() {
     let (mut z, one) = (DVector::zeros(7), over_one_sample());
@@ -157,7 +157,7 @@ fn closed_form_a_branch_ends_where_a_sample_comes_to_a_limit() {
     }
 }
 
-/// Distance of a special point from where a closed form has it, in the parameter's unit.
+/// Largest error of a special point against its closed form, in the parameter's unit.
 const SPECIAL: f64 = 1e-9;
 
 #[test]
@@ -166,7 +166,7 @@ fn refused_a_controller_that_rounds_what_it_reads() {
     assert!(refused.contains("block.control") && refused.contains("without `quantum`"), "{refused}");
 }
 
-/// A mass on a dashpot that a limited PI controller of its speed drives along a harmonic.
+/// A mass on a dashpot, driven along a harmonic by a limited PI controller of its velocity.
 const DRIVE: &str = r#"
 name = "Drive"
 [body.a]
@@ -215,8 +215,8 @@ fn second_method_a_limited_continuous_controller() {
     }
 }
 
-/// Without its limits the drive's force is a harmonic: its amplitude by the transfer function is
-/// that of the upper limit at one amplitude of what is wanted, where a branch has SA.
+/// Without limits the drive's force is harmonic, with an amplitude given by the transfer function.
+/// It equals the upper limit at one reference amplitude, where a branch has SA.
 #[test]
 fn closed_form_a_branch_ends_where_a_continuous_output_comes_to_its_limit() {
     use nalgebra::Complex;
@@ -234,7 +234,7 @@ fn closed_form_a_branch_ends_where_a_continuous_output_comes_to_its_limit() {
     assert!(branches.iter().any(|b| b.word().len() == 2), "{}", branches.len());
 }
 
-/// The servo axis without the encoder's steps: 1600 samples a period, of which none is an unknown.
+/// The servo axis without the encoder's steps: 1600 samples per period without unknowns.
 #[test]
 fn second_method_a_servo_axis_with_play_is_its_motion() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/servo.toml");
@@ -248,7 +248,7 @@ fn second_method_a_servo_axis_with_play_is_its_motion() {
     assert!(orbit.check_by_motion().unwrap() < ROUNDING);
 }
 
-/// The curve of SA over the amplitude and the limit of a linear machine is a straight line.
+/// The SA curve of a linear machine over the amplitude and the limit is a straight line.
 #[test]
 fn closed_form_curves_of_limits_over_two_parameters() {
     let (limited, drive) = (controlled("", "limits = { u = [-1.5, 2.0] }\n"), machine(DRIVE));

@@ -1,4 +1,4 @@
-//! Orbits of machines with states of first order.
+//! Orbits of machines with first-order states.
 
 use super::*;
 use crate::curve::Equations;
@@ -18,12 +18,12 @@ stop.wall = { between = ["ground", "b"], gap = 0.02, restitution = 0.7 }
 load.drive = { on = "b", amplitude = 10.0, frequency = 2.0 }
 "#;
 
-/// Rounding of an orbit's numbers over a period.
+/// Rounding error of an orbit's values over a period.
 const ROUNDING: f64 = 1e-9;
-/// Step of differences in the parameter's unit, and what they leave.
+/// Step of the differences in the parameter's unit, and their error.
 const DIFFERENCE: (f64, f64) = (1e-5, 1e-6);
 
-/// The orbit of a machine, held against its own motion and that motion's derivative.
+/// The orbit of a machine, checked against the machine's motion and the motion's derivative.
 fn examined(machine: &Machine, states: usize) -> Orbit {
     let orbit = Orbit::settled(machine, &Start::default(), 400).unwrap();
     assert!(orbit.is_certified(), "{:?}", orbit.violation());
@@ -40,14 +40,14 @@ fn examined(machine: &Machine, states: usize) -> Orbit {
     for (a, b) in orbit.multipliers().iter().zip(&own) {
         assert!((a.norm() - b).abs() < ROUNDING, "{:?} {own:?}", orbit.multipliers());
     }
-    // Its start is a start of the motion.
+    // The orbit's start is also a start of the motion.
     let start = orbit.start();
     let begun = start.motion(assembly).unwrap();
     assert!(begun.states().iter().zip(&state).all(|(a, b)| (a - b).abs() < ROUNDING));
     orbit
 }
 
-/// The column of a parameter against differences of the equations.
+/// Checks a parameter's column against differences of the equations.
 fn check_column(machine: &Machine, orbit: &Orbit, parameter: &str) {
     let present = machine.description.get(parameter).unwrap();
     let family = Family::new(machine, parameter, (0.9 * present, 1.1 * present)).unwrap();
@@ -79,7 +79,7 @@ fn second_method_an_orbit_on_a_zener_mount_has_a_multiplier_for_its_inner_place(
     }
 }
 
-/// The same block on a joint of two sliders beside a spring and a damper.
+/// The same block on a joint of two sliders, with a spring and a damper in parallel.
 const JOINT: &str = r#"
 name = "Joint"
 body.b = { mass = 1.0 }
@@ -96,7 +96,7 @@ fn second_method_an_orbit_whose_sliders_slip_forgets_their_places() {
     let words = orbit.word().in_words(&orbit.place().assembly);
     assert!(words.contains("slip first") && words.contains("stick first"), "{words}");
     assert_eq!(orbit.stability(), Stability::Stable);
-    // At its level a force has forgotten where its slider was.
+    // At its slip level a force no longer depends on the slider's earlier position.
     assert!(orbit.multipliers()[2..].iter().all(|m| m.norm() < ROUNDING), "{:?}", orbit.multipliers());
     for parameter in
         ["spring.first.stiffness", "spring.first.slip", "spring.second.slip", "load.drive.amplitude"]

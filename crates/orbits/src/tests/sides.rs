@@ -1,18 +1,18 @@
-//! Touches seen from both sides, families of orbits, and numbers at their limits.
+//! Touches from both sides, families of orbits, and parameters at their limits.
 
 use super::*;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Rounding of a touch, relative.
+/// Relative rounding error of a touch.
 const ROUNDING: f64 = 1e-11;
-/// Relative error of a gradient at a run of impacts, whose differences are of some 1e-7.
+/// Relative error of a gradient at a run of impacts, whose differences have errors of about 1e-7.
 const GRADIENT: f64 = 1e-6;
-/// Least points of a curve that is followed.
+/// Smallest number of points of a followed curve.
 const FOLLOWED: usize = 20;
 
-/// The curves over a second parameter from every special point of branches but ends, with the
+/// The curves over a second parameter from every special point of branches except ends, with the
 /// number of events of the branch.
 fn curves(
     branches: &[Branch],
@@ -28,7 +28,7 @@ fn curves(
     starts.map(|(start, events)| (start.special.clone(), events, locus(&start, &second).unwrap())).collect()
 }
 
-/// An oscillator with a compliant stop, with further keys of the stop.
+/// An oscillator with a compliant stop; `stop` adds keys to the stop.
 fn stopped(stop: &str) -> Machine {
     machine(&format!(
         "name = \"Stop\"\nbody.m = {{ mass = 1.0 }}\n\
@@ -40,7 +40,7 @@ fn stopped(stop: &str) -> Machine {
 
 #[test]
 fn closed_form_graze_of_a_compliant_stop_from_the_side_with_its_contact() {
-    // F = gap |k - m ω² + i c ω|: the amplitude without the stop is the gap.
+    // F = gap |k - m ω² + i c ω|: the amplitude without the stop equals the gap.
     let omega: f64 = 2.0 * PI * 2.0;
     let ratio = (100.0 - omega * omega).hypot(omega);
     for stop in ["", ", damping = 10.0"] {
@@ -85,7 +85,7 @@ fn invariant_the_ends_of_two_branches_at_a_touch_are_one_point() {
     }
 }
 
-/// An oscillator with friction, with further elements.
+/// An oscillator with friction; `further` adds elements.
 fn rubbing(further: &str) -> Machine {
     machine(&format!(
         "name = \"Rub\"\nbody.m = {{ mass = 1.0 }}\n\
@@ -96,7 +96,7 @@ fn rubbing(further: &str) -> Machine {
 
 #[test]
 fn invariant_sticking_begins_at_loads_in_proportion_to_the_friction_from_either_side() {
-    // Load, friction and motion may be multiplied by one number.
+    // Load, friction and motion scale together.
     let m = rubbing("friction.f = { between = [\"ground\", \"m\"], force = 1.0 }\n");
     let family = Family::new(&m, "load.l.amplitude", (1.5, 4.0)).unwrap();
     let found = curves(&grown(&family, 6, 1), &m, ("friction.f.force", 0.8, 2.0));
@@ -115,8 +115,8 @@ fn invariant_sticking_begins_at_loads_in_proportion_to_the_friction_from_either_
 
 #[test]
 fn invariant_every_special_point_of_contacts_that_meet_begins_a_curve() {
-    // A friction that holds more than it rubs, beside a stop: visits in which the friction turns or
-    // sticks, velocities that touch zero, sticking that begins with the load at its level.
+    // More static than sliding friction, and a stop: visits in which the friction reverses or
+    // sticks, velocities that touch zero, sticking that begins with the load at its limit.
     let stuck = "friction.f = { between = [\"ground\", \"m\"], force = 1.0, static = 1.4 }\n\
         stop.s = { between = [\"ground\", \"m\"], gap = 0.02, stiffness = 2000.0 }\n";
     // Two oscillators whose stops change their order.
@@ -160,7 +160,7 @@ fn a_crossing_that_a_second_parameter_breaks_is_refused() {
 
 #[test]
 fn an_orbit_of_a_family_has_no_derivatives_and_no_branch() {
-    // A free vibration without losses: one orbit for each energy.
+    // A free oscillation without losses: one orbit for each energy.
     let m = machine(
         "name = \"Free\"\nbody.mass = { mass = 1.0, start = { v = 0.1 } }\n\
          spring.k = { between = [\"ground\", \"mass\"], stiffness = 10.0 }\n\
@@ -179,7 +179,7 @@ fn an_orbit_of_a_family_has_no_derivatives_and_no_branch() {
 
 #[test]
 fn second_method_a_derivative_at_a_limit_is_that_beside_it() {
-    // A ball that comes to rest after a run of impacts; its spring has the least damping, 0.
+    // A ball that comes to rest after a run of impacts; its spring has the smallest damping, 0.
     let thrown = |damping: f64| {
         machine(&format!(
             "name = \"Ball\"\ngravity = 10.0\nbody.ball = {{ mass = 1.0, gravity = -1.0 }}\n\
@@ -194,7 +194,7 @@ fn second_method_a_derivative_at_a_limit_is_that_beside_it() {
         let all = orbit.gradient(&measure).unwrap();
         all.into_iter().find(|own| own.parameter == "spring.d.damping").unwrap().derivative.unwrap()
     };
-    // The polynomial through three derivatives beside the limit.
+    // The polynomial through three derivatives near the limit.
     let beside = 3.0 * by(0.01) - 3.0 * by(0.02) + by(0.03);
     let own = by(0.0);
     assert!((own / beside - 1.0).abs() < GRADIENT, "{own} {beside}");

@@ -5,14 +5,14 @@ use nalgebra::{Matrix2, Vector2};
 use vibro_machine::mode::Contact;
 use vibro_machine::{Motion, Start};
 
-/// Rounding of numbers of size one over a period.
+/// Rounding error of numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;
-/// Distance of a special point from where a closed form has it, in the parameter's unit: rounding,
-/// magnified by a double multiplier.
+/// Error of a special point against its closed form, in the parameter's unit: rounding, magnified
+/// by a double multiplier.
 const SPECIAL: f64 = 1e-9;
 
-/// A mass 1 under a constant force on a spring of stiffness 3 for half a period and `low` for the
-/// other half, with a dashpot.
+/// A mass of 1 under a constant force, on a spring with the stiffness 3 for half a period and
+/// `low` for the other half, with a dashpot.
 pub(super) fn meissner(low: f64, damping: f64, period: f64) -> Machine {
     machine(&format!(
         "name = \"Meissner\"\nbody.a = {{ mass = 1.0 }}\n\
@@ -23,7 +23,7 @@ pub(super) fn meissner(low: f64, damping: f64, period: f64) -> Machine {
     ))
 }
 
-/// exp(A T/2) with its rest under the force 0.2.
+/// exp(A T/2) and the rest state under the force 0.2.
 fn half(stiffness: f64, damping: f64, period: f64) -> (Matrix2<f64>, Vector2<f64>) {
     let e = (Matrix2::new(0.0, 1.0, -stiffness, -damping) * (0.5 * period)).exp();
     (e, Vector2::new(0.2 / stiffness, 0.0))
@@ -49,15 +49,14 @@ fn closed_form_an_oscillator_whose_stiffness_steps() {
     assert!(orbit.multipliers().iter().all(|mu| own.iter().any(|own| (mu - own).norm() < ROUNDING)));
 }
 
-/// 1 + trace + det of the map of Meissner's oscillator over a period: zero where a multiplier is
-/// -1.
+/// 1 + trace + det of the map of Meissner's oscillator over a period: zero if a multiplier is -1.
 pub(super) fn meissners_test(low: f64, damping: f64, period: f64) -> f64 {
     let matrix = half(low, damping, period).0 * half(3.0, damping, period).0;
     1.0 + matrix.trace() + matrix.determinant()
 }
 
-/// Fixed times repeat whether the state returns or not: an orbit passed three times is the orbit
-/// itself, and a motion that returns after three passes alone stays one of three.
+/// Fixed times repeat whether or not the state returns: an orbit repeated three times is the orbit
+/// itself, and a motion that returns only after three passes keeps its word of three.
 #[test]
 fn invariant_a_word_of_fixed_times_is_as_short_as_its_state_returns() {
     let orbit = Orbit::settled(&meissner(1.0, 0.1, 3.0), &Start::default(), 800).unwrap();
@@ -103,8 +102,8 @@ fn second_method_a_gear_mesh_has_the_orbit_and_multipliers_of_its_motion() {
     }
 }
 
-/// A mass on Coulomb friction under a force ±P that changes its sign twice a period, with P above
-/// the friction's force F for part of each half alone: the force falls to a rest below F.
+/// A mass on Coulomb friction under a force ±P that changes sign twice per period. P exceeds the
+/// friction force F only for part of each half; then the force falls to a value below F.
 fn slider(push: f64) -> Machine {
     machine(&format!(
         "name = \"Slider\"\nbody.a = {{ mass = 2.0 }}\nspring.k = {{ between = [\"ground\", \"a\"], stiffness = 0.0, damping = 0.0 }}\n\
@@ -116,8 +115,8 @@ fn slider(push: f64) -> Machine {
     ))
 }
 
-/// Each push lasts 0.2 s and gives the rate 0.2 (P - F)/m, which friction takes again at the rate
-/// (F - 0.5)/m: the way of a push is half the rate times the time of both.
+/// Each push lasts 0.2 s and produces the velocity 0.2 (P - F)/m, which friction removes at the
+/// rate (F - 0.5)/m. The displacement is half the velocity times the sum of both durations.
 #[test]
 fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
     let push = 1.6;
@@ -132,7 +131,7 @@ fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
         let exact = if k % 2 == 0 { 0.0 } else { 0.2 + stops };
         assert!((time % 1.0 - exact).abs() < ROUNDING, "{:?}", orbit.times());
     }
-    // At each step the push is beyond the friction's level by this part of both.
+    // At each step, the push exceeds the friction force by this fraction of their sum.
     let beyond = orbit.conditions().iter().filter_map(|(condition, value)| match condition {
         Condition::Changes { contact: Contact::Friction(0), .. } => Some(*value),
         _ => None,
@@ -144,7 +143,7 @@ fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
     assert!(Motion::from_state(orbit.place().assembly.clone(), 0.1, orbit.state()).is_ok());
 }
 
-/// What differences of the equations leave: a stiff mesh magnifies rounding over a period.
+/// Error of difference quotients of the equations: a stiff mesh magnifies rounding over a period.
 const COLUMN: f64 = 1e-5;
 
 #[test]
@@ -168,10 +167,10 @@ fn second_method_columns_by_stiffness_and_times_of_steps_are_those_of_difference
     }
 }
 
-/// Distance from P = F at which the rate of the slip, which vanishes there, is rounding.
+/// Distance from P = F within which the vanishing slip rate is only rounding.
 const VANISHES: f64 = 1e-6;
 
-/// The slider slips at the step where its push exceeds friction: up to P = F it does not move.
+/// The slider slips at the step if its push exceeds the friction: up to P = F it does not move.
 #[test]
 fn closed_form_a_branch_ends_where_a_step_ceases_to_make_a_friction_slip() {
     let text = |push: &str| {
@@ -218,7 +217,7 @@ fn second_method_branches_over_a_gear_mesh_are_motions_at_any_step() {
     }
 }
 
-/// A force that lifts a mass from the floor for 0.3 s; its bounces accumulate before the next time.
+/// A force that lifts a mass off the floor for 0.3 s; its bounces accumulate before the next lift.
 const LIFTED: &str = "name = \"Lifted\"\nbody.a = { mass = 1.0 }\n\
     stop.floor = { between = [\"ground\", \"a\"], gap = 0.0, restitution = 0.5 }\n\
     load.p = { on = \"a\", constant = 2.0, steps = [[1.0, -5.0], [1.3, 5.0]], repeat = 4.0 }\n";
@@ -232,12 +231,12 @@ fn closed_form_a_step_lifts_a_mass_from_its_stop() {
     assert!(orbit.is_certified(), "{:?}", orbit.violation());
     assert!(orbit.check_by_motion().unwrap() < ROUNDING);
     assert!(orbit.spectral_radius() < ROUNDING);
-    // With the rate -0.9 at the place -0.135 when the force is 2 again.
+    // Velocity -0.9 and displacement -0.135 when the force is 2 again.
     let (rate, place) = (0.9_f64, 0.135_f64);
     let speed = (rate * rate + 4.0 * place).sqrt();
     let lands = 1.3 + (rate + speed) / 2.0;
     assert!((orbit.times()[0] - 1.0).abs() < ROUNDING && (orbit.times()[1] - lands).abs() < ROUNDING);
-    // Bounces of speed e v, e² v, … at the acceleration 2 last e v/(1 - e) altogether.
+    // Bounces with speeds e v, e² v, … at the acceleration 2 last e v/(1 - e) in total.
     let rests = lands + speed;
     let family = Family::new(&machine, "load.p.repeat", (2.2, 4.5)).unwrap();
     let found = branch(&family, &orbit, &Default::default()).unwrap();
@@ -246,7 +245,7 @@ fn closed_form_a_step_lifts_a_mass_from_its_stop() {
     assert!((end.value - (rests - 1.0)).abs() < RESTS, "{} {}", end.value, rests - 1.0);
 }
 
-/// Bounces below a least height count as rest, so that the rest comes by about that much earlier.
+/// Bounces below a smallest height count as rest, so rest begins earlier by about this time.
 const RESTS: f64 = 5e-6;
 
 #[test]

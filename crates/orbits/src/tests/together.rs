@@ -3,12 +3,12 @@
 use super::*;
 use vibro_machine::Start;
 
-/// Difference of a value at which two branches end, relative: what rounding leaves of a condition.
+/// Relative tolerance for the common end of two branches: rounding of a condition.
 const ROUNDING: f64 = 1e-11;
-/// Points of a branch between those that are compared with the machine's own motion.
+/// Number of branch points from one comparison with the machine's own motion to the next.
 const EACH: usize = 7;
 
-/// A body on a belt whose friction holds more than it rubs, before a soft stop.
+/// A body on a belt, with more static than sliding friction, in front of a compliant stop.
 fn pressed() -> Machine {
     machine(
         "name = \"Belt\"\nbody.a = { mass = 1.0, start = { v = 0.1 } }\n\
@@ -20,7 +20,7 @@ fn pressed() -> Machine {
     )
 }
 
-/// Two bodies with two frictions, of which one slips where the other sticks.
+/// Two bodies with two frictions; one slips while the other sticks.
 fn rubbed() -> Machine {
     machine(
         "name = \"Two\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
@@ -54,7 +54,7 @@ fn second_method_orbits_whose_friction_slips_with_another_event_are_motions_of_t
                 branch.orbit(point).unwrap().check_by_motion().unwrap();
             }
         }
-        // The word's branch begins and ends where others do.
+        // The word's branch begins and ends where other branches do.
         let own = branches.iter().find(|branch| said(branch) == word).unwrap();
         for end in [&own.points[0], own.points.last().unwrap()] {
             let others = branches.iter().filter(|branch| said(branch) != word);
@@ -85,7 +85,7 @@ fn invariant_words_that_the_machine_has_on_neither_side_of_a_point_are_no_branch
 
 #[test]
 fn second_method_an_orbit_that_just_makes_its_slider_slip_is_undecided() {
-    // Beside it the slider stands elsewhere and stays there.
+    // Nearby, the slider sticks at another position and stays there.
     let m = machine(
         "name = \"Shakedown\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
          spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.5 }\n\
@@ -99,7 +99,7 @@ fn second_method_an_orbit_that_just_makes_its_slider_slip_is_undecided() {
 
 #[test]
 fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
-    // The stuck amplitude F k / |K + k - m ω² + i c ω| of the slider's force is its slip.
+    // The stuck amplitude F k / |K + k - m ω² + i c ω| of the slider's force is its slip force.
     let m = machine(
         "name = \"Jenkins\"\nbody.a = { mass = 1.0 }\n\
          spring.k = { between = [\"ground\", \"a\"], stiffness = 100.0, damping = 0.3 }\n\
@@ -123,7 +123,7 @@ fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
 
 #[test]
 fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differences() {
-    /// What a difference over 2e-5 of a unit leaves where the number of impacts jumps, relative.
+    /// Relative error of a difference over 2e-5 of a unit when the number of impacts jumps.
     const DIFFERENCES: f64 = 1e-6;
     const STEP: f64 = 1e-5;
     let m = machine(
@@ -155,7 +155,7 @@ fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differen
     }
 }
 
-/// A functional of a force of 6 N less one of 2 N is half of its terms beyond zero, in any unit.
+/// An event function of 6 N minus 2 N is half of its terms above zero, in any unit.
 #[test]
 fn closed_form_a_functional_is_told_relative_to_its_terms() {
     for unit in [1e-9, 1.0, 1e9] {

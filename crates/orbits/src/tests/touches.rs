@@ -1,16 +1,16 @@
-//! Orbits whose impacts have next to no speed, and the ends of branches at which they lose it.
+//! Orbits whose impacts have almost zero speed, and the ends of branches where the speed vanishes.
 
 use super::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use vibro_machine::Start;
 
-/// Largest sum of a period's impulses on a free body, relative to the largest of them: rounding.
+/// Largest sum of a period's impulses on a free body, relative to the largest impulse: rounding.
 const BALANCE: f64 = 1e-9;
-/// Smallest impulse of an impact that happens, relative to the largest of its branch.
+/// Smallest impulse of an actual impact, relative to the largest of its branch.
 const IMPULSE: f64 = 1e-9;
-/// Distance of the ends of two branches at one touch, m: rounding of a depth is its square.
+/// Distance between the ends of two branches at one touch, m; rounding of a depth is its square.
 const ONE_TOUCH: f64 = 1e-11;
-/// Limit of the multipliers that a touch has in `path`.
+/// Largest multipliers of a touch in `path`.
 const LIMITED: f64 = 1e8;
 
 /// A ball without friction between the stops of a shaken machine.
@@ -35,8 +35,8 @@ fn impulses(orbit: &Orbit) -> Vec<f64> {
     orbit.events().iter().filter_map(of).collect()
 }
 
-/// Nothing but the stops acts on the ball: the impulses of a period balance, so that both stops are
-/// hit. Where one impact loses its speed the other one does too, and the branch ends.
+/// Only the stops act on the ball: the impulses of a period balance, so both stops are hit. If the
+/// speed of one impact vanishes, so does the other one, and the branch ends.
 #[test]
 fn invariant_impulses_of_every_orbit_next_to_a_double_touch_balance() {
     let family = Family::new(&energy_sink(8.8), "body.base.motion.frequency", (8.65, 8.72)).unwrap();
@@ -74,13 +74,13 @@ fn an_orbit_without_a_balance_of_impulses_is_not_found() {
         let count = || asked.fetch_add(1, Ordering::Relaxed) < usize::MAX;
         let error = Orbit::search(&m, &request, &count).unwrap_err().to_string();
         assert!(error.contains("no orbit with the events [impact left]"), "{error}");
-        // A search that finds nothing looks at every return that its progress counts.
+        // A search without a result examines every return that its progress counts.
         assert_eq!(asked.into_inner(), request.most_returns());
     }
 }
 
-/// A block that sticks where it just touches its buffer has no orbit with a press of no depth: the
-/// branch continues with the motion beyond.
+/// If a block sticks where it just touches its buffer, there is no orbit with a press of zero
+/// depth: the branch continues with the motion beyond.
 #[test]
 fn invariant_a_branch_continues_where_a_sticking_block_touches_its_buffer() {
     let m = example("damper_with_buffer.toml");
@@ -95,10 +95,10 @@ fn invariant_a_branch_continues_where_a_sticking_block_touches_its_buffer() {
     assert!(apart < ONE_TOUCH, "{apart:e} from {touch}");
 }
 
-/// The turn of a branch without symmetry is the crossing on the symmetric branch.
+/// The turn of an asymmetric branch is the crossing on the symmetric branch.
 #[test]
 fn second_method_a_crossing_is_the_turn_of_the_branch_that_crosses() {
-    /// Distance of a point that is refined on its own condition on both branches.
+    /// Distance between points refined by their own condition on both branches.
     const ONE_POINT: f64 = 1e-11;
     let family = Family::new(&energy_sink(8.8), "body.base.motion.frequency", (8.38, 8.42)).unwrap();
     let branches = grown(&family, 4, 1);

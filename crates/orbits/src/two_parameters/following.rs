@@ -7,24 +7,24 @@ use crate::curve::{CurvePoint, axis, correct, meet, tangent};
 use crate::obstacle::Obstacle;
 use nalgebra::DVector;
 
-/// First, least and longest step, in rad and curve units of the parameters (fifths of their
+/// First, smallest and largest step, in rad and curve units of the parameters (fifths of their
 /// ranges).
 const STEPS: [f64; 3] = [5e-3, 1e-5, 0.05];
 /// Largest number of points in one direction.
 const MOST_POINTS: usize = 600;
-/// Largest correction of a step relative to its length, and least cosine of the angle by which the
-/// tangent turns in a step.
+/// Largest correction of a step relative to its length, and smallest cosine of the tangent's turn
+/// in a step.
 const CORRECTION: f64 = 0.3;
 const COSINE: f64 = 0.9;
-/// Points after which a curve may have closed, and distance from its first point, in steps, at
+/// Minimum number of points of a closed curve, and distance from its first point, in steps, within
 /// which it counts as closed.
 const SHORTEST_LOOP: usize = 10;
 const CLOSED: f64 = 0.1;
 
-/// A point of a curve, with the end there if it is one.
+/// A point of a curve; if it is an end, with the kind of end.
 pub(crate) type Located = (DVector<f64>, Option<LocusEnd>);
 
-/// The points of a curve in both directions from one of them, each with its end where it is one.
+/// The points of a curve in both directions from one of them, each with its end if it is one.
 pub(crate) fn both_ways(locus: &impl TwoParameters, u: &DVector<f64>) -> Result<Vec<Located>, Obstacle> {
     let both = axis(u.len(), u.len() - 1) + axis(u.len(), u.len() - 2);
     let along = tangent(locus, u, &both)?;
@@ -34,14 +34,14 @@ pub(crate) fn both_ways(locus: &impl TwoParameters, u: &DVector<f64>) -> Result<
     let mut points: Vec<Located> = backward.into_iter().rev().collect();
     points.push((u.clone(), None));
     points.extend(forward);
-    // If no step succeeds in a direction, the start itself is the end in that direction.
+    // If no step succeeds in a direction, the start itself is the end there.
     let last = points.len() - 1;
     points[0].1 = Some(begin);
     points[last].1 = Some(end);
     Ok(points)
 }
 
-/// Follows a curve in one direction to its end; the first point is left out.
+/// Follows a curve in one direction to its end; the first point is excluded.
 fn follow(locus: &impl TwoParameters, start: &DVector<f64>, along: DVector<f64>) -> (Vec<Located>, LocusEnd) {
     let [mut step, least, longest] = STEPS;
     let mut points = Vec::new();
@@ -80,8 +80,8 @@ fn follow(locus: &impl TwoParameters, start: &DVector<f64>, along: DVector<f64>)
                 is_renewed = false;
             }
             Err(_) if step > least => step *= 0.5,
-            // The corrector's tangent has derivatives of the predicted point. Where they change
-            // much over a step, as next to a crossing of curves, it leads away from the curve.
+            // The corrector's tangent uses derivatives at the predicted point. If they change much
+            // over a step, as near a crossing of curves, it leads away from the curve.
             Err(_) if !is_renewed => {
                 is_renewed = true;
                 step = STEPS[0];
@@ -132,13 +132,13 @@ fn advance(
     Ok((next, None))
 }
 
-/// The bound of a range that is met first on the way from a point to another.
+/// The first bound of a range on the way from one point to another.
 #[derive(Clone, Copy)]
 struct Bound {
-    /// Place of the parameter among the unknowns.
+    /// Index of the parameter among the unknowns.
     index: usize,
     value: f64,
-    /// Part of the way to it.
+    /// Fraction of the way to the bound.
     part: f64,
 }
 
@@ -153,7 +153,7 @@ fn first_bound(locus: &impl TwoParameters, from: &DVector<f64>, to: &DVector<f64
     bounds.min_by(|a, b| a.part.total_cmp(&b.part))
 }
 
-/// The end of a curve at a bound on the way from a point to another.
+/// The end of a curve at a bound on the way from one point to another.
 fn at_bound(
     locus: &impl TwoParameters,
     last: &CurvePoint,

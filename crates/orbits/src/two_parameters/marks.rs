@@ -1,4 +1,4 @@
-//! Special points of two conditions on a curve: where they lie between two of its points.
+//! Special points of codimension two, located between two points of a curve.
 
 use super::LocusEnd;
 use super::TwoParameters;
@@ -8,24 +8,24 @@ use vibro_numerics::sorting::sort_by;
 
 /// Largest number of steps of a bracketing search.
 const STEPS: usize = 40;
-/// Width of a bracket, in parts of the step, at which a search ends.
+/// Width of a bracket at which a search ends, as a fraction of the step.
 const WIDTH: f64 = 1e-11;
-/// Largest value at a located point, relative to the values at the ends of the bracket, at which a
-/// function is zero there. A function that jumps stays above it.
+/// Largest value at a located point, relative to the values at the ends of the bracket, that
+/// counts as zero. A function that jumps stays above it.
 const ZERO: f64 = 1e-6;
-/// Distance of a point at which the equations are singular from the two points between which it is
-/// interpolated, in parts of the step.
+/// Distance of a point with singular equations from the two points that interpolate it, as a
+/// fraction of the step.
 const APART: f64 = 1e-5;
-/// Largest value of a function without a jump at these two points, relative to its values at the
-/// ends of the bracket: a hundred times the value of a linear function.
+/// Largest value of a continuous function at these two points, relative to its values at the ends
+/// of the bracket: a hundred times the value of a linear function.
 const JUMP: f64 = 1e-3;
-/// Parts of the way that remain to a fold-pitchfork point, from which the point is extrapolated.
+/// Remaining fractions of the distance to a fold-pitchfork point, for its extrapolation.
 const PARTS: [f64; 3] = [0.5, 0.25, 0.125];
-/// Longest way that may remain to a fold-pitchfork point where a curve can no longer be followed,
-/// in curve units: the longest step.
+/// Largest remaining distance to a fold-pitchfork point at which a curve can no longer be
+/// followed, in curve units: the longest step.
 const REMAINS: f64 = 0.05;
 
-/// A point of a curve with its values of the functions that are zero at special points.
+/// A point of a curve, with the values of the functions that vanish at special points.
 #[derive(Clone, Debug)]
 pub(super) struct Marked {
     pub point: CurvePoint,
@@ -39,13 +39,13 @@ impl Marked {
         Self { point, products, tests }
     }
 
-    /// Component of the products in the direction of another point's.
+    /// Component of the products in the direction of another point's products.
     fn along(&self, other: &Self) -> Option<f64> {
         let ([a, b], [c, d]) = (self.products?, other.products?);
         Some((a * c + b * d) / c.hypot(d))
     }
 
-    /// The speed of the parameters along a fold curve, with a sign. The parameters move across the
+    /// The signed speed of the parameters along a fold curve; they move perpendicular to the
     /// products.
     fn speed(&self) -> Option<f64> {
         let ([a, b], n) = (self.products?, self.point.tangent.len());
@@ -59,7 +59,7 @@ impl Marked {
         self.tests.iter().find(|(own, _)| *own == kind).map(|(_, value)| *value)
     }
 
-    /// The special points between two points of a curve a step apart, in their order.
+    /// The special points between two points of a curve that are one step apart, in order.
     pub fn between(
         &self,
         locus: &impl TwoParameters,
@@ -81,8 +81,8 @@ impl Marked {
         found.into_iter().map(|(_, u, kind)| (u, kind)).collect()
     }
 
-    /// Whether a fold curve passes a symmetric orbit between two points. Beyond it the curve has
-    /// the mirror images of its orbits, at the same parameters.
+    /// Whether a fold curve passes a symmetric orbit between two points. Beyond it, the curve
+    /// contains the mirror images of its orbits, at the same parameters.
     fn is_mirrored(&self, next: &Self) -> bool {
         next.along(self).is_some_and(|along| along < 0.0)
     }
@@ -93,7 +93,7 @@ impl Marked {
         Some(Self::new(locus, point))
     }
 
-    /// The point between two points at which a function is zero, with its distance from the first.
+    /// The zero of a test function between two points, with its distance from the first point.
     fn locate(
         &self,
         locus: &impl TwoParameters,
@@ -107,7 +107,7 @@ impl Marked {
             return None;
         }
         let size = from.1.abs().max(to.1.abs());
-        // The rule of false position halves the value of an end that stays (Illinois).
+        // The Illinois rule: false position halves the value at an end that stays.
         let mut side = 0;
         for _ in 0..STEPS {
             let h = (from.0 * to.1 - to.0 * from.1) / (to.1 - from.1);
@@ -131,9 +131,9 @@ impl Marked {
         None
     }
 
-    /// The point at which a function is zero where the equations are singular, as where the orbit
-    /// does not depend on the parameters: between a point on either side, with its distance from
-    /// the first point. The function does not jump: its values at both points are small.
+    /// A zero of a test function at which the equations are singular, for example because the
+    /// orbit does not depend on the parameters. It is interpolated between a point on either side,
+    /// and returned with its distance from the first. Small values there exclude a jump.
     fn across(
         &self,
         locus: &impl TwoParameters,
@@ -152,7 +152,7 @@ impl Marked {
     }
 
     /// The symmetric orbit between two points of a fold curve. The equations are singular there,
-    /// since the pitchfork curve solves them too, so that the point is extrapolated.
+    /// because the pitchfork curve solves them too, so the point is extrapolated.
     fn meeting(&self, locus: &impl TwoParameters, next: &Self, step: f64) -> Option<DVector<f64>> {
         let (from, to) = (self.along(self)?, next.along(self)?);
         let way = step * from / (from - to);
@@ -162,8 +162,8 @@ impl Marked {
     }
 }
 
-/// The fold-pitchfork point to which the last points of a fold curve lead, where the curve can no
-/// longer be followed.
+/// The fold-pitchfork point ahead of a fold curve's last points, where the curve can no longer be
+/// followed.
 pub(super) fn ahead(points: &[Marked]) -> Option<DVector<f64>> {
     let [.., before, last] = points else { return None };
     let (near, far) = (last.along(last)?, before.along(last)?);
@@ -176,7 +176,7 @@ pub(super) fn ahead(points: &[Marked]) -> Option<DVector<f64>> {
 }
 
 /// The point at which the products are zero, from the last three points of a fold curve. Both
-/// parameters are even functions of the products, since the mirror image of an orbit has the same
+/// parameters are even functions of the products, since an orbit's mirror image has the same
 /// parameters.
 fn extrapolated(points: &[Marked]) -> Option<DVector<f64>> {
     let own = &points[points.len().saturating_sub(3)..];

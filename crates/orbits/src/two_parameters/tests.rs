@@ -1,4 +1,4 @@
-//! Curves over two parameters of normal forms, whose special points are known.
+//! Curves over two parameters of normal forms with known special points.
 
 use super::LocusEnd;
 use super::TwoParameters;
@@ -7,19 +7,19 @@ use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 
-/// Rounding of Newton's method at a regular point, and where the curve is singular: the error of an
-/// extrapolation of fourth order from a twentieth of the unknowns' unit.
+/// Rounding of Newton's method at a regular point. `LOCATED`, for singular points, is the error of
+/// a fourth-order extrapolation from a twentieth of the unknowns' unit.
 const ROUNDING: f64 = 1e-12;
 const LOCATED: f64 = 1e-9;
 
-/// Equations of a fold curve over p and q, with the unknown x before them.
+/// Equations of a fold curve over p and q, preceded by the unknown x.
 #[derive(Clone, Copy)]
 enum Normal {
     /// The parabola q = p², without x, up to a bound of q.
     Parabola(f64),
-    /// p + q x - x³ = 0 and its derivative by x: a cusp at p = q = 0.
+    /// p + q x - x³ = 0 and its derivative with respect to x: a cusp at p = q = 0.
     Cusp,
-    /// x (p + q x² + x⁴) = 0 and its derivative by x: mirror images meet at p = q = 0.
+    /// x (p + q x² + x⁴) = 0 and its x derivative: mirror images meet at p = q = 0.
     Mirrored,
 }
 
@@ -88,7 +88,7 @@ fn marked(points: &[Located], mark: LocusEnd) -> Vec<[f64; 2]> {
 
 #[test]
 fn closed_form_no_point_of_a_parabola_is_outside_the_ranges() {
-    // The tangent lies under the parabola, so that a step to a place just inside leads outside.
+    // The tangent lies under the parabola, so a step to a point just inside leads outside.
     for k in 0..100 {
         let highest = 0.25 + 1e-3 * f64::from(k);
         let points = followed(Normal::Parabola(highest), &[0.2, 0.04]);

@@ -1,8 +1,8 @@
 """Writes orbits.csv beside it: special points of the default set over f10 in thirty digits, of all types and words.
 
-Run once with the requirements of tests/theory: `python crates/orbits/tests/data/make_orbits.py`. The orbits are solved by the equations of
-docs/theory.md, section 14, which tests/theory holds against the motion itself; the special points by the eigenvalues of the map
-(106) and not by the determinants (108), so that the library's way of finding them is checked too.
+Run once with the requirements of tests/theory: `python crates/orbits/tests/data/make_orbits.py`. The orbits solve the equations of
+docs/theory.md, section 14, which tests/theory compares with the motion itself. The special points are found from the eigenvalues of the
+map (106) and not from the determinants (108), so that the library's method is checked too.
 """
 
 import csv
@@ -60,8 +60,7 @@ def solve(label: str, letters: str, sigma: int, half: int, f10: float, guess: Li
         return Word(basic(F_10=force), stops, sigma, half)
 
     if label in ("LP", "GR"):
-        # The parameter turns round, or a phase does: all unknowns at once, with differences for
-        # derivatives.
+        # The parameter turns, or a phase does: all unknowns are solved at once, with differences for derivatives.
         def equations(*u: Any) -> List[Any]:
             at, phases = word(u[-1]), list(u[:-1])
             return [*at.residual(phases), condition(label, at, phases)]

@@ -1,8 +1,8 @@
 //! Machines in which every kind of element meets every kind of body and every other element, each
 //! written in two ways.
 //!
-//! A machine has a hub and one body of each kind, and an element between the hub and each body. The
-//! second writing of a machine has the same motion, with other sections for its bodies.
+//! A machine has a hub, one body of each kind, and an element between the hub and each body. The
+//! second form of a machine has the same motion but describes its bodies by other sections.
 
 use std::fmt::Write;
 
@@ -25,7 +25,7 @@ fn mass(name: &str, mass: f64, stiffness: f64, damping: f64) -> String {
     )
 }
 
-/// A body of one kind in both writings.
+/// A body of one kind in both forms.
 pub type Kind = fn() -> [Written; 2];
 
 fn point() -> [Written; 2] {
@@ -40,8 +40,8 @@ fn wheel() -> [Written; 2] {
     [written(wheel.into(), &[("wheel", 0.3)]), written(mass("wheel", 0.5, 250.0, 0.5), &[("wheel", 1.0)])]
 }
 
-/// 4 mm (1 - cos ωt), by its rate and by its acceleration: with a rate of exactly 0 at the start,
-/// which a link requires.
+/// 4 mm (1 - cos ωt), given by its rate and by its acceleration: the rate is exactly 0 at the
+/// start, which a link requires.
 fn driven() -> [Written; 2] {
     let omega = std::f64::consts::TAU * 3.0;
     let rate = format!(
@@ -75,7 +75,7 @@ fn modal() -> [Written; 2] {
     [written(modal.into(), &[("beam.tip", 1.0)]), written(plain, &[("first", 0.9), ("second", -0.7)])]
 }
 
-/// A body that a link ties to another, whose inertia it feels as a quarter.
+/// A body tied to another one by a link, which sees a quarter of the other inertia.
 fn linked() -> [Written; 2] {
     let linked = mass("rack", 0.5, 350.0, 0.4)
         + "[body.pinion]\nmass = 1.2\n[link.teeth]\narms = { rack = 1.0, pinion = -2.0 }\n";
@@ -85,8 +85,8 @@ fn linked() -> [Written; 2] {
 /// The kinds of bodies.
 pub const BODIES: [Kind; 6] = [point, wheel, driven, matrix, modal, linked];
 
-/// Sections of an element called `e0` and the like, with ELEMENT, ARMS and PLACE for its name, its
-/// ends and its body's place; `on:` begins a load on the body itself.
+/// Sections of an element called `e0` and so on. ELEMENT, ARMS and PLACE are replaced by its name,
+/// its ends and its body's index; `on:` begins a load on the body itself.
 pub const ELEMENTS: [&str; 31] = [
     "[spring.ELEMENT]\nARMS\nstiffness = 120.0\ndamping = 0.3\npreload = 0.5",
     "[spring.ELEMENT]\nARMS\npoints = [[-0.01, -2.0], [-0.002, -0.2], [0.001, 0.1], [0.01, 3.0]]",
@@ -113,7 +113,7 @@ pub const ELEMENTS: [&str; 31] = [
     "[block.ELEMENT]\ninputs = [\"hub.s\", \"hub.v\"]\nstates = 1\na = [[-3.0]]\nb = [[20.0, 1.0]]\nc = [[-1.0]]\nd = [[-30.0, -0.5]]\noutputs = [\"u\"]\nlimits = { u = [-0.25, 0.3] }\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT.u\"\nfactor = 1.5",
     "[damper.ELEMENT_sense]\nARMS\ndamping = 0.1\n[block.ELEMENT]\ninputs = [\"ELEMENT_sense.e\", \"ELEMENT_sense.rate\"]\nd = [[-40.0, -0.6]]\noutputs = [\"u\"]\nsample = 0.0113\ndelay = 0.004\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT.u\"\nfactor = 0.8",
     "[signal.ELEMENT]\namplitude = 0.5\nfrequency = 2.0\n[block.ELEMENT_gain]\ninputs = [\"ELEMENT\", \"hub.s\"]\nd = [[1.0, -20.0]]\noutputs = [\"y\"]\n[load.ELEMENT_force]\non = \"hub\"\nfrom = \"ELEMENT_gain.y\"\nfactor = 1.0",
-    // Two or more of what adds parts behind all others.
+    // A second element of each kind that appends parts at the end.
     "[stop.ELEMENT]\nARMS\ngap = 0.002\nstiffness = { constant = 400.0, steps = [[0.17, 300.0]], repeat = 0.41 }\ndamping = 1.1\nlaw = \"pull\"",
     "[spring.ELEMENT]\nARMS\nstiffness = { constant = 90.0, steps = [[0.15, -90.0], [0.4, 70.0]] }",
     "[spring.ELEMENT]\nARMS\npoints = [[-0.004, -0.5], [0.0, 0.0], [0.005, 1.5]]\ndamping = 0.2",
@@ -122,7 +122,7 @@ pub const ELEMENTS: [&str; 31] = [
     "",
 ];
 
-/// Differences of these numbers are every residue of 31 but 0 once: a plane of 31 lines.
+/// The differences of these numbers are every nonzero residue of 31 once: a plane of 31 lines.
 pub const PLANE: [usize; 6] = [0, 1, 3, 8, 12, 18];
 
 /// The element at a body of a machine.
@@ -130,7 +130,7 @@ pub fn element_at(machine: usize, body: usize) -> usize {
     (machine + PLANE[body]) % ELEMENTS.len()
 }
 
-/// Both writings of a machine. Element `e0` acts between the hub and the body of kind 0, and so on.
+/// Both forms of a machine. Element `e0` acts between the hub and the body of kind 0, and so on.
 pub fn machine(number: usize) -> [String; 2] {
     [0, 1].map(|writing| {
         let mut text = format!("name = \"Pairs{number}\"\n") + &mass("hub", 0.9, 200.0, 0.6);
@@ -141,7 +141,7 @@ pub fn machine(number: usize) -> [String; 2] {
             let ends: String = end.iter().map(|(name, arm)| format!(", {}", arm_of(name, *arm))).collect();
             let arms = format!("arms = {{ hub = -1.0{ends} }}");
             let (element, name) = (ELEMENTS[element_at(number, place)], format!("e{place}"));
-            // A driven body has no loads.
+            // A load on a driven body acts on the hub instead.
             let Some(load) = element.strip_prefix("on:") else {
                 text += &(element.replace("ARMS", &arms).replace("ELEMENT", &name) + "\n");
                 continue;
@@ -155,7 +155,7 @@ pub fn machine(number: usize) -> [String; 2] {
     })
 }
 
-/// A body's arm: that of a wheel is a length.
+/// A body's arm; the arm of a wheel is a length.
 fn arm_of(name: &str, arm: f64) -> String {
     if arm == 0.3 { format!("\"{name}\" = \"{arm:?} m\"") } else { format!("\"{name}\" = {arm:?}") }
 }

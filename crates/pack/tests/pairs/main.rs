@@ -15,22 +15,22 @@ use vibro_machine_component::{Machine, Plan};
 
 /// Length of a motion, s.
 const END: f64 = 1.0;
-/// Difference of two writings, relative to the size of a kind of quantity: roundings, which a
-/// second of impacts magnifies.
+/// Largest difference of the two forms, relative to the size of a kind of quantity: rounding,
+/// magnified by a second of impacts.
 const WRITINGS: f64 = 1e-9;
-/// What energy misses, relative to the work that is put in: roundings.
+/// Largest error of the energy balance, relative to the work put in: rounding.
 const BALANCE: f64 = 1e-11;
 
 fn described(text: &str) -> Description {
     file::parse(text, "machine.toml", &file::no_records).unwrap_or_else(|refusal| panic!("{refusal}\n{text}"))
 }
 
-/// The machines in both writings.
+/// The machines in both forms.
 fn all() -> impl Iterator<Item = (usize, [Description; 2])> {
     (0..ELEMENTS.len()).map(|number| (number, machine(number).map(|text| described(&text))))
 }
 
-/// A motion from the start to the end, with the number of impacts by name.
+/// A motion from start to end, with the number of impacts by name.
 fn followed(d: &Description) -> (Motion, BTreeMap<String, usize>) {
     let assembly = Arc::new(Assembly::new(d.clone()).unwrap());
     let (mut impacts, mut motion) = (BTreeMap::new(), Motion::new(assembly.clone()).unwrap());
@@ -56,7 +56,7 @@ fn invariant_each_pair_of_elements_and_of_element_and_body_is_in_one_machine() {
     assert_eq!(PLANE.len(), BODIES.len());
 }
 
-/// Whether a quantity is the same in both writings: the hub's, or an element's at a body.
+/// Whether a quantity exists in both forms: the hub's, or an element's at a body.
 fn is_common(name: &str) -> bool {
     let owner = name.split('.').next().unwrap_or_default();
     owner == "hub"
@@ -64,7 +64,7 @@ fn is_common(name: &str) -> bool {
         || is_element(owner)
 }
 
-/// Whether a name is that of an element at a body, such as `e3`.
+/// Whether a name belongs to an element at a body, such as `e3`.
 fn is_element(name: &str) -> bool {
     name.len() == 2 && name.starts_with('e')
 }
@@ -106,7 +106,7 @@ fn invariant_sketches_name_every_element_and_body() {
             let named = d.elements().filter(|own| own.arms().is_some()).map(|own| own.name().to_owned());
             let blocks = d.blocks.iter().map(|own| own.name.clone());
             for name in named.chain(blocks).chain(["hub".into(), "driven".into()]) {
-                // An element between two parts of one body has no place.
+                // An element between two parts of one body is not drawn.
                 let inner = name == "base_tip" || name.ends_with("_ground");
                 assert!(inner || svg.contains(&name), "machine {number} with {sources} signals: {name}");
             }
@@ -174,7 +174,7 @@ fn second_method_fmus_show_the_engine_s_motion_and_the_states_of_its_contacts() 
             let Some(counted) = get(&format!("{name}.impacts")) else { continue };
             let met = impacts.get(&format!("{section}.{name}")).copied().unwrap_or(0.0);
             assert!((counted - met).abs() < 0.5, "machine {number}: {name} {counted} of {met}");
-            // Closed is 1: a freewheel that is engaged has no rate, one that runs free has no
+            // Closed is 1: an engaged freewheel has zero rate, and a free-running one has zero
             // force.
             if section == "freewheel" {
                 let [state, rate, force] =
@@ -187,7 +187,7 @@ fn second_method_fmus_show_the_engine_s_motion_and_the_states_of_its_contacts() 
 
 #[test]
 fn second_method_derivatives_by_a_number_of_each_element_against_differences() {
-    // Relative change of a number; its square and the roundings of a value over it are the error.
+    // Relative change of a parameter; the error is its square, plus rounding divided by it.
     const CHANGE: f64 = 1e-6;
     const DIFFERENCE: f64 = 3e-5;
     let (mut compared, mut elements) = (0, BTreeSet::new());

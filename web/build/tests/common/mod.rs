@@ -1,4 +1,4 @@
-//! What the tests of both pages share.
+//! Functions shared by the tests of both pages.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the package is in the workspace")
 }
 
-/// Builds a page; returns the folder of what is built, with the page in it.
+/// Builds a page; returns the build folder with the page in it.
 pub fn built(argument: &str) -> PathBuf {
     let output = Command::new(env!("CARGO_BIN_EXE_web-build")).arg(argument).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -16,7 +16,7 @@ pub fn built(argument: &str) -> PathBuf {
     Path::new(page.trim()).parent().unwrap().to_owned()
 }
 
-/// Runs node; returns whether it succeeds, and what it prints.
+/// Runs node; returns whether it succeeds, and its output.
 pub fn node(arguments: &[&Path], input: &str) -> (bool, String) {
     let mut node =
         Command::new("node").args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();

@@ -1,4 +1,4 @@
-// The first script of a page: unpacks the script that does the rest, and runs it.
+// The first script of a page: unpacks the main script and runs it.
 import { unzipped } from "./packed.js";
 
 /** @param {Error} error */

@@ -1,10 +1,10 @@
-// Fields and sliders: one row for each parameter, the library's message beside a value that it refuses.
+// Fields and sliders: one row for each parameter, with the library's message next to a refused value.
 import { assign, BY_NAME, PARAMETERS, set, state } from "./state.js";
 import { chooseUnits, ends as endsOf, unitOf } from "./units.js";
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
-/** Steps of a slider. */
+/** Number of steps of a slider. */
 const STEPS = 400;
 
 /** A slider's ends are in SI. @type {Map<string, {row: HTMLElement, slider: HTMLInputElement, text: HTMLInputElement, unit: HTMLElement, why: HTMLElement, ends: [number, number]}>} */
@@ -22,7 +22,7 @@ export function toldOf(name, value) {
   return symbol ? `${told(value * factor)} ${symbol}` : told(value);
 }
 
-/** The groups as they are shown: those first that are changed most. */
+/** The groups in display order: those changed most often come first. */
 const ORDER = ["f10", "sigma1", "kappa", "epsilon", "gamma1", "gamma3", "alpha23", "beta2", "sigma30", "mu13"];
 
 const BELOW = "₀₁₂₃₄₅₆₇₈₉";
@@ -71,7 +71,7 @@ export function makeFields(changed) {
     const field = { row, slider, text, unit, why, ends: span(p) };
     fields.set(p.name, field);
     slider.addEventListener("input", () => {
-      // Sliders give round numbers in the unit that is shown.
+      // Sliders set round numbers in the displayed unit.
       const [low, high] = field.ends, { factor } = unitOf(p.name), value = low + (high - low) * Number(slider.value) / STEPS;
       apply(p.name, () => Number((value * factor).toPrecision(4)) / factor, changed, slider);
     });
@@ -85,7 +85,7 @@ export function makeFields(changed) {
 /** The values at a slider's ends: those of the diagram for its parameter. @param {import("./core.js").Parameter} p @returns {[number, number]} */
 const span = (p) => (p.name === state.along ? [...state.range] : endsOf(p));
 
-/** After the diagram shows another parameter or range: its slider is its cursor. */
+/** After the diagram shows another parameter or range: this parameter's slider is the diagram's cursor. */
 export function adoptRange() {
   for (const [name, field] of fields) {
     field.row.classList.toggle("along", name === state.along);
@@ -131,7 +131,7 @@ export function refuse(name, words) {
 export function show(by) {
   for (const [name, field] of fields) {
     const value = set.value(name), { slider, text } = field, { symbol, factor } = unitOf(name), p = BY_NAME.get(name);
-    // No slider stands at its end because the machine is another one.
+    // Another machine must not put a slider at its end.
     if (p && slider !== by && name !== state.along && !(value >= field.ends[0] && value <= field.ends[1])) field.ends = span(p);
     const [low, high] = field.ends, words = told(value * factor);
     field.unit.textContent = symbol;
@@ -152,5 +152,5 @@ export function describe() {
   return `Shown: ${base}${list ? ` with ${list}` : ""}.`;
 }
 
-/** The definitions of the groups, one after the other. */
+/** The definitions of the groups, in order. */
 export const definitions = () => PARAMETERS.filter((p) => p.group).map((p) => [p, meaning(p)[1]]).map(([p, formula]) => (/** @type {string} */ (formula).includes("= 1 +") ? formula : `${/** @type {any} */ (p).symbol} = ${formula || "restitution coefficient"}`));

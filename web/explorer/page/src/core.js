@@ -4,7 +4,7 @@ import { unzipped } from "./packed.js";
 
 export const { Set: ParameterSet, Machine, Columns, catalogue, response, branches, manifold } = glue;
 
-/** Numbers of a row of a record: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, kind. */
+/** Number of values in a row of a record: time, x1, x2, x3, v1, v2, v3, w, w', drive phase, kind. */
 export const ROW = 11;
 export const [TIME, X1, X2, X3, V1, V2, V3, W, RATE, PHASE, KIND] = Array(ROW).keys();
 
@@ -13,7 +13,7 @@ export function use(module) {
   glue.initSync({ module });
 }
 
-/** The module in the page, compressed by gzip. */
+/** The module in the page, gzip-compressed. */
 export const unpack = async () => WebAssembly.compile(await unzipped("core").arrayBuffer());
 
 /** @typedef {{name: string, symbol: string, unit: string, allowed: string, low: number, high: number, meaning: string, group: boolean}} Parameter */

@@ -20,7 +20,7 @@ export const diagram = {
   id: 0,
   finished: 0,
   sharp: 1,
-  /** Parts of the picture to draw anew. */
+  /** Parts of the picture to redraw. */
   dirty: true,
   /** @type {[number, number]} */
   band: [-1, 1],
@@ -29,7 +29,7 @@ export const diagram = {
   /** Callback when the picture is complete. @type {() => void} */
   changed: () => {},
   problem: "",
-  /** How far the search for exact orbits has come, in words. */
+  /** Progress of the search for exact orbits, in words. */
   searched: "",
 };
 
@@ -118,7 +118,7 @@ export function frameOf(width, height) {
 }
 
 const picture = document.createElement("canvas");
-/** When the picture was last made, and the milliseconds between two of them while columns come. */
+/** Time of the last redraw, and the interval between redraws while columns arrive, ms. */
 let shaded = 0;
 const BETWEEN = 60;
 
@@ -165,7 +165,7 @@ function shade(frame, ratio) {
   g.putImageData(image, 0, 0);
 }
 
-/** The range of all that is shown. */
+/** The range of everything shown. */
 function findBand() {
   if (state.band) { diagram.band = state.band; return; }
   const all = [];
@@ -176,11 +176,11 @@ function findBand() {
 /** @param {any} g @param {number} width @param {number} height @param {number} ratio @param {boolean} [vector] */
 export function drawDiagram(g, width, height, ratio, vector = false) {
   const symbol = { x1: "x₁", x2: "x₂", x3: "x₃", w: "w", strobe: "x₂" }[state.ordinate];
-  // New columns come many times a frame: the picture of all is made anew some fifteen times a second.
+  // New columns arrive many times per frame: the whole picture is redrawn about fifteen times a second.
   const anew = vector || (diagram.dirty && (performance.now() - shaded > BETWEEN || diagram.finished === 2 || picture.width !== Math.round((width - 54) * ratio)));
   if (anew) findBand();
   const frame = frameOf(width, height), { box } = frame;
-  // Each column's speeds are in units of its own L ω₁, and over the gap its lengths in units of its own L.
+  // Each column's speeds are in units of its own L ω₁; over the gap, lengths are in units of its own L.
   const ordinate = !symbol ? "±v/Lω₁" : state.along === "stop.gap" ? `${symbol}/L` : lengths(symbol), parameter = parameterAxis(state.along);
   frame.axes(g, { xTicks: false, x: { ...parameter, label: "" }, y: ordinate });
   if (anew) {

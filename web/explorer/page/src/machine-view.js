@@ -1,14 +1,14 @@
-// The machine as in the documentation's sketch, in motion: lengths along the axis are to scale, so that block and stop meet at an impact.
-// A spring or a damper of zero is not drawn, and the oscillator is left out where nothing couples it to the block.
+// The machine as in the documentation's sketch, in motion. Lengths along the axis are to scale, so that block and stop meet at an impact.
+// A spring or a damper of zero is not drawn. The oscillator is left out if it is not coupled to the block.
 import { FONT, rgb, theme } from "./plot.js";
 
-/** Half the block's and the oscillator's width, the stops' and the walls' thickness; in units of L. */
+/** Half width of block and oscillator, thickness of stops and walls; in units of L. */
 const HALF = 0.31, STOP = 0.1, WALL = 0.13;
-/** Distances from the box's middle to the faces of the stops, without the gap, and to its outside. */
+/** Distances from the box's middle to the stops' faces, without the gap, and to its outside. */
 const INNER = 1 + HALF, OUTER = INNER + STOP + WALL;
-/** The least length of the springs to the ground. */
+/** Smallest length of the springs to the ground. */
 const LEAST = 0.42;
-/** Room above the box for the force, and below the floor for the displacements, in pixels. */
+/** Space above the box for the force, and below the floor for the displacements, px. */
 const ABOVE = 40, BELOW = 52;
 
 /** @typedef {{scale: number, y: number, box: number, secondary: number, left: number, right: number, half: number, wheel: number, floor: number}} Layout */
@@ -29,7 +29,7 @@ const ABOVE = 40, BELOW = 52;
 /** The places of the bodies at rest. @param {number} width @param {number} height @param {number[]} extent @param {boolean} [alone] without the oscillator @returns {Layout} */
 export function layout(width, height, extent, alone = false) {
   const [x1, , x3, apart] = extent;
-  // The box swings clear of the ground, the oscillator of the box and of the other ground.
+  // The box does not reach the ground; the oscillator does not reach the box or the other ground.
   const before = OUTER + LEAST + x1, after = alone ? before : HALF + LEAST + x3;
   const between = alone ? 0 : OUTER + HALF + Math.max(0.7, 0.3 + apart);
   const total = before + between + after, margin = 18;
@@ -167,7 +167,7 @@ function drawBox(g, at, box, shown) {
   g.fillRect(box + outer - wall, y + slot, wall, half - slot + wall / 2);
   metal(g, box - outer, top, 2 * outer, wall, Math.min(4, wall / 2), theme.box);
   metal(g, box - outer, y + half, 2 * outer, wall, Math.min(4, wall / 2), theme.box);
-  // The stops, which light up when they are struck and stay lit while the block rests at them.
+  // The stops light up at impacts, and stay lit while the block rests at them.
   for (const side of [-1, 1]) {
     const hot = shown.side === side ? 1 : Math.min(1, shown.glow[side < 0 ? 0 : 1] * 1.4);
     const [a, b] = [rgb(theme.stop), rgb(theme.flash)], thick = STOP * scale;
@@ -238,7 +238,7 @@ function drawOscillator(g, at, secondary, x3, size) {
   label(g, "oscillator", secondary, y - tall - 0.7 * size, theme.secondary, 0.86 * size);
 }
 
-/** Height of block and oscillator above their middle, in parts of half the box's. */
+/** Height of block and oscillator above their middle, as a fraction of half the box's height. */
 const TALL = 0.72;
 
 /** @param {any} g @param {number} width @param {number} height @param {Layout} at @param {Shown} shown */

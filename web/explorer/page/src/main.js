@@ -21,7 +21,7 @@ const calm = matchMedia("(prefers-reduced-motion: reduce)");
 /** @type {Record<"machine" | "bars" | "history" | "portrait" | "poincare" | "diagram" | "response", Surface>} */
 let on;
 let playing = true, held = -1, chosen = -1, more = false, redraw = true, idle = 0;
-/** Light at the lower and the upper stop, and how far the view has zoomed. */
+/** Light at the lower and the upper stop, and the zoom of the view. */
 const glow = /** @type {[number, number]} */ ([0, 0]), extent = [0.5, 1.3, 1, 1.3];
 
 /** Message in place of the page. @param {string} text */
@@ -50,7 +50,7 @@ async function start() {
   makeControls();
   playing = !calm.matches;
   showPlaying();
-  // The machine first; where it settles follows with the next picture.
+  // The machine first; its settled motion follows with the next frame.
   try { restart(); } catch (error) {
     linked = String(/** @type {Error} */ (error).message ?? error);
     state.start = [...MOVING_BLOCK];
@@ -74,10 +74,10 @@ function say(text, bad = false, head = "") {
   element("status").classList.toggle("bad", bad);
 }
 
-/** What was wrong with the link, until something is changed. */
+/** The error of the link, until something is changed. */
 let linked = "";
 
-/** Takes over the link; one that names no range of the diagram gets one with the machine's own value in it. */
+/** Applies the link. If it has no range for the diagram, the range is chosen around the machine's own value. */
 function adoptLink() {
   linked = fromHash(location.hash);
   if (!/[#&]over=/.test(location.hash)) holdCursor();
@@ -100,7 +100,7 @@ function begin() {
   ahead();
 }
 
-/** Computes where the motion settles; it is classified when there is time. */
+/** Computes the settled motion; it is classified when there is time. */
 function ahead() {
   lookAhead();
   more = true;
@@ -128,7 +128,7 @@ function changed(diagramToo = true) {
   if (diagramToo) { clearTimeout(later); later = window.setTimeout(() => compute(on.diagram.width), 120); }
   lastChange = performance.now() - before;
 }
-/** The diagram's range is another where the machine has become one whose own value is outside. */
+/** Chooses another range for the diagram if the machine's own value is outside. */
 function holdCursor() {
   const here = set.value(state.along), p = BY_NAME.get(state.along);
   if (!p || (here >= state.range[0] && here <= state.range[1])) return;
@@ -136,7 +136,7 @@ function holdCursor() {
   adoptRange();
 }
 
-/** Milliseconds that the last change took, for the measurements. */
+/** Duration of the last change, ms, for the measurements. */
 export let lastChange = 0;
 
 /** Writes the view into the link. @param {boolean} [step] whether the browser's back returns to what was before */
@@ -168,7 +168,7 @@ function makeControls() {
   showAll();
 }
 
-/** Brings all controls up to date with the state. */
+/** Updates all controls from the state. */
 function showAll() {
   /** @type {HTMLSelectElement} */ (element("preset")).value = state.preset;
   /** @type {HTMLSelectElement} */ (element("along")).value = state.along;
@@ -184,7 +184,7 @@ function showAll() {
   showPace();
 }
 
-/** What the strokes of the closed forms mean. */
+/** Explanation of the strokes of the closed forms. */
 const theoryKey = () => (state.theory === "manifold" ? "strong: fixed points there pass all tests; P₁, P₂: those of this force, full where they pass" : `thick: exact orbit with two impacts a period, thin: ${state.strong ? "strong coupling" : "multiple scales"}; dashed: unstable; dots: this motion`);
 
 /** Light and sound of impacts. @param {number[][]} impacts */
@@ -200,7 +200,7 @@ function strike(impacts) {
 /** The springs and dampers that there are. @returns {import("./machine-view.js").Parts} */
 const parts = () => ({ k1: set.value("box.k") > 0, c1: set.value("box.c") > 0, k23: !uncoupled(), k3: set.value("secondary.k") > 0, c3: set.value("secondary.c") > 0 });
 
-/** Where the machine is drawn. */
+/** Area in which the machine is drawn. */
 const placed = () => layout(on.machine.width, on.machine.height, extent, uncoupled());
 
 /** What the machine's picture shows. @returns {import("./machine-view.js").Shown} */
@@ -221,7 +221,7 @@ function frame(time) {
   if (sized) { diagram.dirty = true; redraw = true; }
   if (playing && held < 0) { strike(advance(passed * 10 ** state.pace)); redraw = true; if (motion.problem) say(motion.problem, true); }
   if (glow[0] > 0.005 || glow[1] > 0.005) {
-    // Light fades at the speed of the motion and stays while it is paused; with reduced motion it goes at once.
+    // Light fades at the speed of the motion and stays while it is paused; with reduced motion it disappears at once.
     const slow = Math.max(0.09, Math.min(0.4, 0.07 / 10 ** state.pace)), fade = !playing ? 1 : calm.matches ? 0 : Math.exp(-passed / slow);
     if (fade < 1) redraw = true;
     glow[0] *= fade; glow[1] *= fade;
@@ -231,7 +231,7 @@ function frame(time) {
     const wanted = wide[i], step = wanted - extent[i];
     if (Math.abs(step) > 0.004) { extent[i] += step * (calm.matches || last === 0 ? 1 : Math.min(1, passed * 4)); redraw = true; }
   }
-  // With the time that is left: what the motion is, and more points of its section.
+  // In the remaining time: the class of the motion, and more points of its section.
   idle++;
   if (idle === 6 && !motion.class) { classify(); if (!motion.problem) tell(); redraw = true; }
   if (more && idle > 1) { more = fillSection(state.section, 3) || !motion.class; redraw = true; }
@@ -299,7 +299,7 @@ function whole() {
 /** The bodies' places as the start, all at rest. @param {number} body @param {number} place in L */
 function hold(body, place) {
   const x = [0, 1, 2].map((b) => motion.now[X1 + b] / motion.length);
-  // The box takes the block along, the block stays in the box.
+  // The box moves the block along; the block stays in the box.
   if (body === 0) { x[1] = Math.min(place + 1, Math.max(place - 1, x[1])); x[0] = place; }
   if (body === 1) x[1] = Math.min(x[0] + 1, Math.max(x[0] - 1, place));
   if (body === 2) x[2] = place;
@@ -380,7 +380,7 @@ function listen() {
   for (const query of ["(prefers-color-scheme: dark)", "(prefers-reduced-motion: reduce)"]) matchMedia(query).addEventListener("change", () => { readTheme(); diagram.dirty = true; redraw = true; });
 }
 
-/** All after the state has been replaced as a whole. */
+/** Updates everything after the state has been replaced as a whole. */
 function adoptState() {
   showAll();
   begin();

@@ -1,12 +1,12 @@
-// The motion on show: advanced with the clock, kept for some drive periods, and followed to where it settles.
+// The displayed motion: advanced with the clock, recorded for some drive periods, and followed until it settles.
 import { KIND, Machine, PHASE, RATE, ROW, TIME, W, X1, X2, X3 } from "./core.js";
 import { set, startSi, units } from "./state.js";
 import { reach } from "./plot.js";
 
-/** Drive periods that the histories show, and instants of each that are kept. */
+/** Number of drive periods in the histories, and of recorded instants in each period. */
 export const KEPT = 8;
 const PER_PERIOD = 120;
-/** Drive periods until a motion counts as settled, those of its portrait, and most points of its section. */
+/** Number of drive periods until a motion counts as settled and in its portrait, and largest number of points of its section. */
 const SETTLE = 300, PORTRAIT = 24, MOST_POINTS = 100_000;
 
 export const motion = {
@@ -30,17 +30,17 @@ export const motion = {
   ahead: null,
   /** @type {Float64Array | null} */
   class: null,
-  /** Points of the section, 4 numbers each. */
+  /** Points of the section, four numbers each. */
   points: /** @type {number[]} */ ([]),
   /** Largest |x1|, |x2|, |x3| and x1 - x3, in L, of the settled motion. */
   extent: [0.5, 1.3, 1, 1.3],
   /** Amplitudes of the settled motion, in L. */
   amplitudes: [0, 0, 0],
-  /** What stopped the motion, in words. */
+  /** Reason why the motion stopped, in words. */
   problem: "",
 };
 
-/** Begins anew from the start state. */
+/** Restarts from the start state. */
 export function restart() {
   const machine = new Machine(set, startSi());
   motion.machine?.free();
@@ -51,7 +51,7 @@ export function restart() {
   keep(motion.now.subarray(0, ROW));
 }
 
-/** Goes on with the parameters that are set now. */
+/** Continues with the present parameters. */
 export function reparametrize() {
   motion.machine.set_parameters(set);
   adopt();
@@ -70,7 +70,7 @@ function keep(rows) {
   let more = rows.length / ROW;
   if (more > room / 2) { rows = rows.subarray(rows.length - Math.floor(room / 2) * ROW); more = rows.length / ROW; }
   if (motion.count + more > room) {
-    // Forget the older half.
+    // Discards the older half.
     const from = Math.max(motion.count - Math.floor(room / 2), 0);
     motion.rows.copyWithin(0, from * ROW, motion.count * ROW);
     motion.count -= from;
@@ -109,7 +109,7 @@ export function advance(periods) {
   return takeImpacts();
 }
 
-/** Advances to just after the next impact, at most 20 drive periods, in pieces that the histories show. */
+/** Advances to just after the next impact, at most 20 drive periods, in pieces for the histories. */
 export function toNextImpact() {
   const before = motion.now[TIME];
   for (let i = 1; i <= 20 * PER_PERIOD; i++) {
@@ -121,7 +121,7 @@ export function toNextImpact() {
   return takeImpacts();
 }
 
-/** Skips the transient: the motion goes on where it has settled. */
+/** Skips the transient: the motion continues from the settled state. */
 export function skip() {
   const end = motion.now[TIME] + SETTLE * motion.period;
   motion.machine.record(end, 1);
@@ -163,7 +163,7 @@ export function lookAhead() {
   }
 }
 
-/** The largest displacements on show: of the settled motion, and of the last drive periods. */
+/** The largest displayed displacements: of the settled motion, and of the last drive periods. */
 export function extentShown() {
   const most = [...motion.extent], { rows, length: L } = motion;
   for (let i = Math.max(0, motion.count - 6 * PER_PERIOD); i < motion.count; i++) {
@@ -179,7 +179,7 @@ export function tops(ordinate) {
   if (column === undefined || !motion.class?.[0]) return found;
   for (let i = ROW + column; i + ROW < settled.length; i += ROW) {
     const at = settled[i] / length;
-    // Just before and just after an impact the place is the same: the next one in time counts.
+    // Positions just before and just after an impact are equal: the nearest row in time is used.
     let next = i + ROW;
     while (next + ROW < settled.length && settled[next - column + TIME] === settled[i - column + TIME]) next += ROW;
     if (settled[i - ROW] < settled[i] && settled[i] >= settled[next] && !found.some((other) => Math.abs(other - at) < 0.005)) found.push(at);
@@ -191,7 +191,7 @@ export function tops(ordinate) {
 export function fillSection(kind, time) {
   if (!motion.ahead || motion.points.length >= 4 * MOST_POINTS) return false;
   const until = performance.now() + time;
-  // A periodic motion has few points, and they are all there soon.
+  // A periodic motion has few points, which are soon complete.
   const most = motion.class && motion.class[0] > 0 ? 4 * 512 : 4 * MOST_POINTS;
   while (performance.now() < until && motion.points.length < most) {
     try {
@@ -204,20 +204,20 @@ export function fillSection(kind, time) {
   return motion.points.length < most;
 }
 
-/** What the settled motion is; computed when there is time. */
+/** The class of the settled motion; computed when there is time. */
 export function classify() {
   if (motion.class || !motion.ahead) return;
   try { motion.class = motion.ahead.class(); } catch { motion.class = new Float64Array(6); }
 }
 
-/** The settled motion in words: what it is, and the rest. */
+/** The settled motion in words: its class, and details. */
 export function words() {
   if (motion.problem) return { head: "", rest: motion.problem };
   const c = motion.class;
   if (!c) return { head: "", rest: "" };
   const [period, up, low, symmetric, rests, settling, chaotic, exponent, undecided] = c;
   const head = undecided ? "It has not settled:" : settling ? "It is still settling:" : period === 1 ? "It repeats in every drive period:" : period ? `It repeats after ${period} drive periods:` : chaotic ? "Chaos, it never repeats:" : "Two frequencies, it never repeats:";
-  // Of a motion with a period its impacts are whole numbers; else a mean.
+  // A periodic motion has a whole number of impacts; otherwise a mean is shown.
   const span = period || 1, number = (/** @type {number} */ n) => (Math.abs(n - Math.round(n)) < 1e-9 ? String(Math.round(n)) : n.toFixed(2)), [right, left] = [number(up * span), number(low * span)];
   const impacts = (/** @type {string} */ n) => (n === "1" ? "one impact" : `${n} impacts`);
   const hits = up + low === 0 ? "the block never touches the stops" : right === left ? `${impacts(right)} at each stop` : `${impacts(right)} at the right stop, ${left} at the left`;

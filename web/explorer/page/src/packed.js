@@ -1,9 +1,9 @@
-// Bytes that lie in the page as text: the page is in UTF-16, and two bytes are one letter of it.
-// Letters that HTML or UTF-16 does not keep do not occur: the bytes stand in blocks, each mixed
-// with numbers that follow from the block's first letter, its key. The number of bytes stands
-// first: `3:…`.
+// Bytes that are stored in the page as text: the page is in UTF-16, with two bytes per character.
+// Characters that HTML or UTF-16 would not preserve are avoided: the bytes form blocks, each mixed
+// with numbers derived from the block's first character, its key. The number of bytes comes first:
+// `3:…`.
 
-/** Letters of a block after its key. A longer block may have no key that avoids all letters. */
+/** Number of characters of a block after its key. A longer block may have no key that avoids all these characters. */
 export const BLOCK = 200;
 
 /** The number that follows in a block, by the generator of all numbers of 16 bits. @param {number} key */

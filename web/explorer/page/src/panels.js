@@ -24,7 +24,7 @@ export function drawHistory(g, width, height) {
   const shown = rows.subarray(first * ROW, count * ROW), begin = Math.max(from, count ? rows[0] : 0) / period, x = /** @type {[number, number]} */ ([begin, begin + KEPT + 0.25]);
   const box = { left: 44, right: width - 10, top: 20, bottom: height * 0.56 };
   let most = 0.5;
-  // A body that nothing couples stays where it is, and is not drawn.
+  // An uncoupled body stays at rest and is not drawn.
   const bodies = /** @type {[number, string][]} */ ([[X3, theme["drawn-secondary"]], [X1, theme.box], [X2, theme.block]]).slice(uncoupled() ? 1 : 0);
   for (let i = 0; i < shown.length; i += ROW) for (const [column] of bodies) most = Math.max(most, Math.abs(shown[i + column]) / L);
   most *= 1.08;
@@ -122,7 +122,7 @@ export function drawPortrait(g, width, height) {
   return [frame];
 }
 
-/** The points of the section, drawn as they come. */
+/** The points of the section, drawn as they arrive. */
 const section = { canvas: typeof document === "undefined" ? null : document.createElement("canvas"), drawn: 0, key: "" };
 
 /** @param {any} g @param {number} width @param {number} height @param {number} ratio */
@@ -186,7 +186,7 @@ export function drawBars(g, width) {
   const parts = /** @type {const} */ ([[mechanical, theme.ink, "machine"], [damped, theme.faint, "dampers"], [lost, theme.spark, "impacts"]]);
   let x = left;
   g.font = `11px ${FONT}`; g.textAlign = "left";
-  // The words keep their positions when the shares change.
+  // The words keep their positions when the fractions change.
   const widest = parts.map(([, , name]) => g.measureText(`${name} 100 %`).width + (width < 420 ? 20 : 30));
   parts.forEach(([value, colour, name], i) => {
     const w = wide * Math.max(0, value) / all, at = (width < 420 ? 10 : left) + widest.slice(0, i).reduce((a, b) => a + b, 0);
@@ -203,7 +203,7 @@ export const curves = { /** @type {Float64Array} */ exact: new Float64Array(0), 
 /** Rows of the manifold, see `manifold` in the core, of the set for which they were computed. @type {{of: object | null, rows: Float64Array, problem: string}} */
 const slow = { of: null, rows: new Float64Array(0), problem: "" };
 
-/** Figure 9 of the paper: the slow invariant manifold and the fixed points on it. */
+/** Figure 9 of the paper: the slow invariant manifold and its fixed points. */
 export function manifoldRows() {
   if (slow.of !== set) {
     slow.of = set;
@@ -248,7 +248,7 @@ export function drawResponse(g, width, height) {
   for (const rows of [curves.exact, curves.scales]) for (let i = 0; i < rows.length; i += 5) for (let b = 1; b <= bodies.length; b++) if (rows[i + b] < 8) tops.push(rows[i + b]);
   const [, high] = reach(tops);
   const frame = new Frame(state.range, [0, Math.min(high, 6)], { left: 44, right: width - 10, top: 20, bottom: height - 22 });
-  // Over the gap, amplitudes are in units of the gap there.
+  // Over the gap, amplitudes are in units of each column's own gap.
   frame.axes(g, { x: parameterAxis(state.along), y: state.along === "stop.gap" ? "A/L" : lengths("A") });
   frame.inside(g, () => {
     const theories = state.strong ? /** @type {const} */ ([[curves.strong, 1], [curves.exact, 2.2]]) : /** @type {const} */ ([[curves.scales, 1], [curves.exact, 2.2]]);

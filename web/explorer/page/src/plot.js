@@ -1,4 +1,4 @@
-// Axes and curves on a canvas. Every panel draws with a context that may also be that of an SVG file.
+// Axes and curves on a canvas. Every panel draws with a context, which may also write an SVG file.
 
 /** Colours by meaning, from the style sheet. */
 export const theme = /** @type {Record<string, string>} */ ({});
@@ -20,7 +20,7 @@ export function rgb(colour) {
 
 export const FONT = "-apple-system, 'Segoe UI', Roboto, system-ui, sans-serif";
 
-/** A canvas that keeps to the size of its element, in CSS pixels. */
+/** A canvas that follows the size of its element, in CSS pixels. */
 export class Surface {
   /** @param {string} id */
   constructor(id) {
@@ -31,7 +31,7 @@ export class Surface {
     this.ratio = 1;
     this.changed = true;
   }
-  /** Takes on the element's size; true where it is another. */
+  /** Adopts the element's size; returns whether it has changed. */
   fit() {
     const { clientWidth: w, clientHeight: h } = this.canvas, ratio = Math.min(3, devicePixelRatio || 1);
     if (w === this.width && h === this.height && ratio === this.ratio) return false;
@@ -73,7 +73,7 @@ export class Frame {
   constructor(x, y, box) {
     Object.assign(this, { x, y, box });
     this.x = x; this.y = y; this.box = box;
-    /** How many of its unit one unit of the data is, of either axis. */
+    /** Factors from data units to the displayed units, for both axes. */
     this.fx = 1; this.fy = 1;
     this.sx = (box.right - box.left) / (x[1] - x[0]);
     this.sy = (box.top - box.bottom) / (y[1] - y[0]);

@@ -1,4 +1,4 @@
-// Parameter sets to begin with. Figures are those of the paper; the numbers of the default set are a reconstruction.
+// Parameter sets to start from. Figures refer to the paper; the values of the default set are a reconstruction.
 
 /**
  * @typedef {object} Preset
@@ -15,7 +15,7 @@
  * @property {string} story what is to be seen and to be tried
  */
 
-/** The start that studies have in common: all at rest but the block, which moves to the upper stop. */
+/** The common start of the studies: all bodies at rest except the block, which moves to the upper stop. */
 export const MOVING_BLOCK = [0, 0, 0, 0, 1, 0];
 
 /** @type {Preset[]} */

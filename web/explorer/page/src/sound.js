@@ -1,4 +1,4 @@
-// A soft tick at impacts, off until asked for.
+// A soft tick at impacts, off by default.
 
 /** @type {AudioContext | null} */
 let audio = null;

@@ -1,4 +1,4 @@
-// The state of the page that a link holds: parameters, start, and what is looked at.
+// The state of the page that a link contains: parameters, start, and view.
 import { setOf, parameters } from "./core.js";
 import { MOVING_BLOCK, PRESETS } from "./presets.js";
 
@@ -28,9 +28,9 @@ export const state = {
   /** Closed forms over the parameter, or the slow invariant manifold. */
   theory: "response",
   orbits: false,
-  /** The motion's speed: power of ten of drive periods a second. */
+  /** Speed of the motion: decimal logarithm of the drive periods per second. */
   pace: -0.3,
-  /** The preset from which it comes, unless something was changed. */
+  /** The preset, unless something was changed. */
   preset: "default",
 };
 
@@ -43,7 +43,7 @@ export function prepare() {
   set = setOf(state.strong, state.set);
 }
 
-/** L in m and the unit of speed L ω10 in m/s. */
+/** L in m and the speed unit L ω10 in m/s. */
 export function units(of = set) {
   const length = of.value("stop.gap"), omega = Math.sqrt(of.value("box.k") / of.value("box.m"));
   return { length, omega, speed: length * (omega || 1) };
@@ -61,7 +61,7 @@ export function assign(name, value) {
   const twin = { alpha23: "beta2", beta2: "alpha23" }[name];
   const rest = state.set.filter(([other]) => other !== name && other !== twin);
   const physical = [...rest, /** @type {[string, number]} */ ([name, value])].some(([n]) => !BY_NAME.get(n)?.group);
-  // The order of two groups does not matter; where physical parameters are set too, all of them are written down.
+  // The order of two groups does not matter. If physical parameters are set too, all of them are written.
   state.set = physical ? PARAMETERS.filter((p) => !p.group).map((p) => [p.name, next.value(p.name)]) : [...rest, [name, value]];
   set = next;
   state.preset = "";

@@ -64,7 +64,7 @@ export class SvgContext {
   drawImage(/** @type {HTMLCanvasElement} */ image, /** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ w, /** @type {number} */ h) {
     this.body += `<image x="${number(x)}" y="${number(y)}" width="${number(w)}" height="${number(h)}" href="${image.toDataURL()}"/>\n`;
   }
-  /** A glow, for which SVG files have no need. */
+  /** A glow, which SVG files leave out. */
   createRadialGradient() { return { addColorStop() {}, toString: () => "none" }; }
   text() {
     while (this.stack.length) this.restore();

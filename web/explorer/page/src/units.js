@@ -1,5 +1,5 @@
-// The units in which the page shows numbers: those of the groups and of L or, in SI, the unit in which a value was written, else the one
-// that is usual for its size. The library's numbers stay in SI and in units of L; axes have a factor.
+// Units of displayed numbers: the units of the groups and of L or, in SI, the unit in which a value was typed, otherwise a usual unit
+// for its size. The library's numbers stay in SI and in units of L; axes have a factor.
 import { BY_NAME, set, state } from "./state.js";
 
 /** @typedef {{plain: string, symbol: string, factor: number}} Unit a unit as files and as the page write it, and how many of it the SI unit is */
@@ -8,7 +8,7 @@ import { BY_NAME, set, state } from "./state.js";
 /** @type {Map<string, Unit>} */
 const shown = new Map();
 
-/** Below this many metres lengths are shown in mm. */
+/** Lengths below this limit, m, are shown in mm. */
 const SMALL = 0.1;
 
 /** The unit that is usual for a value of this size. @param {string} name @param {string} si */
@@ -20,7 +20,7 @@ function usual(name, si) {
   return si;
 }
 
-/** Lets units follow the values anew: not while a slider moves. */
+/** Lets units follow the values again, except while a slider moves. */
 export const chooseUnits = () => shown.clear();
 
 /** The unit of a parameter. @param {string} name @returns {Unit} */
@@ -80,7 +80,7 @@ export function ends(p) {
   const value = set.value(p.name);
   if (p.group || p.unit === "rad" || p.name === "stop.restitution") {
     const low = value >= p.low ? p.low : value < 0 ? -round(-1.5 * value) : 0, high = value <= p.high ? p.high : round(1.5 * value);
-    // A value that is small in the usual range would stand at its end.
+    // A small value would be at the end of the usual range.
     return low === 0 && value > 0 && value < 0.05 * high ? [0, round(2 * value)] : [low, high];
   }
   const { factor } = unitOf(p.name);
@@ -97,5 +97,5 @@ export function range(p) {
   return [edge(0.5 * size), edge(1.5 * size)];
 }
 
-/** Why an axis or caption may leave the oscillator out: nothing couples it to the block. */
+/** Reason for an axis or caption to leave the oscillator out: it is not coupled to the block. */
 export const uncoupled = () => set.value("coupling.k") === 0;

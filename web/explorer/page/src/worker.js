@@ -1,16 +1,16 @@
 // A worker of the page: columns of the diagram from coarse to fine, and curves over its parameter. A newer request ends an older one.
 import { branches, Columns, response, setOf, use } from "./core.js";
 
-/** Milliseconds of work between two looks at the mail. */
+/** Working time between two checks for messages, ms. */
 const SLICE = 14;
 
 /** Number of the last request of each kind. */
 const latest = { diagram: 0, curves: 0, orbits: 0 };
 
-// The core tells its progress to a function of this name.
+// The core calls a function of this name with its progress.
 Object.assign(self, { orbitsProgress: (/** @type {number} */ done, /** @type {number} */ known) => self.postMessage({ kind: "progress", id: latest.orbits, done, known }) });
 
-/** Lets messages in. */
+/** Lets messages arrive. */
 const pause = () => new Promise((resolve) => setTimeout(resolve, 0));
 
 /**
@@ -49,7 +49,7 @@ async function diagram(r) {
   for (let stride = most; stride >= 1; stride /= 2) {
     const count = Math.ceil(n / stride);
     for (let k = 0; k < count; k++) {
-      // From left to right, or from right to left: each value begins where its neighbour ended.
+      // From left to right, or from right to left: each value starts where its neighbour ended.
       const i = (r.rising ? k : count - 1 - k) * stride;
       if (ends[i] || i >= n) continue;
       let from = null;
@@ -64,7 +64,7 @@ async function diagram(r) {
   }
   if (!await look(true)) return columns.free();
   if (r.rising) {
-    // Exponents of the settled motions, coarse to fine too.
+    // Exponents of the settled motions, also from coarse to fine.
     for (let stride = 16, first = true; stride >= 2; stride /= 2, first = false) {
       for (let i = 0; i < n; i += stride) {
         if (!first && i % (2 * stride) === 0) continue;
@@ -109,7 +109,7 @@ self.onmessage = async ({ data }) => {
   const request = /** @type {Request} */ (data);
   latest[request.kind] = request.id;
   if (request.kind === "diagram") return diagram(request);
-  // Requests that came in the meantime go first.
+  // Requests that arrived in the meantime come first.
   await pause();
   if (latest[request.kind] !== request.id) return;
   if (request.kind === "curves") curves(request); else orbits(request);

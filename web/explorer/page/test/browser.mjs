@@ -19,7 +19,7 @@ export async function open(packages, page, ready = "window.explorer && window.ex
     const tab = await context.newPage();
     /** @type {string[]} */
     const wrong = [];
-    // The tests themselves read canvases back, which Chromium remarks upon.
+    // The tests read canvases back, which triggers a warning of Chromium.
     tab.on("console", (/** @type {any} */ m) => { if (["error", "warning"].includes(m.type()) && !m.text().includes("willReadFrequently")) wrong.push(`console: ${m.text()}`); });
     tab.on("pageerror", (/** @type {Error} */ e) => wrong.push(`error: ${e.message}`));
     tab.on("request", (/** @type {any} */ r) => { if (!r.url().startsWith(address) && !/^(blob|data):/.test(r.url())) wrong.push(`request: ${r.url()}`); });

@@ -1,6 +1,6 @@
 // Motions by the WebAssembly core, for a comparison with the native library: node core.mjs <folder of the core>.
 // A line of the standard input is a list name=value;…; the answer is a line of numbers: t, x1, x2, x3, v1, v2, v3 at the end of each of
-// twenty drive periods, and last the number of impacts.
+// twenty drive periods, then the number of impacts.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -16,7 +16,7 @@ for (const line of readFileSync(0, "utf8").trim().split("\n")) {
   }
   const machine = new core.Machine(set, Float64Array.from([0, 0, 0, 0, 1, 0])), period = 2 * Math.PI / set.value("drive.frequency");
   const numbers = [];
-  // As the page does it: in frames, and with the histories of each.
+  // As in the page: in frames, with the histories of each.
   for (let i = 1; i <= 20; i++) {
     machine.record(i * period, 120);
     numbers.push(...machine.now().subarray(0, 7));

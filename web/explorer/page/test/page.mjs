@@ -21,7 +21,7 @@ const state = (/** @type {any} */ tab) => tab.evaluate("JSON.parse(JSON.stringif
 const time = (/** @type {any} */ tab) => tab.evaluate("explorer.motion.now[0]");
 const finished = (/** @type {any} */ tab) => tab.waitForFunction("explorer.diagram.finished === 2", null, { timeout: 60_000 });
 
-/** The damper of docs/design-a-damper.md, as an engineer would write it. */
+/** The damper of docs/design-a-damper.md, in an engineer's units. */
 const DAMPER = "#form=si&box.m=12kg&box.k=48kN/m&box.c=30&block.m=1.2&stop.gap=15mm&stop.restitution=0.6&drive.amplitude=75&drive.frequency=10Hz&coupling.k=0&secondary.m=1&secondary.k=1000&secondary.c=1";
 
 /** @type {Record<string, () => Promise<void>>} */
@@ -53,7 +53,7 @@ const tests = {
       }
       const columns = await tab.evaluate("explorer.diagram.found.rising.filter((f) => f && f.length > 6).length / explorer.diagram.columns");
       assert.ok(columns > 0.9, `${preset}: ${columns} of the columns`);
-      // Speeds have both signs, one for each stop: both are within the picture.
+      // Speeds have both signs, one for each stop: both are in the picture.
       if (preset === "plastic") assert.ok(await tab.evaluate("explorer.diagram.band[1] > 2.5 && explorer.diagram.band[0] < -2.5"), "both stops' speeds");
       if (preset === "chatter") assert.match(await tab.textContent("#status"), /13 impacts at each stop.*rests at a stop/);
       assert.ok(!(await tab.getAttribute("#status", "class")).includes("bad"), `${preset}: ${await tab.textContent("#status")}`);
@@ -69,7 +69,7 @@ const tests = {
     let best = null;
     for (let i = 0; i + 5 < curve.length; i += 5) if (curve[i] <= 1.5 && curve[i + 5] > 1.5 && curve[i + 4]) best = [1, 2, 3].map((b) => curve[i + b] + (curve[i + 5 + b] - curve[i + b]) * (1.5 - curve[i]) / (curve[i + 5] - curve[i]));
     assert.ok(best, "a stable piece");
-    // A sampled maximum is short by up to 0.1 %, and so is a chord of the curve.
+    // A sampled maximum is up to 0.1 % too small, and so is a chord of the curve.
     best.forEach((a, b) => assert.ok(Math.abs(a - found[b]) < 0.004, `${a} ${found[b]}`));
     await close();
   },
@@ -78,7 +78,7 @@ const tests = {
     await tab.click("#play");
     const before = await state(tab);
     const box = await tab.locator("#machine").boundingBox();
-    // The block by its colour: the middle of its pixels.
+    // The block is found by its colour: the middle of its pixels.
     const middle = await tab.evaluate(() => {
       const canvas = /** @type {HTMLCanvasElement} */ (document.getElementById("machine")), g = canvas.getContext("2d"), d = g.getImageData(0, 0, canvas.width, canvas.height).data;
       let [n, x, y] = [0, 0, 0];
@@ -136,7 +136,7 @@ const tests = {
     assert.equal(await again.tab.evaluate("explorer.toHash()"), hash.slice(1));
     assert.deepEqual(again.wrong, []);
     await again.close();
-    // A machine in SI comes back with the same bits.
+    // A machine in SI is restored bit for bit.
     const si = await browser.tab({}, "#form=si&box.m=12&box.k=48000&stop.gap=0.002&block.m=1.1&drive.amplitude=14&drive.frequency=63.5");
     const values = await si.tab.evaluate("explorer.state.set"), link = await si.tab.evaluate("explorer.toHash()");
     await si.close();
@@ -177,7 +177,7 @@ const tests = {
     assert.deepEqual([await shown("field-stop-gap"), await shown("field-box-k"), await shown("field-drive-frequency")], [["15", "mm"], ["48", "kN/m"], ["10", "Hz"]]);
     await tab.fill("#field-stop-gap", "50 mm");
     assert.equal(await value("stop.gap"), 0.05);
-    // A number alone is in the unit beside the field.
+    // A number without a unit is in the unit next to the field.
     await tab.fill("#field-stop-gap", "40");
     assert.equal(await value("stop.gap"), 0.04);
     await tab.fill("#field-stop-gap", "0,03m");
@@ -210,7 +210,7 @@ const tests = {
       for (const [id, value, place] of await places()) if (Number(value) !== 0) assert.ok(place > 0.02 && place < 0.98, `${form}, ${id} = ${value} at ${place}`);
     }
     await tab.locator("input[name=form][value=si]").evaluate((/** @type {any} */ e) => e.click());
-    // A machine of another size: its sliders, and the diagram's range, are others.
+    // A machine of another size has other sliders and another range of the diagram.
     await tab.fill("#field-box-m", "24000 kg");
     await tab.fill("#field-box-k", "96 MN/m");
     await tab.focus("#machine");
@@ -241,7 +241,7 @@ const tests = {
       const svg = readFileSync(path).toString();
       for (const word of words) assert.ok(svg.includes(word), `${figure}: ${word}`);
     }
-    // With a coupling the oscillator is there again.
+    // With a coupling the oscillator is shown again.
     await tab.fill("#field-coupling-k", "2 kN/m");
     await tab.waitForTimeout(300);
     assert.ok((await drawn(tab, "machine")).of["20,160,115"] > 500);
@@ -277,7 +277,7 @@ const tests = {
     await tab.fill("#field-kappa", "0.7");
     await tab.waitForFunction(`explorer.diagram.id > ${before}`);
     assert.equal(await tab.evaluate("explorer.diagram.branches.length"), 0);
-    // The closed forms of the new value do not wait for it.
+    // The closed forms of the new value do not wait for the search.
     await tab.waitForFunction("explorer.curves.exact.length > 0 && explorer.diagram.searched");
     await tab.waitForFunction("explorer.diagram.branches.length > 0", null, { timeout: 60_000 });
     assert.equal(await tab.evaluate("explorer.diagram.searched"), "");
@@ -348,7 +348,7 @@ const tests = {
       await finished(tab);
       assert.ok(await tab.evaluate("document.documentElement.scrollWidth") <= 360);
       await tab.screenshot({ path: join(folder, `narrow-${colorScheme}.png`), fullPage: true });
-      // Text on its ground by WCAG 2.2, 1.4.3.
+      // Contrast of text with its background, WCAG 2.2, 1.4.3.
       const pale = await tab.evaluate(() => {
         const light = (/** @type {string} */ c) => { const [r, g, b] = c.match(/[\d.]+/g).map((v) => Number(v) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)); return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05; };
         const ground = (/** @type {Element} */ e) => { const c = getComputedStyle(e).backgroundColor; return c !== "rgba(0, 0, 0, 0)" ? c : e.parentElement ? ground(e.parentElement) : "rgb(255, 255, 255)"; };
@@ -379,7 +379,7 @@ const tests = {
     await close();
   },
   async "everything can be taken along"() {
-    // A tab of its own for each figure: of some twenty downloads that one page makes within two seconds Chromium holds one back.
+    // A separate tab for each figure: Chromium holds back one of about twenty downloads from one page within two seconds.
     for (const figure of ["diagram", "history", "portrait", "poincare", "response", "machine"]) {
       const { tab, wrong, close } = await browser.tab({}, "#f10=2.2");
       await finished(tab);

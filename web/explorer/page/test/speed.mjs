@@ -1,4 +1,4 @@
-// The core's time a drive period: node speed.mjs <folder of the core>.
+// The core's time per drive period: node speed.mjs <folder of the core>.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -11,7 +11,7 @@ for (const [what, f10] of [["two impacts a period", 1.5], ["chaos", 3.6]]) {
   const set = new core.Set(false).with("f10", f10), settled = new core.Machine(set, start).settled(400);
   let best = Infinity;
   for (let i = 0; i < 12; i++) {
-    // Of the processor's own time the least counts, so that other work on the machine does not.
+    // The smallest processor time counts, so that other work on the machine does not matter.
     const begin = process.cpuUsage();
     settled.settled(10_000).free();
     best = Math.min(best, process.cpuUsage(begin).user / 1000);

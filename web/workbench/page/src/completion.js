@@ -1,6 +1,6 @@
-// Completion in the editor: what the file's reader allows at the cursor, in a list below it. The
-// list opens as one types, or by Ctrl+Space; arrows mark an offer, Tab takes it, Enter takes one
-// that was marked or asked for, Escape closes the list.
+// Completion in the editor: what the file's reader permits at the cursor, in a list below it. The
+// list opens while typing, or with Ctrl+Space; arrows select an offer, Tab accepts it, Enter
+// accepts a selected or requested one, Escape closes the list.
 
 /** @typedef {{before: number, after: number, offers: [string, string][], allowed: string}} Found */
 
@@ -8,7 +8,7 @@ const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (docume
 const area = () => /** @type {HTMLTextAreaElement} */ (document.getElementById("text"));
 const isOpen = () => !element("offers").hidden;
 
-/** What is open, the place of its marked offer, and whether Enter takes that. */
+/** The open list, the index of its selected offer, and whether Enter accepts it. */
 let found = /** @type {(Found & {at: number}) | null} */ (null), marked = 0, isChosen = false;
 /** Number of the last question: an answer to an older one is dropped. */
 let asked = 0;
@@ -30,7 +30,7 @@ function mark(place) {
   area().setAttribute("aria-activedescendant", all[marked].id);
 }
 
-/** Puts the list beside the cursor. */
+/** Positions the list at the cursor. */
 function put() {
   const box = area(), style = getComputedStyle(box), lines = box.value.slice(0, box.selectionStart).split("\n");
   const letters = /** @type {CanvasRenderingContext2D} */ (document.createElement("canvas").getContext("2d"));
@@ -70,7 +70,7 @@ async function open(chosen) {
 function take(place) {
   if (!found) return;
   const box = area(), at = box.selectionStart, [name, text] = found.offers[place], typed = at - found.at, before = found.before + typed;
-  // Letters may have been typed that the list does not know of yet.
+  // Letters may have been typed that the list does not contain yet.
   const own = box.value.slice(at - Math.max(0, before), at);
   if (typed !== 0 && !(before >= 0 && (name.startsWith(own) || text.startsWith(own)))) return void open(true);
   box.focus();

@@ -1,8 +1,8 @@
-// The text of the machine, its line numbers, and what is wrong at which line.
+// The text of the machine, its line numbers, and its problems by line.
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 const area = () => /** @type {HTMLTextAreaElement} */ (document.getElementById("text"));
-/** Largest text that the editor shows, letters: a browser lays out no more at once. */
+/** Largest text in the editor, letters: a browser cannot lay out more at once. */
 const SHOWN = 200_000;
 /** A text that is too large to be shown, or nothing. @type {string | null} */
 let held = null;
@@ -14,7 +14,7 @@ let lines = 0;
 /** @type {Set<number>} */
 let marked = new Set();
 
-/** Line numbers, those with a problem marked. */
+/** Line numbers; lines with a problem are marked. */
 function gutter() {
   const box = element("gutter"), parts = [];
   let plain = "";
@@ -31,7 +31,7 @@ const follow = () => { element("gutter").scrollTop = area().scrollTop; };
 
 /** Milliseconds within which changes of one kind are undone as one. */
 const AT_ONCE = 700;
-/** Most states that are kept, and most letters of all. */
+/** Largest number of stored states, and of letters in all of them. */
 const STATES = 200, LETTERS = 20_000_000;
 /** Texts before the present one, and those that were undone, each with the cursor's place. @type {{text: string, at: number}[]} */
 const before = [];
@@ -65,7 +65,7 @@ function undo(forth, changed) {
 /** Begins to listen; `changed` is called after each change. @param {() => void} changed */
 export function listen(changed) {
   area().addEventListener("input", (event) => {
-    // What is pasted or completed is undone by itself.
+    // Pasted or completed text is undone separately.
     remember(/** @type {InputEvent} */ (event).data?.length === 1 ? "typed" : "whole");
     count();
     changed();

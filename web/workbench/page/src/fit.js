@@ -1,5 +1,5 @@
-// A fit of the machine to a dropped record: which numbers are free, progress, verdict, values with
-// their errors, record and motion drawn, and the numbers taken over.
+// A fit of the machine to a dropped record: free parameters, progress, verdict, values with their
+// errors, the drawn record and motion, and the accepted values.
 import { Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";
@@ -54,10 +54,10 @@ export async function receive(name, table) {
   element("fit").scrollIntoView({ block: "nearest" });
 }
 
-/** The names of what is free. */
+/** The names of the free parameters. */
 const free = () => [.../** @type {NodeListOf<HTMLInputElement>} */ (document.querySelectorAll("#freeNumbers input:checked"))].map((box) => box.value);
 
-/** Brings list and buttons up to date with machine, record and result. */
+/** Updates list and buttons for machine, record and result. */
 export function show() {
   const names = [...(run.machine?.numbers.map((n) => n.name) ?? []), "record.shift", ...fit.columns.map((column) => `record.offset.${column}`)], list = element("freeNumbers");
   if (list.dataset.names !== names.join()) {
@@ -125,7 +125,7 @@ function tell(seconds) {
   select("fitColumn").replaceChildren(...found.columns.map((column, i) => new Option(column.name, String(i))));
 }
 
-/** Writes the fitted numbers into the text. */
+/** Writes the fitted values into the text. */
 async function takeOver() {
   const own = (fit.found?.values ?? []).filter(({ name }) => numberOf(name));
   for (const one of own) {

@@ -1,2 +1,2 @@
-/** The script of the worker, put in by the bundler. */
+/** The worker's script, inserted by the bundler. */
 declare const WORKER: string;

@@ -1,5 +1,4 @@
-// Workers that compute, each with a watch: one that takes too long is ended, and another takes its
-// place.
+// Workers with a time limit: one that takes too long is ended and replaced.
 
 import { bytesIn } from "../../../explorer/page/src/packed.js";
 import { pieces } from "./kinds.js";
@@ -11,7 +10,7 @@ import { decoder } from "./lzma.js";
 let module = null;
 let script = "";
 
-/** The module in the page, compressed by LZMA. Its pieces are compiled while the next are unpacked. */
+/** The module in the page, LZMA-compressed. Its pieces are compiled while the next ones are unpacked. */
 function unpack() {
   const all = pieces(decoder(bytesIn("core")));
   const stream = new ReadableStream({
@@ -23,7 +22,7 @@ function unpack() {
   return WebAssembly.compileStreaming(new Response(stream, { headers: { "Content-Type": "application/wasm" } }));
 }
 
-/** Compiles the module that lies in the page. */
+/** Compiles the module in the page. */
 export async function begin() {
   module = await unpack();
   script = URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" }));
@@ -35,7 +34,7 @@ export class Refused extends Error {
   constructor(words, problems) { super(words); this.problems = problems; }
 }
 
-/** One worker. Answers to a question that a newer one replaced are dropped by whoever asked. */
+/** One worker. Callers drop answers to questions that a newer one has replaced. */
 export class Helper {
   constructor() {
     this.last = 0;

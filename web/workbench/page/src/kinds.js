@@ -1,7 +1,7 @@
-// A module of WebAssembly with its code's bytes apart by kind, in which it compresses by a
-// twelfth better (WebAssembly Core Specification, chapter 5: binary format).
+// A WebAssembly module with the bytes of its code separated by kind, which improves compression by
+// a twelfth (WebAssembly Core Specification, chapter 5: binary format).
 
-/** What bytes of code are; all others are with the opcodes. */
+/** Kinds of code bytes; all other bytes are with the opcodes. */
 const [OPCODE, LOCAL, CONSTANT, MEMORY, CALL, BRANCH] = Array(6).keys();
 export const KINDS = 6;
 
@@ -35,7 +35,7 @@ export function walk(move, functions) {
     else if ([0x25, 0x26, 0x3f, 0x40, 0xd0, 0xd2].includes(code)) number(OPCODE); // tables, size of memory, references
     else if (code === 0xfc) {
       const own = number(OPCODE);
-      // Conversions have no operand; what copies or begins memories and tables has two.
+      // Conversions have no operand; instructions that copy or initialise memories and tables have two.
       if (own >= 8) number(OPCODE);
       if (own === 8 || own === 10 || own === 12 || own === 14) number(OPCODE);
     } else if (code === 0xfd) {

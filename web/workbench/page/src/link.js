@@ -1,6 +1,6 @@
-// The address holds the file, compressed: a machine is shared by a link.
+// The address contains the compressed file: a machine is shared by a link.
 
-/** Longest link, letters. */
+/** Longest link, in letters. */
 export const LONGEST = 32_000;
 
 /** @param {ReadableStream | null} stream */

@@ -1,7 +1,7 @@
 // Decoder of LZMA (I. Pavlov's public LZMA specification, 2015): a range coder with adaptive bits,
-// of literals and of matches with what was before.
+// for literals and for matches with earlier data.
 
-/** Rows of the table of states: what a literal, a match, a repeated match, a short one lead to. */
+/** Rows of the state table: next state after a literal, a match, a repeated match, a short one. */
 const AFTER_LITERAL = [0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 4, 5];
 
 /** Reads a file `.lzma` of known size: properties, dictionary's size, size, stream. `until` decodes up to about a place and returns the place that is reached in `out`. @param {Uint8Array} file */
@@ -9,10 +9,10 @@ export function decoder(file) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength), size = view.getUint32(5, true), out = new Uint8Array(size);
   const lc = file[0] % 9, lp = Math.floor(file[0] / 9) % 5, pb = Math.floor(file[0] / 45);
   const literals = 0x300 << (lc + lp), places = (1 << pb) - 1, contexts = (1 << lp) - 1;
-  // Where the bits of each kind stand.
+  // Positions of the bits of each kind.
   const isMatch = 0, isRep = 192, isRep0 = 204, isRep1 = 216, isRep2 = 228, isLong = 240, slots = 432, special = 688, align = 816, matchLength = 832, repLength = 1346, literal = 1860;
   const bits = new Uint16Array(literal + literals).fill(1024);
-  // Range and code in an array: a browser keeps a variable of 32 bits as an object of its own.
+  // Range and code are in an array: a browser stores a 32-bit variable as a separate object.
   const now = new Int32Array([-1, view.getUint32(14)]);
   let at = 18, to = 0, state = 0, rep0 = 0, rep1 = 0, rep2 = 0, rep3 = 0;
 
@@ -63,8 +63,8 @@ export function decoder(file) {
     const context = to & places;
     if (!bit(isMatch + (state << 4) + context)) {
       const before = to > 0 ? out[to - 1] : 0, own = literal + 0x300 * (((to & contexts) << lc) + (before >> (8 - lc)));
-      // After a match each bit is coded beside that of the byte which the match would repeat, up to
-      // the first bit that differs.
+      // After a match, each bit is coded together with the bit of the byte that the match would
+      // repeat, up to the first different bit.
       let node = 1, other = state >= 7 ? out[to - rep0 - 1] : -1, range = now[0], code = now[1];
       while (node < 0x100) {
         const expected = (other >> 7) & 1, place = own + node + (other < 0 ? 0 : (1 + expected) << 8);

@@ -20,9 +20,9 @@ const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (docume
 const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (document.getElementById(id));
 const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (document.getElementById(id));
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
-/** Milliseconds after which a machine that is read, or a piece of motion, is given up. */
+/** Time limit for reading a machine or computing a piece of motion, ms. */
 const PATIENCE = 4000;
-/** Largest text, letters: what an editor in a page can hold. */
+/** Largest text, letters: the limit of an editor in a page. */
 const LARGEST = 2_000_000;
 
 /** @type {Helper} */
@@ -35,13 +35,13 @@ let on;
 const gallery = new Map(), records = new Map();
 /** @type {Uint8Array | null} */
 let kit = null;
-/** The last text of one's own, which the list of examples leads back to. */
+/** The user's last own text, to which the list of examples can return. */
 let mine = "";
 let playing = true, dirty = true, last = 0, panelsAt = 0, alive = false, start = "", length = /** @type {number | null} */ (null);
 const { text } = editor;
-/** Whether the address holds a link that could not be read: it then stays as it is. */
+/** Whether the address has a link that could not be read: it is then left unchanged. */
 let misled = false;
-/** Makes the text one's own, no longer an example. */
+/** Makes the text the user's own instead of an example. */
 const becomesOwn = () => { select("example").value = ""; mine = text(); misled = false; };
 const machineFile = () => ({ text: text(), names: [...records.keys()], texts: [...records.values()] });
 
@@ -78,13 +78,13 @@ async function boot() {
   await adoptLink();
   requestAnimationFrame(frame);
   performance.mark("first-picture");
-  // The worker that packs stands by where there is something to pack.
+  // The packing worker is started only if there is something to pack.
   if (kit) setTimeout(() => { packer ??= new Helper(); }, 1000);
 }
 
 const theme = () => readTheme(["body", "spark-text", "error"]);
 
-/** The machine that the address names: the file in it, or an example. Throws where it is damaged. */
+/** The machine in the address: a file or an example. Throws if it is damaged. */
 async function linked() {
   const { hash } = location;
   if (!hash || hash === "#" || document.getElementById(hash.slice(1))) return null;
@@ -99,7 +99,7 @@ async function linked() {
   return found;
 }
 
-/** Takes over the machine of the address. Of a damaged link the page says so: the present text stays, or at the page's begin the first example is shown. */
+/** Applies the machine in the address. For a damaged link the page shows an error: the present text stays, or the first example is shown at the start. */
 async function adoptLink() {
   const isFirst = !run.machine && !text(), first = gallery.get("damper_with_buffer.toml") ?? "", was = isFirst ? kept() : null;
   if (was) {
@@ -119,7 +119,7 @@ async function adoptLink() {
 }
 
 const isOwn = () => !select("example").value && text() !== "";
-/** Name under which one's own text outlives a reload. */
+/** Name under which the user's own text survives a reload. */
 const KEPT = "vibro-workbench";
 
 /** Keeps one's own text and records over a reload; where they do not fit, the browser asks before it leaves. @param {Event} event */
@@ -144,7 +144,7 @@ async function adopt(content) {
     const words = `The text has ${content.length} letters: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.`;
     return editor.showProblems([{ line: null, words }]);
   }
-  // Records of the gallery lie beside its files.
+  // Records of the gallery are in the same folder as its files.
   for (const name of gallery.keys()) if (!name.endsWith(".toml") && content.includes(`"${name}"`) && !records.has(name)) records.set(name, gallery.get(name) ?? "");
   select("example").value = [...gallery].find(([, own]) => own === content)?.[0] ?? "";
   length = null; start = ""; run.at = 0; misled = false;
@@ -156,7 +156,7 @@ async function adopt(content) {
 }
 
 let opening = false, again = false;
-/** Reads the text, and shows its machine or its problems; what was typed meanwhile is read next. */
+/** Reads the text, and shows its machine or its problems; text typed meanwhile is read next. */
 async function changed() {
   if (opening) { again = true; return; }
   opening = true;
@@ -191,7 +191,7 @@ async function read() {
 }
 
 let extending = false;
-/** Computes the run on to its end, in slices, so that a newer text never waits. */
+/** Computes the rest of the run, in slices, so that a newer text never waits. */
 async function extend() {
   if (extending) return;
   extending = true;
@@ -199,7 +199,7 @@ async function extend() {
     const of = run.machine;
     try {
       const more = await helper.ask("run", { to: run.length, step: run.step, time: 14, most: 400_000 }, PATIENCE);
-      // What is asked before a newer text is opened is of this one, and is answered before it.
+      // Earlier questions concern the previous text, and are answered before a newer one is opened.
       if (run.machine !== of) break;
       take(more);
     } catch (error) { run.problem = /** @type {Error} */ (error).message; alive = false; }
@@ -210,7 +210,7 @@ async function extend() {
   extending = false;
 }
 
-/** Brings fields and lists up to date with the machine. */
+/** Updates fields and lists for the machine. */
 function show() {
   const { machine } = run;
   numbers.show(machine.numbers, change, editor.goTo);
@@ -262,9 +262,9 @@ async function change(name, value) {
 }
 
 let written = 0;
-/** Whether the address holds the present text. */
+/** Whether the address contains the present text. */
 let inAddress = false;
-/** Writes the file into the address, where it fits. */
+/** Writes the file into the address, if it fits. */
 function write() {
   clearTimeout(written);
   inAddress = false;
@@ -311,7 +311,7 @@ async function receive(files) {
     else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }
-  // A record that no line of the machine reads is one to fit to.
+  // A record that the machine does not use is one to fit to.
   const reads = main ?? text(), measured = tables.filter(([name, own]) => !reads.includes(`"${name}"`) && fits.isRecord(own)), beside = tables.filter((own) => !measured.includes(own));
   const idle = beside.find(([name]) => /\.csv$/i.test(name) && !reads.includes(`"${name}"`));
   if (idle) fits.refuse(...idle);
@@ -325,7 +325,7 @@ const showPlaying = () => {
   element("play").setAttribute("aria-pressed", String(playing));
 };
 
-/** Seconds of the machine in a second. */
+/** Machine time per second, s. */
 const pace = () => (run.length / 15) * 10 ** Number(input("pace").value);
 function showPace() {
   const x = pace(), own = input("pace");
@@ -355,7 +355,7 @@ function strike(from, to) {
 }
 
 let drawing = false;
-/** Asks for the sketch of the present instant. */
+/** Requests the sketch at the present instant. */
 async function redraw() {
   if (drawing || !alive || opening) return;
   drawing = true;
@@ -408,7 +408,7 @@ function frame(time) {
   }
   if (fade(playing ? passed : 0, calm.matches)) dirty = true;
   if (!dirty) return;
-  // Curves twenty times a second, as long as nothing but the time changes.
+  // Curves are redrawn twenty times a second while only the time changes.
   const all = !playing || time - panelsAt > 50;
   if (all) panelsAt = time;
   paint(all);
@@ -460,7 +460,7 @@ async function pack(version) {
 
 function listen() {
   editor.listen(() => { becomesOwn(); start = ""; showRecords(); if (text().length <= LARGEST) void changed(); });
-  // With a worker that took too long the motion is lost, until the next text.
+  // If a worker took too long, the motion is lost until the next text.
   completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
   select("example").addEventListener("change", () => { const name = select("example").value, own = name ? gallery.get(name) : mine; if (own) void adopt(own); });
   element("open").addEventListener("click", () => input("files").click());
@@ -510,7 +510,7 @@ function listen() {
   calm.addEventListener("change", () => { if (calm.matches) { playing = false; showPlaying(); } });
 }
 
-/** What tests and measurements look at. */
+/** For the tests and measurements. */
 const workbench = { run, study, plane, fit: fits.fit, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, whole: run.machine ? isWhole() : false }) };
 /** @type {any} */ (window).workbench = workbench;
 

@@ -1,4 +1,4 @@
-// Every number of the file as a field and a slider; a change goes into the text.
+// Every parameter of the file as a field and a slider; a change is written into the text.
 
 /** @typedef {{name: string, meaning: string, unit: string, si: string, value: number, exact: number, factor: number, min: number | null, max: number | null, allowed: string, line: number}} Written */
 

@@ -2,20 +2,20 @@
 import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { columnOf, DAMPED, extent, INPUT, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
 
-/** What is chosen to be shown, by name. */
+/** Names of the displayed quantities. */
 export const chosen = { histories: /** @type {string[]} */ ([]), across: "", along: "" };
 
-/** Colours of curves, in their order. */
+/** Colours of curves, in order. */
 const colours = () => [theme.box, theme.block, theme.secondary, theme.relative, theme.falling, theme.here];
 
-/** Chooses what a machine shows at first; keeps what it still has. */
+/** Chooses the quantities that a machine shows at first; keeps earlier ones that it still has. */
 export function choose() {
   const { columns, bodies, elements } = run.machine, has = (/** @type {string} */ name) => columns.some((c) => c.name === name);
   chosen.histories = chosen.histories.filter(has);
   if (!chosen.histories.length) {
     const moving = bodies.filter((b) => !b.prescribed && has(`${b.name}.s`)), all = bodies.filter((b) => has(`${b.name}.s`));
     chosen.histories = (moving.length ? moving : all).slice(0, 3).map((b) => `${b.name}.s`);
-    // Forces of rigid stops are impulses but while they rest: a contact with a force is told by it.
+    // Forces of rigid stops are impulses except during rest; a contact with a force already shows it.
     const contact = elements.find((e) => ["stop", "friction", "freewheel"].includes(e.section) && has(`${e.name}.f`) && extent(columnOf(`${e.name}.f`)).some((f) => f !== 0));
     if (contact) chosen.histories.push(`${contact.name}.f`);
   }
@@ -64,7 +64,7 @@ export function drawHistories(g, w, h) {
       names.forEach((name) => { g.strokeStyle = colours()[chosen.histories.indexOf(name) % 6]; const place = columnOf(name); if (place >= 0) curve(g, frame, place, factor); });
       head(g, frame);
     });
-    // Names beside the unit, each in its colour.
+    // Names next to the unit, each in its colour.
     let x = 52 + 26;
     g.font = `600 11px ${FONT}`; g.textAlign = "left"; g.textBaseline = "middle";
     for (const name of names) { g.fillStyle = colours()[chosen.histories.indexOf(name) % 6]; g.fillText(name, x, k * each + 10); x += g.measureText(name).width + 12; }
@@ -88,7 +88,7 @@ export function drawPortrait(g, w, h) {
   frame.axes(g, { x: `${chosen.across}${ua && ` in ${ua}`}`, y: `${chosen.along}${ub && ` in ${ub}`}` });
   const { rows, width, count } = run;
   frame.inside(g, () => {
-    // The later half is full, what comes before is pale.
+    // The later half is opaque, the earlier one is pale.
     for (const [from, to, alpha] of [[0, Math.floor(count / 2), 0.35], [Math.floor(count / 2), count, 1]]) {
       g.globalAlpha = alpha; g.strokeStyle = theme.box; g.lineWidth = 1.2;
       g.beginPath();

@@ -1,4 +1,4 @@
-// Classes of motions over a plane of two numbers, row by row in two workers.
+// Classes of motions over a plane of two parameters, row by row in two workers.
 import { FONT, Frame, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { halt, study } from "./study.js";
@@ -6,7 +6,7 @@ import { halt, study } from "./study.js";
 /** @typedef {{name: string, range: [number, number], factor: number, unit: string, count: number}} Axis the ends in SI */
 /** @typedef {[string | null, number | null, boolean]} Cell class, impacts and first touches a return, whether it rests */
 
-/** Returns of each motion that are discarded. */
+/** Number of discarded returns of each motion. */
 const DISCARDED = 400;
 
 export const plane = {
@@ -64,7 +64,7 @@ export async function classify(machine, x, y) {
   study.changed();
 }
 
-/** Kinds that were met, each with its colour and its number of motions. */
+/** Classes found so far, each with its colour and its number of motions. */
 export function legend() {
   const counts = KINDS.map(() => 0);
   for (const row of plane.rows) for (const cell of row ?? []) counts[kindOf(cell)]++;
@@ -84,7 +84,7 @@ export function drawPlane(g, w, h, here) {
   const label = (/** @type {Axis} */ { name, unit }) => `${name}${unit && ` in ${unit}`}`;
   frame.axes(g, { x: label(x), y: label(y) });
   frame.inside(g, () => {
-    // A little larger than a cell, so that no seams show.
+    // Slightly larger than a cell, so that no seams are visible.
     rows.forEach((row, j) => row?.forEach((cell, i) => { g.fillStyle = KINDS[kindOf(cell)][1](); g.fillRect(...place(i, j), wide + 0.5, high + 0.5); }));
     if (plane.at) { g.strokeStyle = theme.here; g.lineWidth = 2; g.beginPath(); g.rect(...place(...plane.at), wide, high); g.stroke(); }
     const [px, py] = [frame.px(here[0] * x.factor), frame.py(here[1] * y.factor)];

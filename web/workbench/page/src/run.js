@@ -1,5 +1,5 @@
-// The run on show: rows of all columns from time 0 to its length, its events, and the place of the
-// playhead.
+// The displayed run: rows of all columns from time 0 to its length, its events, and the position
+// of the playhead.
 
 /** @typedef {{time: number, kind: string, element: string, value: number, stops: number, impulse: number}} Met */
 /** @typedef {{name: string, unit: string, meaning: string}} Column */
@@ -7,9 +7,9 @@
 /** @typedef {{name: string, section: string, gap: number | null, rotates: boolean}} Element */
 /** @typedef {{name: string, numbers: any[], columns: Column[], bodies: Body[], elements: Element[], period: number | null, stop: number, step: number, head: number, records: boolean, sketch: {width: number, height: number, names: string[]}}} Machine */
 
-/** Numbers of a row before the columns. */
+/** Number of values in a row before the columns. */
 export const [TIME, KIND, KINETIC, STORED, INPUT, DAMPED, RUBBED, LOST] = Array(8).keys();
-/** Most numbers that are kept: 64 MB. */
+/** Largest number of stored values: 64 MB. */
 const MOST = 8_000_000;
 
 export const run = {
@@ -20,13 +20,13 @@ export const run = {
   count: 0,
   /** @type {Met[]} */
   events: [],
-  /** Length of the run, s, and distance of its ordinary rows. */
+  /** Length of the run and interval of its ordinary rows, s. */
   length: 1,
   step: 1e-3,
-  /** How far it is computed, and why not further. */
+  /** Computed length, and the reason if it ends there. */
   reached: 0,
   problem: "",
-  /** Place of the playhead, s. */
+  /** Position of the playhead, s. */
   at: 0,
   largestImpulse: 0,
 };
@@ -35,7 +35,7 @@ export const run = {
 export function begin(machine, now, length) {
   Object.assign(run, { machine, width: now.length, count: 0, events: [], reached: 0, problem: "", largestImpulse: 0 });
   run.length = length ?? machine.stop;
-  // As many rows as a wide screen has pixels, fewer where there are very many columns.
+  // One row per pixel of a wide screen, fewer with very many columns.
   const rows = Math.max(200, Math.min(1500, Math.floor(1_000_000 / run.width)));
   run.step = run.length / rows;
   run.at = Math.min(run.at, run.length);

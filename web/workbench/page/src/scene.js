@@ -1,14 +1,14 @@
-// The sketch in motion. The library draws it, with its bodies moved; here it is shown, with light
-// where something strikes.
+// The sketch in motion. The library draws it with its bodies moved; this module shows it, with
+// light at impacts.
 import { FONT, rgb, theme } from "../../../explorer/page/src/plot.js";
 import { columnOf, extent, run } from "./run.js";
 
-/** How far a body moves at most from its middle, in units of the drawing. */
+/** Largest displacement of a body from its middle, in units of the drawing. */
 const REACH = 85;
-/** Least size of the picture: its letters can be read. */
+/** Smallest size of the picture with readable letters. */
 const LEAST = 0.2;
 
-/** Where each body is in the middle of its motion, its mean rate where it drifts, and how large its motion is drawn. */
+/** Middle of each body's motion, its mean rate if it drifts, and the scale of its drawn motion. */
 const view = { bodies: /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ ([]), stops: /** @type {{place: number, gap: number, scale: number}[]} */ ([]), scales: [0, 0] };
 export const scene = {
   /** @type {Float32Array} */ marks: new Float32Array(0),
@@ -22,7 +22,7 @@ export const scene = {
 /** The tag of a drawn thing. @param {string} name */
 export const tagOf = (name) => run.machine.sketch.names.lastIndexOf(name);
 
-/** Looks at the whole run, so that it fits. */
+/** Examines the whole run, so that it fits. */
 export function look() {
   const { machine, width, rows, count } = run;
   const first = rows[0], span = rows[(count - 1) * width] - first || 1;
@@ -30,7 +30,7 @@ export function look() {
     const place = columnOf(`${body.name}.s`);
     if (place < 0 || count < 2) return { place: -1, middle: 0, drift: 0, scale: 0 };
     let [low, high] = extent(place), drift = 0;
-    // A body that goes far more than it swings is shown without its mean rate.
+    // A body that drifts far more than it oscillates is shown without its mean rate.
     const rate = (rows[(count - 1) * width + place] - rows[place]) / span;
     let least = Infinity, largest = -Infinity;
     for (let i = 0; i < count; i++) { const x = rows[i * width + place] - rate * (rows[i * width] - first); if (x < least) least = x; if (x > largest) largest = x; }
@@ -75,7 +75,7 @@ function colourOf(colour) {
   if (colour === 0) return theme.ink;
   if (colour === 0xffffff) return theme.card;
   const [r, g, b] = [colour >> 16, (colour >> 8) & 255, colour & 255];
-  // Grey strokes, else the fill of bodies.
+  // Grey strokes; otherwise the fill of bodies.
   return r === g && g === b ? theme.soft : theme.body;
 }
 
@@ -127,7 +127,7 @@ export function draw(g, width, height, scale) {
       i += 6;
     }
   }
-  // Impulses over what they strike, while the light lasts.
+  // Impulses above the struck elements, while the light lasts.
   g.textAlign = "center"; g.textBaseline = "bottom"; g.font = `600 11px ${FONT}`;
   for (const [own, { light, words: told }] of glow) {
     const at = middles.get(own);

@@ -1,4 +1,4 @@
-// The studies' card: which numbers and ranges, what is shown, and what a click plays.
+// The studies' card: parameters and ranges, the displayed quantity, and the motion played by a click.
 import { classify, cellAt, cellOf, drawPlane, legend, plane } from "./plane.js";
 import { run } from "./run.js";
 import { diagram, drawStudy, forget as forgetStudy, halt, nearest, orbits, step, study } from "./study.js";
@@ -7,7 +7,7 @@ const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (docume
 const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (document.getElementById(id));
 const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (document.getElementById(id));
 
-/** The number, its ends and its unit: elements by name, of the first and of the second axis. */
+/** The parameter, its ends and its unit: elements by name, of the first and of the second axis. */
 const FIRST = { parameter: "parameter", from: "from", to: "to", unit: "studyUnit" };
 const SECOND = { parameter: "second", from: "from2", to: "to2", unit: "secondUnit" };
 
@@ -29,7 +29,7 @@ function adoptRange(ids) {
   element(ids.unit).textContent = n.unit;
 }
 
-/** Brings the lists of numbers up to date with the machine. */
+/** Updates the lists of parameters for the machine. */
 export function show() {
   const names = run.machine.numbers.map((n) => n.name);
   if (select("parameter").dataset.names === names.join()) return;
@@ -59,7 +59,7 @@ async function during(what) {
   study.changed();
 }
 
-/** Forgets what is on show. */
+/** Discards the displayed result. */
 export function forget() {
   forgetStudy();
   element("halt").hidden = element("progress").hidden = true;
@@ -87,7 +87,7 @@ export function draw(g, w, h, isHere = true) {
   drawPlane(g, w, h, isHere ? [exact(plane.x?.name), exact(plane.y?.name)] : [NaN, NaN]);
 }
 
-/** The legend, where it is another. */
+/** The legend, if it has changed. */
 function showLegend() {
   const kinds = study.shown === "plane" ? legend() : [], all = kinds.reduce((sum, kind) => sum + kind.count, 0);
   element("legend").replaceChildren(...kinds.map(({ words, colour, count }) => {

@@ -1,5 +1,5 @@
-// Studies over a number, in workers of their own: two directions of a bifurcation diagram side by
-// side, and periodic orbits.
+// Studies over a parameter, in separate workers: two directions of a bifurcation diagram in
+// parallel, and periodic orbits.
 import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";
@@ -21,7 +21,7 @@ export const study = {
   told: /** @type {(part: number, words: string) => void} */ (() => {}),
 };
 
-/** Seconds beyond the chosen time after which a search of orbits is ended by force. */
+/** Time beyond the chosen limit after which a search of orbits is ended by force, s. */
 const GRACE = 0.5;
 
 /** The value at an index, SI. @param {number} i */
@@ -76,7 +76,7 @@ export async function orbits(machine, asked) {
     study.told(Math.max(study.branches.length / Math.max(1, known), passed() / seconds), `${several(study.branches.length, "branch", "branches")} of ${known} known of so far, after ${passed().toFixed(0)} s of ${seconds} s at most.`);
     study.changed();
   };
-  // One long motion or branch may not look at the clock: the worker is then ended, and what it has told stays.
+  // A long motion or branch may not check the clock: the worker is then ended, and its reported results are kept.
   const late = window.setTimeout(() => helper.end("late"), 1000 * (seconds + GRACE));
   study.told(0, `Motions settle; then their orbits are followed over the range, for ${seconds} s at most.`);
   try {
@@ -127,7 +127,7 @@ export function drawStudy(g, w, h, here) {
   });
 }
 
-/** Forgets what is on show: it is another machine's. */
+/** Discards the displayed result, which belongs to another machine. */
 export function forget() {
   halt("");
   Object.assign(study, { parameter: "", found: { rising: [], falling: [] }, branches: [], at: null, frame: null, shown: "diagram" });

@@ -1,4 +1,4 @@
-// What one takes along: the file, tables, pictures, FMUs.
+// Downloads: the file, tables, pictures, FMUs.
 import { SvgContext } from "../../../explorer/page/src/svg.js";
 import { theme } from "../../../explorer/page/src/plot.js";
 import { run } from "./run.js";
@@ -15,7 +15,7 @@ export function save(name, content) {
 /** A cell: every number reads back to the same double. @param {number} x */
 const cell = (x) => (Number.isFinite(x) ? String(x) : "");
 
-/** The columns over time: the ordinary rows, and those before and after each event. */
+/** The columns over time: ordinary rows, and the rows before and after each event. */
 export function runCsv() {
   const { machine, rows, width, count } = run, wide = machine.columns.length, lines = [["time", ...machine.columns.map((c) => c.name)].join(",")];
   for (let i = 0; i < count; i++) { const at = i * width; lines.push([rows[at], ...rows.subarray(at + machine.head, at + machine.head + wide)].map(cell).join(",")); }

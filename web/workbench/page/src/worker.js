@@ -1,4 +1,4 @@
-// What a worker does for the page: one question at a time, in the order in which they come.
+// Work of a worker for the page: one question at a time, in order of arrival.
 import * as core from "vibro-core";
 
 const post = (/** @type {any} */ message, /** @type {Transferable[]} */ moved = []) => /** @type {any} */ (self).postMessage(message, moved);
@@ -6,7 +6,7 @@ let id = 0;
 /** @type {any} */ (globalThis).panicked = (/** @type {string} */ words) => post({ panicked: words });
 /** @type {any} */ (globalThis).progressed = (/** @type {string} */ branches, /** @type {number} */ known) => { post({ id, part: { branches: JSON.parse(branches), known } }); return performance.now() < until; };
 
-/** When a fit or a search of orbits ends at the latest, how many steps it has made, when they were last told. */
+/** Time limit of a fit or a search of orbits, its number of steps, and the time of the last report. */
 let until = 0, steps = 0, toldAt = 0;
 /** @type {any} */ (globalThis).goesOn = () => {
   const now = performance.now();
@@ -17,7 +17,7 @@ let until = 0, steps = 0, toldAt = 0;
 
 /** @type {core.Bench | null} */
 let bench = null;
-/** Time at which the run begins, s: the page counts from there. */
+/** Start time of the run, s: the page counts from it. */
 let zero = 0;
 /** @type {core.Plane | null} */
 let plane = null;
@@ -30,7 +30,7 @@ function run({ to, step, time, most }) {
   const until = performance.now() + time, parts = /** @type {Float64Array[]} */ ([]), now = () => (bench ? bench.time() - zero : 0);
   let problem = "", length = 0, at = now();
   while (bench && at < to - 1e-9 * step && length < most) {
-    // The instants are whole multiples of the step, so that they do not depend on the slices.
+    // The instants are whole multiples of the step, so they do not depend on the slices.
     const next = Math.min(to, (Math.floor(at / step + 1e-9) + 1) * step);
     try { const rows = bench.record(zero + next, 1, 2000); parts.push(rows); length += rows.length; } catch (error) { problem = String(/** @type {Error} */ (error).message ?? error); break; }
     at = now();

@@ -1,6 +1,6 @@
-// Motions of the gallery by the WebAssembly core, for a comparison with the native library: node
-// core.mjs <folder of the core> <rows>. A line for each machine, JSON: its file, the length of its
-// default experiment, all columns at equal distances, and its events.
+// Motions of the gallery from the WebAssembly core, for comparison with the native library: node
+// core.mjs <folder of the core> <rows>. One line of JSON per machine: its file, the length of its
+// default experiment, all columns at equal intervals, and its events.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -10,7 +10,7 @@ import { decoder } from "../src/lzma.js";
 const folder = resolve(process.argv[2]), count = Number(process.argv[3]);
 const core = await import(pathToFileURL(join(folder, "core.js")).href);
 const wasm = readFileSync(join(folder, "core_bg.wasm")), packed = new Uint8Array(readFileSync(join(folder, "core.lzma")));
-// What the page unpacks is what was compressed, byte for byte.
+// The page unpacks the compressed module byte for byte.
 if (!wasm.equals(Buffer.concat([...pieces(decoder(packed))]))) throw new Error("core.lzma does not unpack to core_bg.wasm");
 core.initSync({ module: new WebAssembly.Module(wasm) });
 const gallery = JSON.parse(core.examples()), records = gallery.filter(([name]) => !name.endsWith(".toml"));

@@ -1,4 +1,4 @@
-// FMUs that the page packs, downloaded in headless Chromium: node fmu.mjs <npm packages> <page with
+// FMUs packed by the page, downloaded in headless Chromium: node fmu.mjs <npm packages> <page with
 // a kit> <folder> <example>….
 import assert from "node:assert/strict";
 import { join } from "node:path";

@@ -1,5 +1,5 @@
-// What the goals of the page are measured by: node measure.mjs <npm packages> <page>. Times are
-// medians of several.
+// Measurements for the goals of the page: node measure.mjs <npm packages> <page>. Times are
+// medians of several runs.
 import { open } from "../../../explorer/page/test/browser.mjs";
 
 const [packages, page] = process.argv.slice(2);

@@ -21,9 +21,9 @@ async function stillness(tab, what) {
   await what();
   return tab.evaluate("(window.watching = false, window.gap)");
 }
-/** A page that is still for longer than this is frozen, ms. */
+/** A page without response for longer than this is frozen, ms. */
 const FROZEN = 1500;
-/** By which numbers the record of docs/fit.md was made (crates/command-line/tests/fit.rs). */
+/** Parameters of the record in docs/fit.md (crates/command-line/tests/fit.rs). */
 const MADE = { stiffness: 1e4, force: 1 };
 
 /** @type {Record<string, () => Promise<void>>} */
@@ -53,7 +53,7 @@ const tests = {
       for (let i = 0; i < lines.length && broken < 60; i++) {
         const key = lines[i].match(/^(\w+)( *= *)(.*)$/);
         if (!key) continue;
-        // A key that is none, and a value that cannot be.
+        // An unknown key, and an invalid value.
         const worse = broken % 2 ? `${key[1]}${key[2]}"none of it"` : `${key[1]}x${key[2]}${key[3]}`;
         await tab.fill("#text", lines.with(i, worse).join("\n"));
         await settled(tab);
@@ -92,7 +92,7 @@ const tests = {
     await tab.press("[id='n-stop.steel.restitution']", "Enter");
     await tab.waitForSelector(".field.bad");
     assert.match(await tab.textContent(".field.bad .why"), /allowed is a number from 0 to 1/);
-    // Undone and done again: what was typed, numbers, and the example that took the text's place.
+    // Undo and redo: typed text, numbers, and the example that replaced the text.
     await pick(tab, "gear_backlash.toml");
     await tab.focus("#text");
     const gears = await text(tab);
@@ -103,7 +103,7 @@ const tests = {
     await tab.keyboard.press("Control+y"); await tab.keyboard.press("Control+y");
     assert.equal(await text(tab), gears);
     await settled(tab);
-    // A number below zero keeps its unit.
+    // A negative number keeps its unit.
     assert.match(gears, /"-937\.5 rpm"/);
     assert.ok((await tab.$$eval("#fields input[type=text]", (/** @type {any[]} */ all) => all.map((i) => i.value))).includes("-937.5"));
     assert.deepEqual(wrong, []);
@@ -149,13 +149,13 @@ const tests = {
       await tab.evaluate((/** @type {string} */ to) => { location.hash = to; }, damaged);
       await isTold();
       assert.equal(await text(tab), before, damaged);
-      // The address stays as it is, so that a reload says the same.
+      // The address is unchanged, so that a reload shows the same.
       await tab.waitForTimeout(500);
       assert.equal(await tab.evaluate("location.hash"), damaged);
     }
     await tab.reload(); await tab.waitForFunction(READY);
     await isTold();
-    // A text with a record is in no link.
+    // A text with a record is not put into a link.
     const own = `name = "Own"\n[body.m]\nmass = 1.0\n[load.f]\non = "m"\ntable = "own.csv"\n`;
     await tab.evaluate((/** @type {string} */ own) => workbench.receive([new File([own], "own.toml"), new File(["time,force\n0,0\n1,2\n"], "own.csv")]), own);
     await tab.waitForFunction("workbench.run.machine.name === 'Own'");
@@ -228,12 +228,12 @@ const tests = {
     await tab.waitForFunction((/** @type {string} */ t) => /** @type {any} */ (document.querySelector("#text")).value !== t, before);
     await settled(tab);
     assert.match(await tab.textContent("#studyWords"), /load\.shaker\.frequency = .* Hz: \d+T|chaotic|quasi/);
-    // The motion is there, and its time counted from where it begins.
+    // The motion is shown, with its time counted from its start.
     const played = () => tab.evaluate("({ first: workbench.run.rows[0], last: workbench.run.rows[(workbench.run.count - 1) * workbench.run.width], events: workbench.run.events.map((e) => e.time), length: workbench.run.length, problem: workbench.run.problem })");
     await whole(tab);
     const { first, last, events, length } = await played();
     assert.equal(first, 0); assert.ok(Math.abs(last - length) < 1e-9 && events.length > 5 && events.every((/** @type {number} */ t) => t >= 0 && t <= length), `${first} ${last} ${events.slice(0, 3)}`);
-    // By the keyboard, too.
+    // With the keyboard, too.
     const clicked = await text(tab);
     await tab.focus("#diagram");
     for (const key of ["ArrowRight", "ArrowRight", "ArrowUp", "Enter"]) await tab.keyboard.press(key);
@@ -249,7 +249,7 @@ const tests = {
     await tab.click("#orbits");
     await tab.waitForFunction("!workbench.study.running && workbench.study.branches.length > 0", null, { timeout: 120_000 });
     assert.ok(await tab.evaluate("workbench.study.branches.some((b) => b.length > 3 && b.some((p) => p[2]))"));
-    // A point of a branch is played: of a machine with a prescribed body, whose start is not in the start's file.
+    // Plays a point of a branch, for a machine with a prescribed body, whose start is not in the start file.
     await tab.waitForFunction("workbench.study.frame !== null");
     const [px, py] = await tab.evaluate("(() => { const { study } = workbench, b = study.branches.find((b) => b.length > 9), p = b[5], [k] = workbench.shownIn(study.ofUnit, Math.max(...study.frame.y.map(Math.abs))); return [study.frame.px(p[0] * study.factor), study.frame.py(p[1] * k)]; })()");
     await tab.click("#diagram", { position: { x: px, y: py } });
@@ -272,7 +272,7 @@ const tests = {
   },
   async "a search of orbits ends within its time, also where one motion takes longer"() {
     const { tab, wrong, close } = await browser.tab({}, "#example=impact_pair");
-    /** Chosen time and the longest that the page may take, s. */
+    /** Chosen time, and time limit of the page, s. */
     const [CHOSEN, MOST] = [2, 6];
     // 2e18 impacts a second between two walls one nanometre away.
     const walls = ["f", "g"].map((name) => `[stop.${name}]\nbetween = ${name === "f" ? '["ground", "a"]' : '["a", "ground"]'}\ngap = 1e-9\nrestitution = 1\n`).join("");
@@ -300,7 +300,7 @@ const tests = {
     assert.equal(await tab.getAttribute("#text", "aria-activedescendant"), "offer-0");
     await tab.keyboard.press("Tab");
     await type(".floor]");
-    // Enter is a new line where nothing was marked.
+    // Enter inserts a new line if nothing is selected.
     await tab.keyboard.press("Enter");
     await type("betw");
     await offers("between");
@@ -333,7 +333,7 @@ const tests = {
     await settled(tab);
     assert.equal(await text(tab), `${own}[stop.floor]\nbetween = ["ground", "bat"]\ngap = "4 mm"\nrestitution = 0.5\n`);
     assert.ok(await tab.isHidden("#problems"), await tab.textContent("#problems"));
-    // Asked for at an empty line, keys that do not stand yet; Escape closes, undo takes back what was taken.
+    // Requested at an empty line: keys that are not used yet; Escape closes, undo removes an accepted offer.
     await tab.keyboard.press("Control+ ");
     await offers("arms,stiffness,damping,law");
     await tab.keyboard.press("Enter");
@@ -357,7 +357,7 @@ const tests = {
     /** @type {Record<string, string[]>} */
     const RANGES = { "load.shaker.frequency": ["6", "13"], "stop.steel.restitution": ["0.3", "0.9"] };
     await tab.selectOption("#cells", "12");
-    // The plane with its axes changed over is the same plane.
+    // The plane with exchanged axes is the same plane.
     const other = await computed("stop.steel.restitution", "load.shaker.frequency");
     const { rows, frame, x, y } = await computed("load.shaker.frequency", "stop.steel.restitution");
     assert.ok(rows.length === 12 && rows.every((/** @type {any[]} */ row) => row.length === 12));
@@ -368,7 +368,7 @@ const tests = {
     const legend = await tab.textContent("#legend");
     assert.equal(/undecided/.test(legend ?? ""), classes.has("not settled"), legend);
     const kinds = await tab.$$eval("#legend li", (/** @type {any[]} */ all) => all.map((li) => li.textContent));
-    // Shares of all kinds in the legend make the whole plane, each rounded to a tenth.
+    // The fractions of all classes in the legend add up to the whole plane, each rounded to a tenth.
     const shares = kinds.map((/** @type {string} */ words) => Number(words.match(/([\d.]+) %$/)?.[1]));
     assert.ok(Math.abs(shares.reduce((/** @type {number} */ a, /** @type {number} */ b) => a + b, 0) - 100) <= 0.05 * kinds.length + 1e-9, kinds.join());
     // A click writes the values of its cell into the text.
@@ -405,7 +405,7 @@ const tests = {
     await tab.setInputFiles("#files", [{ name: "record.csv", mimeType: "text/csv", buffer: Buffer.from(record) }]);
     await tab.waitForFunction("/record.csv: 41 samples of slide.s, from 0 to 0.2 s/.test(document.querySelector('#fitWords').textContent)");
     assert.ok(await tab.isDisabled("#fitBegin"));
-    // A table of another form is told, and nothing is lost.
+    // A table of another form is reported, and nothing is lost.
     await tab.setInputFiles("#files", [{ name: "european.csv", mimeType: "text/csv", buffer: Buffer.from("time;slide.s\n0,1;0,5\n") }]);
     await tab.waitForFunction("/european.csv: .*line 2.*0,1.* has a decimal comma; expected a decimal point/.test(document.querySelector('#fitWords').textContent)");
     await tab.setInputFiles("#files", [{ name: "picture.png", mimeType: "image/png", buffer: Buffer.from("\x89PNG") }]);
@@ -419,7 +419,7 @@ const tests = {
     await tab.waitForFunction("workbench.fit.found", null, { timeout: 60_000 }).catch(async (/** @type {Error} */ e) => { throw new Error(`${e.message}: ${await tab.textContent("#fitWords")}`); });
     const { verdict, values, columns } = await tab.evaluate("workbench.fit.found");
     assert.equal(verdict, "fits", await tab.textContent("#fitWords"));
-    // Within four standard errors of the numbers by which the record was made (docs/fit.md).
+    // Within four standard errors of the parameters used for the record (docs/fit.md).
     for (const [i, truth] of [[0, MADE.stiffness], [1, MADE.force]]) assert.ok(Math.abs(values[i].value - truth) < 4 * values[i].error && values[i].error < 0.05 * truth, JSON.stringify(values[i]));
     assert.equal(columns[0].motion.length, 41);
     assert.match(await tab.textContent("#fitTable"), /spring\.mount\.stiffness.*kN\/m8/);
@@ -429,7 +429,7 @@ const tests = {
     const own = await tab.evaluate("Object.fromEntries(workbench.run.machine.numbers.map((n) => [n.name, n.exact]))");
     for (const { name, value } of values) assert.ok(Math.abs(own[name] / value - 1) < 1e-8, name);
     assert.ok((await text(tab)).includes('mass = "1 kg"'));
-    // A record of another machine is refused in words; a fit is stopped by a click.
+    // A record of another machine is refused with a message; a click stops a fit.
     await tab.setInputFiles("#files", [{ name: "other.csv", mimeType: "text/csv", buffer: Buffer.from("time,slide.s,box.s\n0,0,0\n0.1,0,0\n") }]);
     await tab.click("#fitBegin");
     await tab.waitForFunction("/box/.test(document.querySelector('#fitWords').textContent) && !workbench.fit.helper");
@@ -439,7 +439,7 @@ const tests = {
     await tab.setInputFiles("#files", [{ name: "long.csv", mimeType: "text/csv", buffer: Buffer.from(long) }]);
     await tab.waitForFunction("/long.csv: 4000 samples/.test(document.querySelector('#fitWords').textContent)");
     await tab.click("#fitBegin");
-    // Stopped in the page itself: the fit may end before a click from outside arrives.
+    // Stopped in the page itself: the fit may end before an external click arrives.
     await tab.waitForFunction("/^\\d+ steps in/.test(document.querySelector('#fitWords').textContent) && (document.querySelector('#fitHalt').click(), true)", null, { polling: 20 });
     assert.match(await tab.textContent("#fitWords"), /Stopped/);
     assert.ok(await tab.isHidden("#fitHalt"));

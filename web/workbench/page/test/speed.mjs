@@ -1,5 +1,5 @@
-// Processor time of the core, which other programs on the computer do not change much: node
-// speed.mjs <folder of the core>.
+// Processor time of the core, which other programs hardly affect: node speed.mjs <folder of the
+// core>.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";

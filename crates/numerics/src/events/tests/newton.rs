@@ -1,10 +1,10 @@
 //! Newton's method on rising polynomials, in flights and in general, against exact roots and
-//! against its criteria in 60 digits.
+//! against its criteria computed with 60 digits.
 
 use super::super::*;
 use super::{ROOT, random};
 
-/// [`flight_crossing`] from a start to an end, and its number of iterations.
+/// [`flight_crossing`] on an interval, with its number of iterations.
 struct Flight<'a>(&'a [f64; PADDED], f64, f64);
 
 impl pulp::WithSimd for Flight<'_> {
@@ -47,8 +47,8 @@ fn second_method_nearly_straight_passages() {
                     assert!((a - b).abs() < ROOT / slope.abs().min(1.0), "{a} {b} {c:?}");
                 }
                 (None, None) => {}
-                // A root within rounding of the end: Newton's iterate lies inside, but the computed
-                // p(hi) is not positive.
+                // A root within rounding of the end: Newton's iterate lies inside, but the
+                // computed p(hi) is not positive.
                 (Some(u), None) => assert!(u < hi && hi - u < ROOT, "{u} {hi} {c:?}"),
                 (None, Some(u)) => panic!("missed the passage at {u} before {hi}: {c:?}"),
             }
@@ -57,8 +57,8 @@ fn second_method_nearly_straight_passages() {
     assert!(found > 5000, "{found}");
 }
 
-/// Criterion by which Newton's method ends early, against the exact root of
-/// p = (u - r)(1 + b (u - r)), for which the factor K is known.
+/// Criterion that ends Newton's method early, against the exact root of p = (u - r)(1 + b (u -
+/// r)), for which the factor K is known.
 #[test]
 fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
     let mut random = random(5);
@@ -76,9 +76,9 @@ fn closed_form_the_newton_criterion_holds_up_to_its_largest_factor() {
     assert!(ended > 10_000);
 }
 
-/// Estimate that ends Newton's method early, against Newton's method in 60 digits, where the
-/// estimate is up to 7 % under and over the resolution: equal numbers of iterations, and the root
-/// to a few roundings.
+/// Estimate that ends Newton's method early, against Newton's method with 60 digits, with
+/// estimates up to 7 % above and below the resolution. The numbers of iterations are equal, and
+/// the roots agree within a few roundings.
 #[test]
 fn golden_newton_ends_where_its_estimate_says() {
     /// Relative error: the estimate allows ε, and rounding of p, of the step and of u add ε each.
@@ -89,7 +89,7 @@ fn golden_newton_ends_where_its_estimate_says() {
         let numbers: Vec<f64> = row.split(',').map(|text| text.parse().unwrap()).collect();
         let [_, c @ .., start, factor, _, _, expected, high, low] = &numbers[..] else { panic!("{row}") };
         let c: [f64; 5] = c.try_into().unwrap();
-        // K is summed in another order.
+        // K is summed in a different order.
         let (known, own) = shape(&c);
         assert!(known == Shape::Rising && (own - factor).abs() < 1e-10 * factor, "{row}: {own}");
         let mut iterations = 0;
@@ -99,7 +99,7 @@ fn golden_newton_ends_where_its_estimate_says() {
     }
 }
 
-/// The estimate ends the method at equality, too: on a straight line all of its numbers are exact.
+/// The estimate ends the method at equality, too: on a straight line all of its values are exact.
 #[test]
 fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
     // From u = 1 the step is 2⁻²⁰, and 4 K 2⁻⁴⁰ = 2⁻⁵².
@@ -113,15 +113,15 @@ fn closed_form_newton_ends_where_the_estimate_equals_the_resolution() {
 }
 
 /// Estimates that end [`flight_crossing`], against the coefficients c at which they equal the
-/// resolution, computed in 60 digits. For p = u - 1/2 + c u⁸ the first step, from u = 1/2, is
-/// m = (c/256)/(1 + c/16), and K = 28 c/(1 - 8 c). The first estimate is 4 K m², the second
-/// 8 K² m² (m + 4 K m²); the resolution is ε (1/2 - m).
+/// resolution, computed with 60 digits. For p = u - 1/2 + c u⁸ the first step, from u = 1/2, is m
+/// = (c/256)/(1 + c/16), and K = 28 c/(1 - 8 c). The first estimate is 4 K m², the second 8 K² m²
+/// (m + 4 K m²); the resolution is ε (1/2 - m).
 #[test]
 fn golden_flights_end_where_their_estimates_say() {
     const FIRST: f64 = 4.019_556_791_509_709e-5;
     const SECOND: f64 = 3.092_014_722_553_670_4e-3;
-    /// Relative distance of c from those values. The estimates grow as c³ and c⁵, and their
-    /// rounding is some ε.
+    /// Relative distance of c from these values. The estimates grow as c³ and c⁵, and their
+    /// rounding is a few ε.
     const BESIDE: f64 = 1e-14;
     let ends = |c8: f64, most: u64| {
         let mut c = [0.0; PADDED];
@@ -136,7 +136,8 @@ fn golden_flights_end_where_their_estimates_say() {
         assert_eq!(ends(tight * (1.0 - BESIDE), steps), [true; 2], "{steps}");
         assert_eq!(ends(tight * (1.0 + BESIDE), steps), [false; 2], "{steps}");
     }
-    // At equality, as for a root in the centre, where both sides are zero, the estimate ends it.
+    // The estimate also ends the method at equality, as for a root at the centre, where both sides
+    // are zero.
     for bend in [0.0, 0.125] {
         let mut c = [0.0; PADDED];
         [c[1], c[2]] = [1.0, bend];
@@ -144,18 +145,17 @@ fn golden_flights_end_where_their_estimates_say() {
     }
 }
 
-/// Polynomials p = s (u - r) (1 + b (u - r)), exact in their coefficients, with the root at either
-/// end of the interval.
+/// Polynomials p = s (u - r) (1 + b (u - r)) with exact coefficients and the root at one end of
+/// the interval.
 #[test]
 fn closed_form_flights_with_roots_at_the_ends() {
-    /// Bends b. With the larger ones the root is found by the second step, with the smaller ones by
-    /// the first.
+    /// Bends b. The second step finds the root for larger ones, the first step for smaller ones.
     const BENDS: [f64; 5] = [0.0, 1.0 / 1024.0, -1.0 / 1024.0, 0.125, -0.125];
     for s in (1..1000).map(f64::from) {
         for (r, b) in [-0.25, 0.5, 0.75].into_iter().flat_map(|r| BENDS.map(|b| (r, b))) {
             let mut c = [0.0; PADDED];
             [c[0], c[1], c[2]] = [-s * r * (1.0 - b * r), s * (1.0 - 2.0 * b * r), s * b];
-            // A root at the end is no passage; rounding may find one just before it.
+            // A root at the end is not a passage; rounding may find one just before it.
             for (root, _) in flights(&c, -1.0, r) {
                 assert!(root.is_none_or(|u| u < r && r - u < ROOT), "{s} {r} {b}: {root:?}");
             }
@@ -169,9 +169,9 @@ fn closed_form_flights_with_roots_at_the_ends() {
     }
 }
 
-/// Bound e ≤ m + K m² on the error e before a Newton step m, from a place where p' = P. Of all
-/// rising p with p' ≥ σ and |p''| ≤ 2 K σ the one whose slope falls fastest has the shortest step;
-/// the bound holds for it with each P, with equality for P = σ sqrt(1 + 4 K e).
+/// Bound e ≤ m + K m² on the error e before a Newton step m, from a point where p' = P. Among all
+/// rising p with p' ≥ σ and |p''| ≤ 2 K σ, the polynomial whose slope falls fastest has the
+/// shortest step. The bound holds for it for each P, with equality for P = σ sqrt(1 + 4 K e).
 #[test]
 fn closed_form_the_error_before_a_newton_step() {
     const ROUNDING: f64 = 1e-12;

@@ -1,5 +1,5 @@
-//! Equations of a curve in two parameters: those of contact, and a condition for the bifurcation or
-//! the touch.
+//! Equations of a curve in two parameters: the contact equations, and a condition for the
+//! bifurcation or the touch.
 
 use crate::curve::{Equations, Linearization, slope};
 use crate::obstacle::Obstacle;
@@ -13,21 +13,21 @@ use crate::two_parameters::{Border, LocusEnd, TwoParameters, smallness};
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Step of the differences of the condition. It sets the speed of convergence and never the result.
+/// Step of the condition's differences. It affects the speed of convergence, not the result.
 const DIFFERENCE: f64 = 1e-6;
 
 /// Condition that holds along a curve.
 #[derive(Clone, Debug)]
 pub(crate) enum Condition {
-    /// A multiplier ±1: the factor with which variations close, and the borders.
+    /// A multiplier ±1: the factor of closing variations, and the borders.
     Real(f64, Border<f64>),
     /// A pair of multipliers on the unit circle, whose angle is one of the unknowns.
     Complex(Border<Complex<f64>>),
-    /// An impact without speed.
+    /// An impact at zero speed.
     Touch(usize),
 }
 
-/// Equations of a curve. A point holds the phases, the angle of the multipliers where it is an
+/// Equations of a curve. A point contains the phases, the angle of the multipliers if it is an
 /// unknown, and the two parameters.
 #[derive(Clone)]
 pub(crate) struct Locus<'a> {
@@ -46,7 +46,7 @@ impl Locus<'_> {
         matches!(self.condition, Condition::Complex(_)).then(|| u[self.n()])
     }
 
-    /// Values of a bifurcation's condition at a point, in a machine anchored as given.
+    /// Values of a bifurcation's condition at a point, in a machine with a given anchor.
     fn tests(&self, u: &DVector<f64>, anchor: Option<Anchor>) -> Result<Vec<f64>, Obstacle> {
         let system = self.family.system_at(u)?.anchored(anchor);
         let cycle = Cycle::new(&system, self.word, &u.as_slice()[..self.n()])?;

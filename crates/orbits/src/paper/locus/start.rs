@@ -18,25 +18,25 @@ use crate::two_parameters::Border;
 use nalgebra::{Complex, DVector};
 use vibro_studies::{Error, Result as Outcome};
 
-/// Approach speed, units of ω1 L, below which an impact is a touch. At a located touch it is zero
-/// except for rounding.
+/// Largest approach speed of a touch, units of ω1 L. At a located touch it is zero except for
+/// rounding.
 const NO_SPEED: f64 = 1e-6;
-/// Distance from a stop, units of L, below which an extremum touches it.
+/// Largest distance of a touching extremum from its stop, units of L.
 const NO_DISTANCE: f64 = 1e-6;
-/// Largest differences of phases (rad) and parameters (in ranges) at which two starts count as one.
+/// Tolerances for equal starts: phases (rad) and parameters (as fractions of their ranges).
 const SAME: f64 = 1e-6;
-/// Largest change of a phase, rad, from a start to its point of the curve.
+/// Largest change of a phase, rad, from a start to its point on the curve.
 const NEAR: f64 = 0.2;
-/// Largest miss of contact, units of L, of a start that belongs to the machine.
+/// Tolerance for the contact error of a start from the same machine, units of L.
 const MISS: f64 = 0.05;
 
-/// A point from which a curve in two parameters is followed.
+/// A starting point of a curve in two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocusStart {
     /// Type of all points of the curve: LP, BP, PD, NS, GR or CH.
     pub label: Label,
-    /// The word of the orbit, or a repetition of it, such as the word of a branch at its birth. At
-    /// a touch, the word with or without the touching impact.
+    /// The word of the orbit or a repetition of it, as for a branch at its birth. At a touch, the
+    /// word with or without the touching impact.
     pub word: OrbitWord,
     /// Phases of the impacts near the point.
     pub phases: Vec<f64>,
@@ -45,8 +45,8 @@ pub struct LocusStart {
 }
 
 impl LocusStart {
-    /// This special point in the shortest word of its orbit, in which its curve is followed; at a
-    /// touch in the shortest word that lists it.
+    /// This special point in the shortest word of its orbit; its curve is followed in this word.
+    /// At a touch this is the shortest word that lists the touch.
     ///
     /// # Errors
     /// As [`locus`](super::locus).
@@ -62,7 +62,7 @@ impl LocusStart {
         Ok(Self { label, word, phases, values })
     }
 
-    /// Whether another start is the same special point. A point at which two branches meet is a
+    /// Whether another start is the same special point. A point where two branches meet is a
     /// special point of both.
     ///
     /// # Errors
@@ -77,21 +77,21 @@ impl LocusStart {
     }
 }
 
-/// Condition that holds along a curve, by its type.
+/// Condition along a curve, by type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LocusCondition {
     /// A multiplier ±1.
     Real(f64),
     /// A pair of multipliers on the unit circle.
     Pair,
-    /// An impact of the word without speed.
+    /// An impact of the word with zero approach speed.
     Touch(usize),
 }
 
 /// A start in the shortest word of its orbit; at a touch in the shortest word that lists it once.
 ///
-/// At its birth, a branch born by a doubling has a word passed twice, with the multiplier 1 instead
-/// of -1. At a touch the words of several branches meet; only the shortest one with the touch has
+/// At its birth, a branch from a doubling has a word repeated twice, with the multiplier 1 instead
+/// of -1. At a touch, the words of several branches meet. Only the shortest one with the touch has
 /// equations that are regular whatever the symmetry of the orbit.
 #[derive(Debug)]
 pub(crate) struct Normal {
@@ -105,8 +105,8 @@ impl Normal {
     /// The normal form of a start.
     ///
     /// # Errors
-    /// [`Error::Form`] if the label defines no curve of the word; [`Error::NoOrbit`] if the phases
-    /// are not those of an orbit of the machine.
+    /// [`Error::Form`] if the label does not define a curve of the word; [`Error::NoOrbit`] if the
+    /// phases do not belong to an orbit of the machine.
     pub fn of(family: &Family, start: &LocusStart) -> Outcome<Self> {
         let LocusStart { label, word, phases, values } = start;
         let form = || {
@@ -148,7 +148,7 @@ impl Normal {
     }
 }
 
-/// The touch of an orbit: impacts of its word without speed, or the extremum at a stop that its
+/// The touch of an orbit: impacts of its word at zero speed, or the extremum at a stop that its
 /// word does not list.
 fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> Result<Touch, Obstacle> {
     let system = family.system(values)?;
@@ -178,23 +178,23 @@ fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> R
             let (longer, u) = (word.inserted(index, side), u.insert_row(index, phase));
             Touch { longer, index, u, also: Vec::new(), from_longer: false }
         }
-        // Neither is found. The start is a guess, and its slowest impact is taken as the touch.
+        // Neither is found: the start is a guess, and its slowest impact is taken as the touch.
         None => listed(),
     })
 }
 
-/// The point of the curve next to a start, with the second parameter fixed.
+/// The point of the curve near a start, with the second parameter fixed.
 ///
-/// A located special point is itself the guess. It is not first moved to an orbit at its
-/// parameters: beyond a fold there is no orbit, and the rounded parameters of the fold may lie
-/// beyond it. The equations of the curve are regular there. A rougher guess is first moved to the
+/// A located special point is itself the guess: it is not first moved to an orbit at its
+/// parameters. Beyond a fold there is no orbit, and the rounded parameters of the fold may lie
+/// beyond it; the equations of the curve are regular there. A rougher guess is first moved to the
 /// orbit at its parameters.
 pub(crate) fn first_point<'a>(
     family: &'a Family,
     normal: &'a Normal,
 ) -> Result<(Locus<'a>, DVector<f64>), Obstacle> {
     let own = near(family, normal, &normal.phases).and_then(|(locus, u)| {
-        // A point far away is another special point, reached from phases of another machine.
+        // A distant point is another special point, reached from phases of another machine.
         let moved = normal.phases.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if moved < NEAR { Ok((locus, u)) } else { Err(Obstacle::NoConvergence) }
     });
@@ -209,7 +209,7 @@ pub(crate) fn first_point<'a>(
     })
 }
 
-/// The point of the curve from phases that are near it.
+/// The point of the curve from phases near it.
 fn near<'a>(
     family: &'a Family,
     normal: &'a Normal,

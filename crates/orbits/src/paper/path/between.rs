@@ -13,16 +13,16 @@ use crate::path::Follow;
 use crate::test_functions::SignedLog;
 use nalgebra::Complex;
 
-/// Accuracy of the `arc` of a special point: the rounding of points.
+/// Accuracy of the `arc` of a special point, limited by the rounding of points.
 const LOCATION: f64 = 1e-14;
-/// Largest difference of the parameter, in its curve unit, that may be due to rounding.
+/// Tolerance for equal values of the parameter, in its curve unit: rounding.
 const ROUNDING: f64 = 1e-12;
-/// Accuracy, in parts of a step, of the first location of a change of sign.
+/// Accuracy of the first location of a sign change, as a fraction of a step.
 const ROUGHLY: f64 = 1e-4;
-/// Distance from the unit circle beyond which a pair of multipliers at that first location cannot
-/// have crossed the circle.
+/// Largest distance from the unit circle, at this first location, of a pair of multipliers that
+/// may have crossed it.
 const NEAR_CIRCLE: f64 = 0.1;
-/// Largest multiplier beside which those on the unit circle keep ten digits.
+/// Largest multiplier with which multipliers on the unit circle keep ten digits.
 const RESOLVED: f64 = 1e6;
 
 /// A special point within a step.
@@ -49,11 +49,11 @@ fn changes(last: &Position, next: &Position, index: usize) -> bool {
     signs[0] * signs[1] < 0.0
 }
 
-/// Result for a change of the pair's test function in a step without a pair on the unit circle:
-/// `None` if the zero is a neutral saddle, and an error if two real multipliers cross the circle at
-/// 1 or -1. Such a crossing leaves the signs of the test functions for 1 and -1 unchanged; the step
-/// is then too long. Crossings are counted only while the largest multiplier is below [`RESOLVED`]:
-/// beside a larger one the smallest multipliers are rounding.
+/// Result when the pair's test function changes sign without a pair on the unit circle: `None` for
+/// a neutral saddle, an error if two real multipliers cross the circle at 1 or -1. Such a crossing
+/// does not change the signs of the test functions for 1 and -1; the step is then too long.
+/// Crossings are only counted if the largest multiplier is below [`RESOLVED`]; otherwise the
+/// smallest multipliers are rounding errors.
 fn neutral<T>(last: &Position, next: &Position) -> Result<Option<T>, Obstacle> {
     let resolved = |p: &Position| p.multipliers[0].norm() < RESOLVED;
     let single = [UNIT, DOUBLING].iter().any(|index| changes(last, next, *index));
@@ -89,12 +89,12 @@ impl Follower<'_> {
         Ok(points)
     }
 
-    /// The branch's point in the plane across the last tangent at a distance from the last point.
+    /// The branch's point in the plane across the last tangent, at distance `arc` from `last`.
     fn at_arc(&self, last: &Position, next: &Position, arc: f64) -> Result<CurvePoint, Obstacle> {
         let way = &next.u - &last.u;
         let length = last.tangent.dot(&way);
         let part = arc / length;
-        // The parabola through both points that leaves along the tangent.
+        // The parabola through both points that starts along the tangent.
         let predicted = &last.u + &last.tangent * arc + (way - &last.tangent * length) * (part * part);
         correct(&self.contacts(), &predicted, &last.tangent)
     }
@@ -137,10 +137,10 @@ impl Follower<'_> {
         Ok(Some(LabelledPoint { arc, at, label }))
     }
 
-    /// Whether the parameter has an extremum at a point within a step. It has one if the tangents
-    /// at the step's ends have parameter components of opposite sign. A touch and a birth have no
-    /// tangent of their own, so a second test compares values: the parameter also has an extremum
-    /// if its values at both ends lie on the same side of the point's value.
+    /// Whether the parameter has an extremum at a point within a step: the tangents at the step's
+    /// ends have parameter components of opposite sign. A touch and a birth have no tangent of
+    /// their own. A second test therefore compares values: both ends lie on the same side of the
+    /// point's value.
     fn turns(&self, last: &Position, next: &Position, at: &CurvePoint) -> bool {
         let n = self.word.len();
         let sides = [last, next].map(|p| p.u[n] - at.u[n]);
@@ -149,17 +149,17 @@ impl Follower<'_> {
     }
 
     /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test
-    /// function changes its sign. `zero` locates the change to a tolerance. The sign also changes
-    /// at neutral saddles and, beside very large multipliers, by rounding. This check avoids the
-    /// cost of an accurate location of those.
+    /// function changes sign. `zero` locates the sign change to a tolerance. The sign also changes
+    /// at neutral saddles and, with very large multipliers, by rounding. This check avoids an
+    /// accurate location of such changes.
     fn may_be_torus(
         &self,
         last: &Position,
         next: &Position,
         zero: impl Fn(f64) -> Option<f64>,
     ) -> Result<bool, Obstacle> {
-        // A pair changes the number of multipliers outside the circle by two; a real multiplier may
-        // cross in the same step.
+        // A pair changes the number of multipliers outside the circle by two, or by another number
+        // if a real multiplier crosses in the same step.
         if !changes(last, next, UNIT) && !changes(last, next, DOUBLING) && crossings(last, next) < 2 {
             return Ok(false);
         }

@@ -1,4 +1,4 @@
-//! One step along a branch: to the next point, or to the end of the branch before it.
+//! One step along a branch: to the next point, or to an earlier end of the branch.
 
 use super::{Advance, End, Follower, Position};
 use crate::branch::Special;
@@ -15,14 +15,14 @@ use crate::path::{COSINE, Follow, LEAST_STEP, PathEnd};
 use crate::stop_word::OrbitWord;
 use nalgebra::DVector;
 
-/// Largest correction of a step in parts of the step.
+/// Largest correction of a step, as a fraction of the step.
 const CORRECTION: f64 = 0.3;
-/// Distance, in steps, up to which the birth of a branch is sought if the branch cannot be
+/// Distance, in steps, within which the birth of a branch is sought if the branch cannot be
 /// continued.
 const BEYOND: f64 = 2.0;
 
 impl Follower<'_> {
-    /// One step: to the next point, or to the path's end before it.
+    /// One step: to the next point, or to an earlier end of the path.
     pub(super) fn advance(&self, last: &Position, step: f64) -> Result<Advance, Obstacle> {
         let predicted = &last.u + &last.tangent * step;
         if !self.span().contains(self.value(&predicted)) {
@@ -33,7 +33,7 @@ impl Follower<'_> {
             !turned && (&curve.u - &predicted).norm() <= CORRECTION * step
         };
         let Some(curve) = correct(&self.contacts(), &predicted, &last.tangent).ok().filter(follows) else {
-            // The corrector may end on the branch from which this one is born.
+            // The corrector may end on the branch where this one is born.
             let beyond = &last.u + &last.tangent * (BEYOND * step);
             let primary = special::primary(self.family, self.word, &last.u, &beyond)?;
             return self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?);
@@ -44,8 +44,8 @@ impl Follower<'_> {
         self.arrive(last, curve, None)
     }
 
-    /// A step exactly to the birth of a branch: next to it the equations are nearly singular, so
-    /// that continuation fails there.
+    /// A step exactly to the birth of a branch. Near the birth the equations are nearly singular,
+    /// so continuation fails there.
     pub(super) fn advance_to_birth(&self, last: &Position) -> Result<Advance, Obstacle> {
         let within = self.options.longest_step;
         let beyond = special::beyond_birth(self.word, &last.u, &last.tangent, within)
@@ -54,7 +54,7 @@ impl Follower<'_> {
         self.end_at_primary(last, primary.ok_or(Obstacle::NoConvergence)?)
     }
 
-    /// A step to the end of the parameter's range, which lies before `beyond`.
+    /// A step to the end of the parameter's range, which is reached before `beyond`.
     fn advance_to_end(&self, last: &Position, beyond: f64) -> Result<Advance, Obstacle> {
         let n = self.word.len();
         let end = if beyond < self.span().from { self.span().from } else { self.span().to };
@@ -73,7 +73,7 @@ impl Follower<'_> {
         self.arrive(last, curve, Some(Label::EndPoint))
     }
 
-    /// Takes a point as the next one, unless the path ends before it.
+    /// Accepts a point as the next one, unless the path ends before it.
     fn arrive(&self, last: &Position, curve: CurvePoint, label: Option<Label>) -> Result<Advance, Obstacle> {
         let (next, touches) = self.look(curve)?;
         if let Some(touches) = touches {
@@ -87,7 +87,7 @@ impl Follower<'_> {
         Ok(Advance { between, next, special: label.map(Special::of), end, begins: None })
     }
 
-    /// Ends the path at the first of the touches that are met on the way to `next`.
+    /// Ends the path at the first of the touches on the way to `next`.
     fn end_at_touch(
         &self,
         last: &Position,
@@ -104,8 +104,8 @@ impl Follower<'_> {
         };
         let located = touches.iter().filter_map(|touch| grazing::locate(self.family, touch).ok());
         let placed = located.filter_map(|touch| Some((arc(&touch)?, touch)));
-        // Of two touches at one point (a repeated orbit touches in each passage) the one that the
-        // word lists is chosen.
+        // If two touches coincide (a repeated orbit touches in each repetition), the touch listed
+        // by the word is chosen.
         let order = |a: &(f64, Touch), b: &(f64, Touch)| {
             if (a.0 - b.0).abs() < LEAST_STEP {
                 b.1.from_longer.cmp(&a.1.from_longer)
@@ -133,7 +133,7 @@ impl Follower<'_> {
         Ok(Advance { between, next: at, special: Some(special), end, begins: None })
     }
 
-    /// Ends the path at the branch from which it is born by doubling.
+    /// Ends the path at the branch where it is born by doubling.
     fn end_at_primary(
         &self,
         last: &Position,
@@ -146,7 +146,7 @@ impl Follower<'_> {
         let system = self.family.system(&values)?;
         let cycle = Cycle::new(&system, self.word, &phases)?;
         let multipliers = eigenvalues(cycle.monodromy()).ok_or(Obstacle::NoConvergence)?;
-        // On the way to the birth the test function for doubling may change its sign; that for a
+        // Before the birth, the doubling test function may change sign; the test function for a
         // multiplier 1 touches zero at the end.
         let tests = [None, test(&cycle, DOUBLING), None];
         let next = self.at_end(&system, (doubled, last.tangent.clone()), multipliers, tests);

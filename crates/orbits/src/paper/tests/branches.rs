@@ -141,7 +141,7 @@ fn invariant_a_tree_does_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn second_method_touches_located_from_both_words_agree() {
-    // The touch at which the unequal motion UL gains its third impact, followed from either side.
+    // The touch at which the asymmetric motion UL gains a third impact, followed from either side.
     let family = family(2.0, 3.0);
     let find = |value: f64, state: Option<State>| {
         let system = family.system(&[value]).unwrap();
@@ -190,7 +190,7 @@ fn invariant_a_doubled_branch_leaves_as_a_parabola() {
 
 #[test]
 fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
-    // UL doubles its period at 2.373075: before it a small deviation decays, after it the period is
+    // UL doubles its period at 2.373075: below it a small deviation decays, above it the period is
     // two.
     let doubling = 2.373_075_370_806;
     for (value, period) in [(doubling - 2e-3, 1), (doubling + 2e-3, 2)] {
@@ -212,8 +212,8 @@ fn second_method_the_simulator_on_both_sides_of_a_period_doubling() {
 fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let chaos = Groups { f10: 3.6, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let system = crate::paper::System::new(&chaos).unwrap();
-    // Chaos may pass near an unstable orbit, so that an orbit or an error is right; an orbit must
-    // be certified.
+    // Chaos may pass near an unstable orbit, so an orbit and an error are both correct; an orbit
+    // must be certified.
     match orbit_of(&system, &settle(&system, &moving_block(&chaos), 600).unwrap()) {
         Ok(orbit) => assert!(orbit.is_certified() && !orbit.is_stable()),
         Err(error) => assert!(error.to_string().contains("does not return"), "{error}"),
@@ -222,7 +222,7 @@ fn settled_motions_that_are_no_orbits_are_refused_by_what_they_do() {
     let system = crate::paper::System::new(&resting).unwrap();
     let error = orbit_of(&system, &settle(&system, &moving_block(&resting), 600).unwrap()).unwrap_err();
     assert!(error.to_string().contains("rests at a stop"), "{error}");
-    // A block that its load holds at a stop from the start meets no event.
+    // A block that its load holds at a stop from the start has no events.
     let held = Parameters { drive_amplitude: 0.01, constant_loads: [0.0, -100.0, 0.0], ..chaos };
     let system = crate::paper::System::new(&held).unwrap();
     let at_stop = State { x: [0.0, -held.stop_gap, 0.0], v: [0.0; 3] };
@@ -246,7 +246,7 @@ pub(super) fn machine(values: &[(&str, f64)]) -> ParameterSet {
     })
 }
 
-/// A fold right before a touch is labelled: the parameter turns there.
+/// A fold just before a touch is labelled: the parameter turns there.
 #[test]
 fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     let set = machine(&[
@@ -262,8 +262,8 @@ fn invariant_where_the_parameter_turns_before_a_touch_is_a_fold() {
     assert!(!turning.contains(&Some(Label::BranchPoint)), "{turning:?}");
 }
 
-/// Between neighbouring points without a special point the number of multipliers outside the unit
-/// circle is constant, even where two doublings lie within one longest step.
+/// Between adjacent points without a special point, the number of multipliers outside the unit
+/// circle is constant, even if two doublings lie within one longest step.
 #[test]
 fn invariant_stability_changes_at_special_points_alone() {
     let set = machine(&[
@@ -280,8 +280,8 @@ fn invariant_stability_changes_at_special_points_alone() {
     }
 }
 
-/// A step past the birth of a branch may end on the branch from which it is born. Both halves of
-/// the orbit are then equal up to rounding of any sign.
+/// A step past the birth of a branch may end on the branch where it was born. Both halves of the
+/// orbit are then equal within rounding of either sign.
 #[test]
 fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     const BREAKING: f64 = 2.039_588_865_238;
@@ -301,7 +301,7 @@ fn invariant_a_step_that_ends_on_the_other_branch_has_passed_the_birth() {
     }
 }
 
-/// A branch ends at its birth although its equations are nearly singular there, so that no step
+/// A branch ends at its birth, although its equations are nearly singular there, so that no step
 /// leads across.
 #[test]
 fn invariant_branches_end_at_their_births() {
@@ -342,8 +342,8 @@ fn invariant_branches_end_at_their_births() {
     }
 }
 
-/// A soft spring holds its load far away, which leaves phases fewer digits. A branch still turns
-/// round at its fold.
+/// A soft spring holds its load far away, so phases have fewer digits. A branch still turns at its
+/// fold.
 #[test]
 fn invariant_a_branch_under_a_softly_held_load_passes_its_fold() {
     let set = machine(&[

@@ -8,7 +8,7 @@ use vibro_studies::paper::plane::ParameterAxis;
 use vibro_studies::paper::{ParameterSet, find_group};
 use vibro_studies::parts::Task;
 
-/// Discarded periods of the diagram, which leave less of a transient than counts as a return.
+/// Discarded periods of the diagram; the rest of a transient is then within a return's tolerance.
 const DISCARD: u32 = 1500;
 
 fn family(from: f64, to: f64) -> Family {
@@ -25,7 +25,7 @@ fn rows(from: f64, to: f64, count: usize) -> Vec<SweepPoint> {
     rows.filter(|row| row.attractor.period.is_some() && !row.attractor.rests).collect()
 }
 
-/// Rows that lie on no stable branch.
+/// Rows that are not on a stable branch.
 fn uncovered(tree: &Tree, family: &Family, rows: &[SweepPoint]) -> Vec<(f64, Option<u32>)> {
     let covered = |row: &&SweepPoint| tree.covering(family, row.value, &row.attractor).unwrap().is_none();
     rows.iter().filter(covered).map(|row| (row.value, row.attractor.period)).collect()
@@ -36,11 +36,11 @@ fn second_method_periodic_rows_of_a_diagram_lie_on_stable_branches() {
     let family = family(2.0, 2.8);
     let options = TreeOptions { seeds: 9, settle: 600, starts: 0, depth: 3, ..TreeOptions::default() };
     let found = tree(&family, &options, &|_, _| ()).unwrap();
-    // The values lie beside those of the seeds.
+    // The values differ from the seeds' values.
     let rows = rows(2.013, 2.79, 25);
     assert!(rows.len() > 25, "{}", rows.len());
     assert_eq!(uncovered(&found, &family, &rows), []);
-    // The branch covers the mirror image too, and no motion some way off.
+    // The branch also covers the mirror image, but not a motion some distance away.
     for row in &rows {
         let here = found.covering(&family, row.value, &row.attractor).unwrap().unwrap();
         let mut image = row.attractor.clone();

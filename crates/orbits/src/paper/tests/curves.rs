@@ -8,7 +8,7 @@ use vibro_impact::steady::exact_orbit::OrbitFamily;
 use vibro_studies::paper::{ParameterSet, find_field, find_group};
 
 /// The curve of a special point of the symmetric branch over force and restitution coefficient,
-/// from a value of the latter.
+/// starting from a value of the restitution coefficient.
 fn curve(label: Label, kappa: f64, [from, to]: [f64; 2]) -> Vec<crate::paper::LocusPoint> {
     let [f10, second] = ["f10", "kappa"].map(|name| find_group(name).unwrap());
     let set = ParameterSet::basic().with(second, kappa).unwrap();
@@ -115,8 +115,8 @@ fn starts_of_curves_that_cannot_be_are_refused() {
     assert!(Span::new(find_group("kappa").unwrap(), 0.5, 1.5).is_err());
 }
 
-/// At the resonance where the multipliers of a Neimark-Sacker point meet at 1 one equation of its
-/// curve is void: the curve ends there with R1, not with MX.
+/// At the resonance where the multipliers of a Neimark-Sacker point meet at 1, one equation of its
+/// curve vanishes: the curve ends there with R1, not with MX.
 #[test]
 fn invariant_a_curve_ends_at_the_resonance_to_which_it_comes() {
     const BOX: f64 = 0.1;

@@ -8,8 +8,7 @@ use vibro_studies::paper::stroboscopic::moving_block;
 
 #[test]
 fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
-    /// Remainder of the transient, 1/s, in a mean over the counted periods and in the orbit's
-    /// phases.
+    /// Remaining transient, 1/s, in a mean over the counted periods and in the orbit's phases.
     const SETTLED: f64 = 1e-5;
     let p = Groups { f10: 2.2, kappa: 0.75, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let p = Parameters { constant_loads: [0.002, -0.004, 0.001], ..p };
@@ -28,9 +27,9 @@ fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit(
     assert!((found.exponents[1] - largest).abs() < 1e-3 * largest.abs(), "{:?} {largest}", found.exponents);
 }
 
-/// The multipliers are found for any order of the coordinates, which may make the sweeps of the QR
-/// algorithm cycle. Their product is what an impact (κ²) and the dampers over a period leave of
-/// phase space.
+/// The multipliers are found for any order of the coordinates, which may make the QR algorithm's
+/// sweeps cycle. Their product is the contraction of phase space by an impact (κ²) and by the
+/// dampers over a period.
 #[test]
 fn closed_form_product_of_the_multipliers_where_sweeps_of_the_qr_algorithm_cycle() {
     for i in 0..=20 {

@@ -12,7 +12,7 @@ use vibro_impact::steady::exact_orbit;
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{Name, ParameterSet, find_group};
 
-/// Difference of phases found in two ways: the rounding of a flight times the sensitivity of the
+/// Difference of phases found in two ways: rounding of a flight times the sensitivity of the
 /// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
@@ -50,7 +50,7 @@ fn damper() -> ParameterSet {
     set
 }
 
-/// Distance in gaps of a motion from an orbit's start after some thousand periods.
+/// Distance in gaps of a motion from an orbit's start after a few thousand periods.
 fn drift(orbit: &Orbit, periods: u32) -> f64 {
     let (p, start) = (orbit.system().parameters(), orbit.start_state());
     let mut simulator = Simulator::new(p, &start, 0.0).unwrap();
@@ -87,8 +87,8 @@ fn closed_form_of_the_symmetric_orbit_of_a_free_block() {
     }
 }
 
-/// Drive phases at the impact of a block that meets the lower stop once a period under a constant
-/// pull, and its impulse. The speeds follow from the parabola, the impulse from the balance with
+/// Drive phases at the impact of a block that hits the lower stop once per period under a constant
+/// load, and its impulse. The speeds follow from the parabola, the impulse from the balance with
 /// the load; the box is a linear oscillator under drive and impulses.
 fn bouncing(p: &Parameters, pull: f64) -> ([f64; 2], f64) {
     let (period, omega) = (p.period(), p.drive_frequency);
@@ -97,7 +97,7 @@ fn bouncing(p: &Parameters, pull: f64) -> ([f64; 2], f64) {
     let approach = impulse / ((1.0 + p.stop_restitution) * reduced);
     let block = 0.5 * pull / p.block_mass * period;
     let box_speed = block + approach;
-    // Velocity of the box just before the kick -impulse/m1 that it gets every period.
+    // Velocity of the box just before the kick -impulse/m1 that it receives every period.
     let (decay, stiffness) = (0.5 * p.box_damping / p.box_mass, p.box_stiffness / p.box_mass);
     let root = Complex::new(-decay, (stiffness - decay * decay).sqrt());
     let kicked = root * (root * period).exp() / (1.0 - (root * period).exp());
@@ -184,7 +184,7 @@ fn second_method_multipliers_of_a_free_block_by_differences_of_the_simulator() {
 
 #[test]
 fn second_method_the_settled_motion_of_the_tutorials_damper_is_an_orbit() {
-    /// Remainder after thousands of periods of a motion whose deviations decay.
+    /// Remaining difference after thousands of periods of a motion with decaying deviations.
     const RETURN: f64 = 1e-10;
     for force in [0.0, -1.0] {
         let system = pulled(damper().parameters(), force);
@@ -217,7 +217,7 @@ fn second_method_the_tree_of_a_free_block_holds_what_settles() {
     }
 }
 
-/// Special points except for ends of the range.
+/// Special points except the ends of the range.
 fn specials(branch: &Branch) -> Vec<(&'static str, f64)> {
     let all = branch.points.iter().filter_map(|p| Some((p.label()?, p.value)));
     let mut found: Vec<_> = all.filter(|p| p.0 != Label::EndPoint).map(|(l, v)| (l.name(), v)).collect();
@@ -226,7 +226,7 @@ fn specials(branch: &Branch) -> Vec<(&'static str, f64)> {
 }
 
 /// A family from a missing spring to one that holds: equations suited to the first machine may be
-/// singular for the second, so that each machine has its own.
+/// singular for the second, so each machine has its own.
 #[test]
 fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
     let mut set = ParameterSet::basic();
@@ -256,10 +256,10 @@ fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
 
 #[test]
 fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_state() {
-    /// Difference of a point located by two eliminations.
+    /// Difference of a point located with two eliminations.
     const LOCATION: f64 = 1e-10;
-    // Along the coupling from a free block on: by (112) up to a tenth of the stiffness, then by
-    // (103). At this force the symmetry breaks next to the default coupling.
+    // Along the coupling from a free block: by (112) up to a tenth of the stiffness, then by
+    // (103). At this force the symmetry breaks near the default coupling.
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.0396).unwrap();
     let along = Name::find("coupling.k").unwrap();
     let own = along.value(&set);

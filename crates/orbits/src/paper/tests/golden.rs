@@ -1,4 +1,4 @@
-//! Special points of all types against thirty digits (`crates/orbits/tests/data/make_orbits.py`).
+//! Special points of all types against 30 digits (`crates/orbits/tests/data/make_orbits.py`).
 
 use crate::paper::orbit::{canonical, same_phases};
 use crate::paper::{Family, Orbit, OrbitWord, PathOptions, Span, branch};
@@ -6,12 +6,12 @@ use vibro_studies::paper::{ParameterSet, find_group};
 
 /// Error of a located parameter: rounding of the residual over the sensitivity of the condition.
 const LOCATION: f64 = 2e-13;
-/// Error of its phases, which at a fold move with the square root of the parameter.
+/// Error of the phases; at a fold they move with the square root of the parameter.
 const PHASES: f64 = 2e-11;
-/// Distance from the point at which its branch is entered, and up to which it is followed, in f10.
+/// Distances from the point, in f10, at which its branch is entered, and to which followed.
 const ENTRY: f64 = 1e-3;
 const REACH: f64 = 0.02;
-/// Difference of its phases from those of the orbit at which the branch is entered, rad.
+/// Tolerance for the phases of the orbit at the branch's entry, compared with the point's, rad.
 const NEAR: f64 = 0.3;
 
 #[test]
@@ -26,8 +26,8 @@ fn golden_orbits_in_thirty_digits() {
         let phases: Vec<f64> = phases.split(' ').map(|x| x.parse().unwrap()).collect();
         let span = Span::new(find_group("f10").unwrap(), value - REACH, value + REACH).unwrap();
         let family = Family::new(&ParameterSet::basic(), span).unwrap();
-        // On one side of a fold or a touch there is no orbit, and at a fold Newton's method needs a
-        // push.
+        // On one side of a fold or a touch there is no orbit. At a fold Newton's method needs a
+        // perturbed guess.
         let pushed = |k: usize, by: f64| -> Vec<f64> {
             phases.iter().enumerate().map(|(i, p)| if i == k { p + by } else { *p }).collect()
         };

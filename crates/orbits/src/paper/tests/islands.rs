@@ -1,15 +1,15 @@
-//! Stable windows beside the motions that are followed along the range, which other starts reach.
+//! Stable windows that only other starts reach, not motions followed along the range.
 
 use crate::paper::{Branch, Family, Orbit, Span, TreeOptions, tree};
 use vibro_impact::Simulator;
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Values in the two windows of period three of the default set that random starts found.
+/// Values in the two windows of period three of the default set, found from random starts.
 const WINDOWS: [f64; 2] = [3.33, 3.84];
 
 #[test]
 fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_in_the_simulator() {
-    /// Remainder after thousands of periods of a motion whose deviations decay.
+    /// Remaining difference after thousands of periods of a motion with decaying deviations.
     const RETURN: f64 = 1e-9;
     let span = Span::new(find_group("f10").unwrap(), 3.2, 3.95).unwrap();
     let family = Family::new(&ParameterSet::basic(), span).unwrap();

@@ -1,15 +1,15 @@
-//! Orbits without restitution, whose block leaves its stop with speed zero.
+//! Orbits without restitution, whose block leaves its stop at zero speed.
 
 use crate::paper::{Family, Label, OrbitWord, PathOptions, Span, branch};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, Simulator};
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Acceleration after an impact, units of ω1² L, that is rounding.
+/// Tolerance for a zero acceleration after an impact, units of ω1² L.
 const NONE: f64 = 1e-9;
 
-/// The branch of symmetric orbits ends where the acceleration after the impact comes to point at
-/// the stop: beyond, the block would stay. There the block passes the stop by little, which is
+/// The branch of symmetric orbits ends where the acceleration after the impact begins to point to
+/// the stop: beyond this, the block would stay. There the block passes the stop slightly, which is
 /// neither certified as clear nor taken for a touch.
 #[test]
 fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
@@ -47,7 +47,7 @@ fn invariant_a_block_that_would_stay_on_its_stop_has_no_orbit_and_no_touch() {
             "{} {acceleration}",
             point.value
         );
-        // In the simulator the block, which meets the other stop half a period later, is off it
+        // In the simulator the block, which hits the other stop half a period later, has left it
         // again.
         let start = theta + 1.0;
         let mut simulator =

@@ -53,8 +53,8 @@ fn second_method_multipliers_are_inside_the_circle_in_a_stable_range_and_on_it_a
 fn doublings_follow_one_another_over_folds_and_births_are_none() {
     let (_, branches) = found();
     let sequences = doubling_sequences(&branches);
-    // The range holds the motion that has lost its symmetry, and the one with three impacts, whose
-    // doubled branch has two folds.
+    // The range contains the asymmetric motion, and the motion with three impacts, whose doubled
+    // branch has two folds.
     for (first, expected) in [
         (2.373_075_370_806, vec![(1, 2.373_075_370_806), (2, 2.493_021_660_408), (4, 2.511_747_833_602)]),
         (2.802_205_439_173, vec![(1, 2.802_205_439_173), (2, 2.835_209_901_315), (4, 2.848_740_511_358)]),

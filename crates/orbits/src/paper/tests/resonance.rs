@@ -1,15 +1,15 @@
-//! Orbits next to a resonance of an undamped mode against the closed form.
+//! Orbits near a resonance of an undamped mode against the closed form.
 
 use crate::paper::{Orbit, OrbitWord, System};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::steady::exact_orbit;
 
-/// Agreement of phases (rad) and, relatively, of the largest multipliers. Next to the resonance
-/// force and impacts cancel, and with them digits.
+/// Tolerance of phases (rad) and, relatively, of the largest multipliers. Near the resonance,
+/// force and impacts cancel, and digits are lost.
 const CANCELLED: f64 = 1e-6;
 
-/// A machine whose box, or whose pair of block and secondary oscillator, swings undamped at
-/// `1 + off` times the drive's frequency.
+/// A machine whose box, or whose pair of block and secondary oscillator, oscillates undamped at
+/// `1 + off` times the drive frequency.
 fn machine(box_swings: bool, off: f64) -> Parameters {
     let frequency = 1.4 * (1.0 + off);
     let square = frequency * frequency;

@@ -24,11 +24,11 @@ fn starts(tree: &Tree, held: f64) -> Vec<LocusStart> {
     tree.branches.iter().flat_map(|b| b.points.iter().filter_map(move |p| row(b, p))).collect()
 }
 
-/// A located point is on its curve up to rounding.
+/// A located point is on its curve within rounding.
 #[test]
 fn invariant_every_special_point_of_a_tree_starts_its_curve() {
-    /// Change of fifteen digits of a parameter, and of phases, which at a fold follow its square
-    /// root.
+    /// Largest change caused by fifteen digits of a parameter, and of phases, which follow its
+    /// square root at a fold.
     const MOVED: f64 = 1e-6;
     let set = ParameterSet::basic();
     let pulled = set.with(Name::find("load.block").unwrap(), -0.0005).unwrap();
@@ -73,8 +73,8 @@ fn invariant_every_special_point_of_a_tree_starts_its_curve() {
                     start.phases
                 )),
             }
-            // Newton's method at the parameter itself finds no fold: this is why the curve's own
-            // equations are solved.
+            // Newton's method at the parameter itself finds no fold, so the curve's own equations
+            // are solved.
             let system = two.system(&start.values).unwrap();
             let direct = newton(&system, &start.word, &start.phases).is_ok();
             folds_by_newton += usize::from(start.label == Label::Fold && direct);
@@ -114,6 +114,6 @@ fn invariant_curves_start_from_folds_doublings_and_touches_of_either_branch() {
         assert!(points.iter().any(|p| (p.values[1] - 0.75).abs() < 0.02), "{start:?}");
         curves.push(start);
     }
-    // The point at which a branch is born lies on two branches.
+    // The point where a branch is born lies on two branches.
     assert!(same >= 2 && curves.len() >= 4, "{same} {}", curves.len());
 }

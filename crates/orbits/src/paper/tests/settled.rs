@@ -16,9 +16,9 @@ fn settled(p: &Parameters, periods: u32) -> Result<Orbit> {
     orbit_of(&system, &settle(&system, &START, periods)?)
 }
 
-/// Next to a doubling a settled motion returns to 2e-3 in half of its period, by the orbit that is
-/// no longer stable; a motion on an orbit that is still stable approaches it from either side in
-/// turn.
+/// Near a doubling, a settled motion returns to within 2e-3 in half of its period, near the orbit
+/// that is no longer stable. A motion on a still stable orbit approaches it from alternating
+/// sides.
 #[test]
 fn second_method_orbits_next_to_a_doubling() {
     let secondary = Parameters { secondary_stiffness: 0.0, stop_restitution: 0.9, ..Parameters::default() };
@@ -36,9 +36,9 @@ fn second_method_orbits_next_to_a_doubling() {
     }
 }
 
-/// A period doubling of UUL+ is at f10 = 2.802205439. This near to it the settled motion nearly
-/// returns in two periods, and Newton's method leaves the two passages apart by more than rounding,
-/// or so far that they miss their stops.
+/// A period doubling of UUL+ is at f10 = 2.802205439. This close to it, the settled motion nearly
+/// returns in two periods. Newton's method leaves the two repetitions different by more than
+/// rounding, or so far apart that they miss their stops.
 #[test]
 fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
     for below in [1e-5, 1e-6, 1e-7] {
@@ -51,8 +51,8 @@ fn invariant_an_orbit_next_to_its_doubling_is_not_passed_twice() {
     }
 }
 
-/// Nine fast impacts a period leave contact fewer digits than 1e-12 gaps. The motion is periodic
-/// whichever of its periods Newton's method begins with.
+/// Nine fast impacts per period determine contact less accurately than 1e-12 gaps. The motion is
+/// periodic whichever period Newton's method starts from.
 #[test]
 fn second_method_fast_impacts_of_settled_motions_are_an_orbit() {
     for (amplitude, impacts) in [(1.82, 7), (2.964, 9)] {
@@ -66,11 +66,11 @@ fn second_method_fast_impacts_of_settled_motions_are_an_orbit() {
     }
 }
 
-/// Newton's method ends where rounding leaves phases fewer than twelve digits.
+/// Newton's method ends if rounding leaves fewer than twelve digits of the phases.
 #[test]
 fn second_method_steps_that_rounding_keeps_up_end() {
     let p = Parameters { drive_amplitude: 5.838, ..Parameters::default() };
-    // A state on the motion, so that no transient depends on last digits.
+    // A state on the motion, so that no transient depends on the last digits.
     let start = State {
         x: [-14.049223986757433, -13.599320953809062, 24.820027180061036],
         v: [-23.782946830758004, -27.22130001084083, -4.803150414870151],
@@ -83,7 +83,7 @@ fn second_method_steps_that_rounding_keeps_up_end() {
     assert_eq!(class, MotionClass::Periodic(1));
 }
 
-/// Chaos with 900 impacts a period: words of more than 1024 impacts are not tried, since their
+/// Chaos with 900 impacts per period: words of more than 1024 impacts are not tried, since their
 /// equations would take hours.
 #[test]
 fn words_of_more_than_a_thousand_impacts_are_not_tried() {
@@ -101,11 +101,11 @@ fn words_of_more_than_a_thousand_impacts_are_not_tried() {
     assert!(error.contains("within 1024 impacts"), "{error}");
 }
 
-/// Chaos with a hundred impacts a period nearly returns by an unstable orbit. Words of more
-/// periods, up to thousands of impacts, are not tried for a stable one.
+/// Chaos with a hundred impacts per period nearly returns near an unstable orbit. Words of more
+/// periods, up to thousands of impacts, are not tried in search of a stable one.
 #[test]
 fn second_method_chaos_of_many_impacts_has_its_near_return_soon() {
-    /// Seconds allowed: half a second on an idle machine, and minutes if all words are tried.
+    /// Time limit, s: half a second suffices on an idle machine; all words would take minutes.
     const SOON: u64 = 30;
     let p =
         Parameters { drive_amplitude: 33.491260524620834, stop_restitution: 0.9, ..Parameters::default() };

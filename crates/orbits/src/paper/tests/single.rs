@@ -11,7 +11,7 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
 
-/// Difference of Newton's method from the closed form: the rounding of a flight times the orbit's
+/// Error of Newton's method against the closed form: rounding of a flight times the orbit's
 /// sensitivity.
 const CLOSED_FORM: f64 = 1e-13;
 
@@ -62,7 +62,7 @@ fn closed_form_of_the_motion_without_impacts() {
     let system = System::new(&parameters(0.1)).unwrap();
     let orbit = Orbit::find(&system, &word("", -1, 1), &[]).unwrap();
     assert!(orbit.is_certified() && orbit.is_stable());
-    // The box swings alone.
+    // The box oscillates alone.
     let p = system.parameters();
     let w = p.drive_frequency;
     let amplitude = p.drive_amplitude / (p.box_stiffness - p.box_mass * w * w).hypot(p.box_damping * w);
@@ -77,10 +77,10 @@ fn closed_form_of_the_motion_without_impacts() {
     assert!((product.re - (-std::f64::consts::PI * divergence).exp()).abs() < CLOSED_FORM);
 }
 
-/// Whole turns of the drive's phase at time 0 change nothing, even many of them.
+/// Whole turns of the drive's phase at time 0 change nothing, even many turns.
 #[test]
 fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
-    /// Accuracy, rad, to which a phase of 1e9 is known.
+    /// Accuracy of a phase of 1e9, rad.
     const KNOWN: f64 = 1e-6;
     const MANY: f64 = 1e9;
     let settled = |drive_phase: f64| {
@@ -96,8 +96,8 @@ fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
     assert!((start.x[1] - begin.x[1]).abs() < CLOSED_FORM, "{start:?} {begin:?}");
 }
 
-/// Of two bodies that nothing holds, contact determines the place of one; the error names the
-/// other's spring.
+/// Contact determines the position of one of two free bodies; the error names the spring of the
+/// other one.
 #[test]
 fn a_body_that_no_spring_holds_is_named() {
     for (field, stiffness) in [("box.k", 1e-18), ("secondary.k", 0.0)] {
@@ -155,7 +155,7 @@ fn second_method_jacobian_by_differences() {
     }
 }
 
-/// An orbit that is not symmetric, from the symmetric one at another force.
+/// An asymmetric orbit, from the symmetric one at another force.
 fn unequal() -> Orbit {
     // Between the symmetry breaking at 2.0396 and its end.
     let (orbit, _) = symmetric(2.1);
@@ -168,7 +168,7 @@ fn unequal() -> Orbit {
 
 #[test]
 fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
-    /// Relative rounding of determinants of a handful of factors of order one.
+    /// Relative rounding of determinants with a few factors of order one.
     const TOLERANCE: f64 = 1e-11;
     let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
     let anchored = [Anchor::Box, Anchor::Block, Anchor::Pair].into_iter().flat_map(|anchor| {
@@ -251,10 +251,10 @@ pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
 
 #[test]
 fn second_method_multipliers_by_differences_of_the_simulator() {
-    /// Error of central differences of 1e-5 of a map with second derivatives of order ten.
+    /// Error of central differences with step 1e-5 of a map with second derivatives of order ten.
     const TOLERANCE: f64 = 1e-8;
     for orbit in [symmetric(1.5).0.unfolded().unwrap(), unequal()] {
-        // From mid-flight, where no neighbour has passed an impact.
+        // From mid-flight, where no perturbed motion has passed an impact.
         let phases = orbit.phases();
         let map = simulated_map(&orbit, 0.5 * (phases[0] + phases[1]));
         let mut found: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
@@ -280,7 +280,7 @@ fn second_method_orbits_return_in_the_simulator() {
 
 #[test]
 fn second_method_orbit_under_constant_loads() {
-    /// Remainder after hundreds of periods: rounding, since the orbit is stable.
+    /// Remaining difference after hundreds of periods: rounding, since the orbit is stable.
     const ROUNDING: f64 = 1e-11;
     let forces = [0.004, -0.0005, 0.0003];
     let p = parameters(1.5);
@@ -293,7 +293,7 @@ fn second_method_orbit_under_constant_loads() {
     simulator.set_loads(&system.loads().loads()).unwrap();
     simulator.advance_to(6000.0 * p.period()).unwrap();
     assert!(apart(&simulator.state(), &orbit.start_state()) < ROUNDING);
-    // Loads with the same offset give the same impacts, the opposite offset their mirror image.
+    // Loads with the same offset cause the same impacts; the opposite offset, their mirror image.
     let offset = system.offset();
     let boxed = under(&p, [-offset * p.box_stiffness, 0.0, 0.0]).unwrap();
     let same = Orbit::find(&boxed, orbit.word(), orbit.phases()).unwrap();
@@ -325,8 +325,8 @@ fn singular_machines_are_refused_with_the_parameter() {
     assert!(error.to_string().contains("word UL, closing +, period 1T"), "{error}");
 }
 
-/// The state at the phase of an impact is the one just after it, also of a loaded block without a
-/// spring.
+/// The state at the phase of an impact is the state just after it, also for a loaded block without
+/// a spring.
 #[test]
 fn invariant_states_at_impacts_are_those_after_them() {
     let (orbit, exact) = symmetric(1.5);
@@ -347,9 +347,9 @@ fn invariant_states_at_impacts_are_those_after_them() {
     assert_eq!(system.fly(0.0, &z), z);
 }
 
-/// With a strong damper or a stiff spring half a period has thousands of Taylor pieces, whose
-/// rounding must not pass for an earlier contact. The orbits are certified and equal the closed
-/// form's and the simulator's.
+/// With a strong damper or a stiff spring, half a period has thousands of Taylor pieces. Their
+/// rounding must not be taken for an earlier contact. The orbits are certified and agree with the
+/// closed form and the simulator.
 #[test]
 fn second_method_orbits_of_thousands_of_taylor_pieces_are_certified() {
     let p = Parameters {

@@ -1,4 +1,4 @@
-//! Springs of no or almost no stiffness (docs/theory.md (112)) against the closed form of the
+//! Springs of zero or almost zero stiffness (docs/theory.md (112)) against the closed form of the
 //! symmetric motion, the simulator and its verdict.
 
 use crate::paper::{Orbit, OrbitWord, System, orbit_of, settle};
@@ -9,13 +9,13 @@ use vibro_studies::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
 
-/// Difference of phases found in two ways: the rounding of a flight times the sensitivity of the
+/// Difference of phases found in two ways: rounding of a flight times the sensitivity of the
 /// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
 const START: State = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
 
-/// Drive periods in which a transient dies out; all multipliers are below 0.95.
+/// Drive periods for a transient to die out; all multipliers are below 0.95.
 const SETTLED: u32 = 2000;
 
 fn soft(body: &str, stiffness: f64, amplitude: f64) -> Parameters {
@@ -46,7 +46,7 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
         let system = System::new(&p).unwrap();
         let first = exact.drive_phase();
         let half = Orbit::find(&system, &word("U", -1, 1), &[first + 0.02]).unwrap();
-        // Closed with +, the equations are those whose matrix without an anchor is singular.
+        // Closed with +, the equations have a singular matrix without an anchor.
         let guess = [first + 0.02, first + 0.01 + std::f64::consts::PI];
         let whole = Orbit::find(&system, &word("UL", 1, 2), &guess).unwrap();
         for orbit in [&half, &whole] {
@@ -66,8 +66,8 @@ fn closed_form_of_the_symmetric_orbit_beside_a_missing_spring() {
     }
 }
 
-/// A damped body without a spring may stand anywhere, and a body that nothing damps swings on:
-/// either has a multiplier of modulus 1, which is computed as more or less by rounding.
+/// A damped body without a spring may rest anywhere, and an undamped body keeps oscillating. Both
+/// have a multiplier of modulus 1, which rounding makes slightly more or less.
 #[test]
 fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     let held = Parameters { drive_amplitude: 0.05, ..Parameters::default() };
@@ -91,8 +91,8 @@ fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
     }
 }
 
-/// The period of the settled orbit is that of the simulator's verdict, however soft the spring of a
-/// body is.
+/// The period of the settled orbit equals the period of the simulator's verdict, however soft a
+/// body's spring is.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
     /// Remainder of a transient, and rounding of times after thousands of periods.
@@ -140,8 +140,8 @@ fn second_springs_too_soft_to_hold_a_body_are_named() {
     }
 }
 
-/// A spring that would hold a load so far away that places overflow is named, with the largest
-/// distance.
+/// A spring that would hold a load so far away that displacements overflow is named, with the
+/// largest distance.
 #[test]
 fn loads_that_are_held_beyond_all_numbers_name_the_spring() {
     let basic = Parameters::default();
@@ -165,9 +165,8 @@ fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
     }
 }
 
-/// A spring of almost no stiffness would hold a load millions of gaps away. The motion is the one
-/// that impacts make of it: that of a missing spring, where the machine without one can bear the
-/// load.
+/// A spring of almost zero stiffness would hold a load millions of gaps away. Impacts limit the
+/// motion: it equals the motion without the spring, if the machine without it can bear the load.
 #[test]
 fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
     /// Remainder of a transient, and rounding of times after thousands of periods.
@@ -204,7 +203,7 @@ fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
     }
 }
 
-/// A block on a spring of almost no stiffness bears its load as a block without a spring does.
+/// A block on a spring of almost zero stiffness bears its load like a block without a spring.
 #[test]
 fn second_method_a_loaded_block_on_a_soft_spring_is_one_without_a_spring() {
     let loaded =

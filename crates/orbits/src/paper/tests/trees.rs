@@ -44,7 +44,7 @@ fn invariant_every_point_of_a_tree_is_certified() {
     let found = grow(&family, &options());
     let mut specials = 0;
     for branch in &found.branches {
-        // At a touch an impact has speed zero, or the block just reaches a stop.
+        // At a touch an impact has zero speed, or the block just reaches a stop.
         let touch = |l| matches!(l, Some(Label::Grazing | Label::Chatter));
         for point in branch.points.iter().filter(|p| !touch(p.label())) {
             let orbit = branch.orbit(&family, point).unwrap();
@@ -57,9 +57,9 @@ fn invariant_every_point_of_a_tree_is_certified() {
 
 #[test]
 fn second_method_stable_orbits_of_a_tree_return_in_the_simulator_after_thousands_of_periods() {
-    /// Rounding in 6,000 periods of an orbit whose deviations decay.
+    /// Rounding over 6,000 periods of an orbit with decaying deviations.
     const RETURN: f64 = 1e-11;
-    /// Modulus of multipliers below which deviations decay within that time and rounding does not
+    /// Modulus of multipliers below which deviations decay within this time and rounding does not
     /// accumulate.
     const DECAYING: f64 = 0.98;
     let family = family(2.0, 3.0);
@@ -81,7 +81,7 @@ fn second_method_stable_orbits_of_a_tree_return_in_the_simulator_after_thousands
     assert!(count >= 5, "{count}");
 }
 
-/// Keeps parts in memory; refuses to keep more than `most`, as an interruption does.
+/// Keeps parts in memory; refuses to keep more than `most`, like an interruption.
 struct MemoryStore {
     parts: Mutex<BTreeMap<usize, Vec<u8>>>,
     most: usize,
@@ -115,7 +115,7 @@ fn invariant_an_interrupted_tree_goes_on_to_the_same_bits() {
     let whole = grow(&family, &options);
     let resumed = resumed.unwrap();
     assert_eq!((&resumed.branches, resumed.failures), (&whole.branches, whole.failures));
-    // The number of traced starts grows, and in the end none waits.
+    // The number of traced starts increases, and at the end no starts are waiting.
     let told = told.into_inner().unwrap();
     assert!(told.windows(2).all(|pair| pair[0].0 <= pair[1].0) && told.last().unwrap().1 == 0, "{told:?}");
 }
@@ -167,7 +167,7 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
     let words = |tree: &Tree| tree.branches.iter().map(|b| b.word().to_string()).collect::<Vec<_>>();
     let (known, all) = (words(&once), words(&twice));
     assert!(known.iter().all(|word| all.contains(word)));
-    // At a touch of a word of n letters the repeated words have 2 n + 1.
+    // At a touch of a word of n letters, the repeated words have 2 n + 1 letters.
     let new: Vec<&Branch> =
         twice.branches.iter().filter(|b| !known.contains(&b.word().to_string())).collect();
     assert!(!new.is_empty());
@@ -186,8 +186,8 @@ fn invariant_repeated_words_with_one_touch_leave_the_touch_too() {
 #[test]
 fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_constant() {
     const FEIGENBAUM: f64 = 4.669_201_609;
-    // Middles of the ranges in which the motions of 1, 2, 4, … drive periods are stable. Each range
-    // is entered from the one before, since there are other stable motions.
+    // Midpoints of the ranges in which motions of 1, 2, 4, … drive periods are stable. Each range
+    // is entered from the previous one, since other stable motions exist.
     let cascade = [2.3, 2.44, 2.504, 2.515, 2.5179];
     let mut last = None;
     let doubling = |(i, value): (usize, f64)| {
@@ -200,7 +200,7 @@ fn closed_form_ratios_of_a_cascade_of_doublings_alternate_about_feigenbaums_cons
         assert_eq!((orbit.word().period(), orbit.is_stable()), (1 << i, true), "{value}");
         let found =
             branch(&narrow, orbit.word(), orbit.phases(), value, &PathOptions::default(), &[]).unwrap();
-        // The doubling above the value at which the branch loses its stability.
+        // The first doubling above the value, where the branch loses its stability.
         let lost = |i: &usize| {
             let changes = found.stability_around(*i);
             found.points[*i].label() == Some(Label::PeriodDoubling)
@@ -240,19 +240,18 @@ fn specials(tree: &Tree, mirrored: bool) -> Vec<(String, u32, &'static str, f64)
 
 #[test]
 fn invariant_opposite_loads_have_mirrored_branches() {
-    /// Difference of a point reached on two paths.
+    /// Tolerance for a point reached on two paths.
     const LOCATION: f64 = 1e-10;
     let of = |force: f64| {
         let family = loaded(1.4, 2.6, "load.block", force);
-        // Settled motions only: their transients are no mirror images.
+        // Only settled motions: transients are not mirror images.
         grow(&family, &TreeOptions { seeds: 7, depth: 1, settle: 1000, starts: 0, ..TreeOptions::default() })
     };
     let p = *ParameterSet::basic().parameters();
     let force = 0.05 * p.coupling_stiffness * p.stop_gap;
     let (one, other) = (specials(&of(force), false), specials(&of(-force), true));
     assert!(one.len() > 5, "{one:?}");
-    // Points found under both loads agree; at least those of the branches with two impacts a period
-    // are.
+    // Points found under both loads agree, at least on branches with two impacts per period.
     let mut common = 0;
     for a in &one {
         let near = other.iter().filter(|b| (&a.0, a.1, a.2) == (&b.0, b.1, b.2));
@@ -264,12 +263,12 @@ fn invariant_opposite_loads_have_mirrored_branches() {
 #[test]
 #[ignore = "minutes: the whole range with half the step; run when paths, tests or touches change"]
 fn second_method_the_whole_tree_by_half_the_step() {
-    /// Longest words that are compared. A longer one passes its neighbourhood of a shorter orbit
-    /// many times, and its special points lie closer together than half a step.
+    /// Length of the longest compared words. A longer word passes near a shorter orbit many times,
+    /// so that its special points are closer together than half a step.
     const LETTERS: usize = 24;
-    /// Difference of a point reached on two paths.
+    /// Tolerance for a point reached on two paths.
     const LOCATION: f64 = 1e-9;
-    /// Least part of the points whose words both trees have.
+    /// Smallest fraction of the points whose words both trees have.
     const COMMON: f64 = 0.98;
     let family = family(0.5, 5.0);
     let whole = grow(&family, &TreeOptions::default());
@@ -281,7 +280,7 @@ fn second_method_the_whole_tree_by_half_the_step() {
     let [whole, half] = [whole, grow(&family, &half)].map(|tree| short(&tree));
     assert!(whole.len() > 500, "{}", whole.len());
     for (own, other) in [(&whole, &half), (&half, &whole)] {
-        // A word that one of the trees alone reaches begins at points of words that both have.
+        // A word that only one tree reaches begins at points of words that both trees have.
         let is_common = |a: &&(String, u32, &str, f64)| other.iter().any(|b| (&a.0, a.1) == (&b.0, b.1));
         let common: Vec<_> = own.iter().filter(is_common).collect();
         assert!(common.len() as f64 > COMMON * own.len() as f64, "{} of {}", common.len(), own.len());
@@ -308,11 +307,11 @@ fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
     assert!(periods.max() <= Some(2));
 }
 
-/// A motion that settles without a load is on a symmetric orbit with a half word. Along a load its
-/// branch continues with the whole word.
+/// A motion that settles without a load is on a symmetric orbit with a half word. As the load
+/// varies, its branch continues with the whole word.
 #[test]
 fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simulator() {
-    /// Rounding of a period of flights and of the phases that were followed.
+    /// Rounding of a period of flights and of the phases on the branch.
     const RETURN: f64 = 1e-9;
     for (load, coupling) in [("load.block", 0.0), ("load.block", 0.006), ("load.box", 0.006)] {
         let set = ParameterSet::basic().with(Name::find("coupling.k").unwrap(), coupling).unwrap();
@@ -371,7 +370,7 @@ fn what_cannot_be_followed_is_refused_before_work_begins() {
         let nothing = Tree::default();
         assert_eq!(nothing.passing(&family, &word, phases, 1.5), None);
     }
-    // A span with its ends exchanged, made without its constructor.
+    // A span with exchanged ends, made without its constructor.
     let span = Span { from: 2.0, to: 1.0, ..*family.span() };
     assert!(Family::new(&ParameterSet::basic(), span).is_err());
     assert!(OrbitWord::new("U", -1, u32::MAX).is_err() && OrbitWord::new(&"U".repeat(2000), 1, 2).is_err());
@@ -388,7 +387,8 @@ fn closed_form_a_load_that_varies_takes_the_place_of_the_sets_own() {
 
 #[test]
 fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
-    // The load shifts only the box. Whatever w_s is, the mirror image is no motion of the machine.
+    // The load shifts only the box. Whatever w_s is, the mirror image is not a motion of the
+    // machine.
     let family = loaded(1.0, 2.0, "load.box", 0.01);
     let system = family.system(&[1.5]).unwrap();
     for letters in ["U", ""] {
@@ -402,7 +402,7 @@ fn symmetric_orbits_of_a_machine_under_loads_are_refused() {
     assert_eq!(orbit_of(&system, &settled).unwrap().word().closing(), 1);
 }
 
-/// Number of orbits computed for a tree: twice as many show that steps are shortened needlessly.
+/// Number of orbits computed for a tree: twice as many mean that steps are needlessly short.
 #[test]
 fn invariant_a_tree_takes_no_more_steps_than_it_needs() {
     const ORBITS: usize = 3000;
