@@ -209,7 +209,7 @@ fn contacts_are_counted_from_return_to_return_and_rests_are_noted() {
     let still = Machine::new(ball.description.with([("stop.floor.gap", 0.0)]).unwrap());
     let (lying, section) = still.motion(&Start::default()).unwrap();
     assert!(ReturnRecord::new(&lying, &section).rests);
-    // The sizes include this state.
+    // The smallest value does not exceed the largest.
     assert!(record.extents[0][0] <= record.extents[0][1]);
 }
 

@@ -233,7 +233,7 @@ fn a_class_has_no_spread_and_what_a_sweep_measures_has_its_accounts() {
     assert!((found.numbers[1].unwrap() + 2.0).abs() < SETTLED && found.spreads[1] < SETTLED, "{found:?}");
     let row = swept(&machine, &["power.k"], 200, 12);
     near(row.outputs[0].unwrap().largest, found.numbers[2].unwrap(), SETTLED);
-    // The same without the measures that need a window.
+    // The same for a measure that does not need the accounts.
     let row = swept(&machine, &["maximum.a.s"], 200, 12);
     near(row.outputs[0].unwrap().largest, measured(&machine, &["maximum.a.s"])[0], SETTLED);
 }
