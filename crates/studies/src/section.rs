@@ -94,7 +94,8 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] if the rule does not give a section; its text says what is allowed.
+    /// [`Error::Described`] if the rule does not give a section; the message lists what is
+    /// allowed.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         match rule {
