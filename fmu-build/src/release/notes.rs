@@ -11,9 +11,9 @@ pub struct Part {
     pub file: String,
     /// Size, bytes.
     pub size: u64,
-    /// Its content, and its audience.
+    /// Content and audience.
     pub what: String,
-    /// Its trial.
+    /// How it was tested.
     pub tried: String,
 }
 
