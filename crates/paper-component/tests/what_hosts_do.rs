@@ -82,6 +82,7 @@ fn valid_steps_are_ok_and_warnings_go_to_the_log() {
     let host = Fmu2::logged();
     host.set("mode", 2.0);
     // Above the stability limit: simulated, with a warning.
+    // SAFETY: one of each.
     assert_eq!(unsafe { fmi2SetReal(host.c, &reference("drive.amplitude"), 1, &0.25) }, OK);
     host.initialize();
     assert!(host.log().iter().any(|(status, ..)| *status == WARNING), "{:?}", host.log());
@@ -236,6 +237,7 @@ fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
     assert_eq!(unsafe { fmi2SetReal(host.c, names.as_ptr(), 4, [1.0, 0.99, -100.0, 100.0].as_ptr()) }, OK);
     host.initialize();
     // Logging is off, so that events are not logged one by one.
+    // SAFETY: one C string.
     assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 0, 1, &c"logEvents".as_ptr()) }, OK);
     host.step(0.0, 1.0);
     let before = host.motion().map(f64::to_bits);

@@ -3,7 +3,6 @@
 //! Forces depend on elongations of stops and of springs with stiffness, on forces of springs in
 //! series, on rates of all elements, and on phases of harmonics, unless the section fixes these.
 //! The angle of a free shaft and the elongation of a dashpot have no effect.
-//! nothing holds and the elongation of a dashpot have no effect.
 
 use super::section::{Section, frequencies};
 use crate::class::{LONGEST, RETURN, comes_nearer, least_period};

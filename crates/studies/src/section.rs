@@ -206,8 +206,8 @@ impl Section {
 
     /// Advances to the next return and reports every event on the way.
     ///
+    /// # Errors
     /// As [`Motion::advance_to`]; [`Error::Described`] if an element has no event for 100 s.
-    /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
     pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
         if let Some(end) = self.end(motion.time()) {
             return Ok(motion.advance_observed(end, tell)?);
