@@ -120,7 +120,7 @@ impl<T: Tabular> FromTable<T> {
         })
     }
 
-    /// Indices of the continuous states and of their derivatives.
+    /// Indices of the continuous states and, in the same order, of their derivatives.
     fn states() -> impl Iterator<Item = (usize, usize)> {
         let of = |state| T::ROWS.iter().position(move |row| row.role == Role::Derivative(state));
         let states = T::ROWS.iter().enumerate().filter(|(_, row)| row.role == Role::State);

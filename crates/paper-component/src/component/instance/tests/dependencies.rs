@@ -13,8 +13,8 @@ use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, State};
 use vibro_impact::steady::exact_orbit;
 
-/// Coordinates are carried as x1 and x2 - x1: setting one displacement moves another's last
-/// digits.
+/// The coordinates are x1 and x2 - x1, so setting one displacement changes the last digits of
+/// another.
 const ROUNDING: f64 = 1e-13;
 
 fn moved(a: f64, b: f64) -> bool {
@@ -41,7 +41,7 @@ fn starts() -> Vec<Start> {
     let orbit: Vec<_> = loaded.iter().copied().chain([("startOnOrbit", 1.0)]).collect();
     let scales: Vec<_> = moving.iter().copied().chain([("mode", 2.0)]).collect();
     let exact: Vec<_> = moving.iter().copied().chain([("mode", 3.0)]).collect();
-    // Pressed on only by spring and drive, so that a closed form can be chosen.
+    // Only spring and drive press the block on, so that a closed form can be chosen.
     let resting = vec![
         ("time", 0.3),
         ("box.s", 0.5),
